@@ -12,7 +12,7 @@
 //! One writer per datum: `Feedback` is the machine's, `Command` and `Report` the kernel's. Signs: an
 //! axis' force is positive along the axis; a spindle turns positive clockwise seen from behind (M3).
 #![no_std]
-use units::{Angle, Force, Lead, Length, Speed, Spin, Time, Torque};
+use units::{Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Spin, Time, Torque};
 
 /// Axes a machine may have, in the order X Y Z A B C U V W.
 pub const AXES: usize = 9;
@@ -27,9 +27,9 @@ pub const ANALOGUE: usize = 16;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisFeedback {
     /// Position by its encoder: the scale, where it has one.
-    pub position: Length,
+    pub position: Coordinate,
     /// Beside a scale: the position by the motor's own encoder, from a zero of its own.
-    pub motor: Option<Length>,
+    pub motor: Option<Coordinate>,
     /// The drive is powered and has no fault.
     pub ready: bool,
     /// The home switch is actuated.
@@ -38,7 +38,7 @@ pub struct AxisFeedback {
     pub limit_switches: [bool; 2],
     /// Position, by the encoder that `position` is read from, at which its index mark passed, if it did during the last
     /// period.
-    pub index: Option<Length>,
+    pub index: Option<Coordinate>,
 }
 
 /// What a machine says of one spindle.
@@ -105,9 +105,9 @@ pub struct AxisCommand {
     /// The drive shall be powered.
     pub enable: bool,
     /// Setpoint of position.
-    pub position: Length,
+    pub position: Coordinate,
     /// Setpoint of speed.
-    pub speed: Speed,
+    pub speed: CoordinateSpeed,
     /// Force reference: the kernel's position and speed loops plus feed-forward. Drives that close
     /// their own loops take position and speed instead.
     pub force: Force,
@@ -284,7 +284,7 @@ pub enum ToolBreak {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
     /// Where the tool side (table, ram, nose) of each axis really is.
-    pub axes: [Length; AXES],
+    pub axes: [Coordinate; AXES],
     /// Force of the drive on each axis.
     pub axis_forces: [Force; AXES],
     /// Where each spindle's nose really is.
@@ -324,7 +324,7 @@ pub struct Sample {
 
 impl Sample {
     /// Where an axis really is: by the simulator if there is one, else by its encoder.
-    pub fn axis(&self, index: usize) -> Length {
+    pub fn axis(&self, index: usize) -> Coordinate {
         self.truth.as_ref().map_or(self.feedback.axes[index].position, |t| t.axes[index])
     }
 

@@ -51,7 +51,7 @@ impl Observer for Log {
         self.last = Some(now);
         let tip = |axis: usize| {
             let tool = if axis == 2 { self.length } else { Length::ZERO };
-            (sample.axis(axis) - self.zero.linear[axis] - tool).value()
+            (sample.axis(axis).of_linear() - self.zero.linear[axis] - tool).value()
         };
         let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
         line(&format!(
@@ -167,13 +167,11 @@ fn tidy(value: f64, decimals: usize) -> String {
         text
     }
 }
-/// A small way of an axis: of a rotary one degrees stand for millimetres.
-pub(crate) fn small(axis: canon::Axis, way: units::Length) -> String {
+/// A small way of an axis.
+pub(crate) fn small(axis: canon::Axis, way: units::Coordinate) -> String {
     const ARCSEC: f64 = 3600.0;
-    match axis {
-        canon::Axis::A | canon::Axis::B | canon::Axis::C => {
-            format!("{:.0} arcsec", way.value() * ARCSEC)
-        }
-        _ => format!("{:.0} µm", way.in_um()),
+    match axis.reading(way) {
+        units::Reading::Rotary(angle) => format!("{:.0} arcsec", angle.in_deg() * ARCSEC),
+        units::Reading::Linear(length) => format!("{:.0} µm", length.in_um()),
     }
 }

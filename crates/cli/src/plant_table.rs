@@ -4,7 +4,7 @@ use canon::ToolLibrary;
 use control::config;
 use sim::AxisModel;
 use store::machine::MachineFile;
-use units::{Angle, Length};
+use units::{Angle, AxisKind, Coordinate};
 
 /// Radians of the 1000° that stand for a metre on a rotary axis.
 const RAD_PER_M: f64 = 1000.0 * std::f64::consts::PI / 180.0;
@@ -57,8 +57,8 @@ pub(crate) fn lines(file: &MachineFile, seed: Option<u64>) -> String {
     let (axes, spindles) = config.plant();
     let mut rows = Vec::new();
     for ((index, believed), (_, drawn)) in config.axes.iter().zip(&axes) {
-        let rotary = (3..6).contains(index);
-        let of = canon::Axis::ALL[*index].letter().to_string();
+        let letter = canon::Axis::ALL[*index];
+        let (rotary, of) = (letter.kind() == AxisKind::Rotary, letter.letter().to_string());
         let screw = file.axes[*index].as_ref().is_some_and(|axis| {
             matches!(axis.drive.motor, store::machine::Motor::BallScrew { .. })
         });
@@ -135,7 +135,7 @@ fn axis_rows(
         let believed = believed * scale;
         Around { what, unit, believed, by: believed * share, drawn: drawn * scale }.row(of)
     };
-    if believed.backlash > Length::ZERO {
+    if believed.backlash > Coordinate::ZERO {
         let play = (believed.backlash.value(), drawn.backlash.value());
         rows.push(around("play", length, scatter.backlash, play.0, play.1));
     }

@@ -12,7 +12,7 @@ use kernel::{
 };
 use motion::{HandedBack, Superpose, TableId, UnderWay, WayOut};
 use plan::Step;
-use units::{Angle, Axis, Length, Spin, Time};
+use units::{Angle, Axis, Coordinate, Length, Spin, Time};
 
 /// A kernel.
 pub enum KernelHandle {
@@ -81,10 +81,10 @@ macro_rules! seen_of_axis {
 }
 
 seen_of_axis! {
-    setpoint, setpoints: Option<f64>,
-    tool_side, tool_sides: Option<Length>,
+    setpoint, setpoints: Option<Coordinate>,
+    tool_side, tool_sides: Option<Coordinate>,
     is_homed, is_homed: bool,
-    zero, zeros: Length,
+    zero, zeros: Coordinate,
 }
 
 /// What is done at once, or asked for: a thread that has ended does nothing any more.

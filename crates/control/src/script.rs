@@ -17,7 +17,7 @@ use bus::Sample;
 use kernel::Order;
 use sim::Fault;
 use store::machine::MachineFile;
-use units::{Angle, Length, Time};
+use units::{Angle, Axis, AxisKind, Coordinate, Length, Time};
 
 /// When something comes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -207,6 +207,14 @@ fn length(text: &str) -> Result<Length, String> {
     measure(text, &[("mm", 1.0), ("um", 1e-3), ("in", units::MM_PER_INCH)], "8mm").map(Length::mm)
 }
 
+/// How far along an axis: a length of a linear one, an angle of a rotary one.
+fn travel(axis: usize, text: &str) -> Result<Coordinate, String> {
+    match Axis::ALL[axis].kind() {
+        AxisKind::Linear => length(text).map(Coordinate::linear),
+        AxisKind::Rotary => angle(text).map(Coordinate::rotary),
+    }
+}
+
 fn angle(text: &str) -> Result<Angle, String> {
     measure(text, &[("rev", 1.0), ("deg", 1.0 / 360.0)], "0.25rev").map(Angle::rev)
 }
@@ -305,7 +313,10 @@ impl What for Fault {
             ["encoder-slip", by] => angle(by).map(Self::Slip),
             ["dropout", lasts] => time(lasts).map(Self::Dropout),
             ["stuck", letter] => axis(letter).map(Self::Stuck),
-            ["feedback-jump", letter, by] => Ok(Self::Jump(axis(letter)?, length(by)?)),
+            ["feedback-jump", letter, by] => {
+                let axis = axis(letter)?;
+                Ok(Self::Jump(axis, travel(axis, by)?))
+            }
             ["scale-error", letter, by] => Ok(Self::ScaleError(axis(letter)?, ppm(by)?)),
             ["eccentricity", by] => Ok(Self::Eccentricity(0, amplitude(by)?)),
             ["eccentricity", by, "spindle", which] => {
@@ -435,7 +446,7 @@ mod tests {
             faults("power-cut at 1.234s; feedback-jump Z 50um at depth 8mm out;kill at random")
                 .unwrap();
         assert_eq!(items[0], (Fault::PowerCut, Moment::Time(Time::s(1.234))));
-        let jump = Fault::Jump(2, Length::um(50.0));
+        let jump = Fault::Jump(2, Coordinate::linear(Length::um(50.0)));
         assert_eq!(items[1], (jump, Moment::Depth { below: Length::mm(8.0), out: true }));
         assert_eq!(items[2].1, Moment::Random(None));
         let tool = faults("torque-loss 90% spindle 0 at 6s; drive-fault spindle 0 at 7s").unwrap();

@@ -1,7 +1,7 @@
 //! How long a run may stand still before it is given up: every wait of the control has its own limit, but an operator's has none.
 use crate::KernelHandle;
 use bus::{AXES, Command};
-use units::{Length, Time};
+use units::{Coordinate, Time};
 
 /// A run may stand for this much longer than all of it was planned to take: waits differ from their estimates.
 const STANDS: f64 = 3.0;
@@ -15,14 +15,14 @@ pub(crate) struct StallGuard {
     planned: Time,
     stands: Time,
     moved: Time,
-    last: [Length; AXES],
+    last: [Coordinate; AXES],
 }
 
 impl StallGuard {
     /// With a run that begins now and was planned to take so long.
     pub(crate) fn new(planned: Time, now: Time) -> Self {
         let stands = STANDS_AT_LEAST.max(planned * STANDS);
-        Self { planned, stands, moved: now, last: [Length::ZERO; AXES] }
+        Self { planned, stands, moved: now, last: [Coordinate::ZERO; AXES] }
     }
 
     /// Why the run is given up, if it is.

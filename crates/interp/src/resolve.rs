@@ -383,7 +383,7 @@ impl Resolver {
                 bottom: Length::mm(self.level(hole, hole.bottom)),
                 surface: Length::mm(self.level(hole, surface)),
                 zero: Length::mm(self.level(hole, 0.0)),
-                own_zero: self.own_zero().map(|at| at.along(axis)),
+                own_zero: self.own_zero().map(|at| at.along(axis).of_linear()),
             }),
         );
     }

@@ -46,7 +46,7 @@ impl Resolver {
                 bottom: Length::mm(end[axis.index()]),
                 surface: Length::mm(self.level(hole, surface)),
                 zero: Length::mm(self.level(hole, 0.0)),
-                own_zero: self.own_zero().map(|at| at.along(axis)),
+                own_zero: self.own_zero().map(|at| at.along(axis).of_linear()),
                 lead: Lead::mm_per_rev(sign * lead_mm),
                 spin,
                 return_spin: match tap.return_speed {
@@ -164,7 +164,7 @@ impl Resolver {
                 bottom: Length::mm(end[i]),
                 surface: Length::mm(surface),
                 zero: Length::mm(start[i] - program),
-                own_zero: self.own_zero().map(|at| at.along(axis)),
+                own_zero: self.own_zero().map(|at| at.along(axis).of_linear()),
                 lead,
                 spin,
                 return_spin: spin * return_factor,

@@ -29,7 +29,7 @@ use crate::friction::Bristles;
 use crate::servo::{Gains, Input, Servo};
 use bus::{AxisCommand, AxisFeedback};
 use core::f64::consts::TAU;
-use units::{Force, Length, Speed};
+use units::{Coordinate, CoordinateSpeed, Force};
 
 /// Time in which a small jump of the setpoint is smoothed away, s.
 const GAP_DECAY_S: f64 = 0.02;
@@ -112,10 +112,10 @@ impl Screw {
 impl AxisControl {
     /// Where the tool side stands at rest, by the encoder: the weight that hangs on a screw stretches it, and what the control
     /// calls the axis' position is the tool side everywhere.
-    pub fn tool_side_at_rest(&self, reading: Length) -> Length {
+    pub fn tool_side_at_rest(&self, reading: Coordinate) -> Coordinate {
         match self.encoder.place {
             EncoderPlace::Motor => {
-                reading - Length::mm(Screw::new(self).stretch(-self.weight.value()))
+                reading - Coordinate::new(Screw::new(self).stretch(-self.weight.value()))
             }
             EncoderPlace::Scale => reading,
         }
@@ -402,8 +402,8 @@ impl AxisLoop {
         self.force = force;
         AxisCommand {
             enable: true,
-            position: Length::mm(now.position),
-            speed: Speed::mm_per_s(now.speed),
+            position: Coordinate::new(now.position),
+            speed: CoordinateSpeed::new(now.speed),
             force: Force::n(force),
         }
     }

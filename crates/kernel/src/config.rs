@@ -3,11 +3,8 @@
 //! Plain data. The machine file fills it; [`Config::problems`] finds what cannot be meant, all at once.
 use bus::{AXES, SPINDLES};
 use sync::{SyncMode, Windows};
-use units::Axis;
-use units::{
-    Accel, Angle, Force, Inertia, Length, Mass, Power, Speed, Spin, SpinAccel, Stiffness, Time,
-    Torque,
-};
+use units::{Angle, Force, Inertia, Mass, Power, Spin, SpinAccel, Stiffness, Time, Torque};
+use units::{Axis, Coordinate, CoordinateAccel, CoordinateSpeed};
 
 /// Everything the kernel knows of a machine.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +14,7 @@ pub struct Config {
     /// From the moment encoders are read to the moment the command takes effect, without the drives'
     /// own lags. Feed-forwards are given that much earlier.
     pub command_delay: Time,
-    /// By axis, X first; of rotary axes read degrees where it says millimetres.
+    /// By axis, X first.
     pub axes: [Option<AxisControl>; AXES],
     /// By spindle.
     pub spindles: [Option<SpindleControl>; SPINDLES],
@@ -64,9 +61,9 @@ pub struct PhaseLoss {
     /// The axis that takes the tool off the work.
     pub axis: Axis,
     /// How far, signed.
-    pub by: Length,
+    pub by: Coordinate,
     /// How fast, and how fast that changes.
-    pub most: (Speed, Accel),
+    pub most: (CoordinateSpeed, CoordinateAccel),
 }
 
 /// What a program's stop (M0, M1) does.
@@ -104,7 +101,7 @@ pub struct AxisFriction {
     /// Force of breaking away.
     pub breakaway: Force,
     /// Speed at which the one has become the other.
-    pub stribeck: Speed,
+    pub stribeck: CoordinateSpeed,
     /// Stiffness of the contact before it slides.
     pub bristle_stiffness: Stiffness,
     /// Damping of the contact before it slides, N·s/m.
@@ -117,13 +114,13 @@ pub struct AxisFriction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisWindows {
     /// The axis is in position within this.
-    pub in_position: Length,
+    pub in_position: Coordinate,
     /// And has been for this long.
     pub settle: Time,
     /// A following error worth an event.
-    pub following_warn: Length,
+    pub following_warn: Coordinate,
     /// A following error that stops the machine.
-    pub following_stop: Length,
+    pub following_stop: Coordinate,
 }
 
 /// Where an axis is measured.
@@ -141,12 +138,12 @@ pub struct AxisEncoder {
     /// Where it sits.
     pub place: EncoderPlace,
     /// One count, as travel of the axis.
-    pub count: Length,
+    pub count: Coordinate,
     /// Beside a scale: one count of the encoder that the motor has itself.
-    pub motor_count: Option<Length>,
+    pub motor_count: Option<Coordinate>,
 }
 
-/// One linear axis.
+/// One axis, linear or rotary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisControl {
     /// Kp of the position loop, 1/s.
@@ -167,7 +164,7 @@ pub struct AxisControl {
     /// screw …
     pub stiffness: Stiffness,
     /// … nor its play.
-    pub backlash: Length,
+    pub backlash: Coordinate,
     /// What the position is read from.
     pub encoder: AxisEncoder,
     /// Most force the drive can give.
@@ -175,9 +172,9 @@ pub struct AxisControl {
     /// Time constant of the drive's current loop.
     pub force_lag: Time,
     /// Limits of small moves and of stops that nobody planned.
-    pub approach: (Speed, Accel),
+    pub approach: (CoordinateSpeed, CoordinateAccel),
     /// The ends of its travel, once it is homed; `None`: it has none.
-    pub travel: Option<(Length, Length)>,
+    pub travel: Option<(Coordinate, Coordinate)>,
     /// What is watched.
     pub windows: AxisWindows,
 }

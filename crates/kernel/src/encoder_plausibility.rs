@@ -145,7 +145,7 @@ impl EncoderPlausibility {
             let watched = self.axis.get_or_insert(Watched::new(reading - expected, expected));
             let bounds = Bounds { frame_lost, ..axis_bounds(loop_, shares, period_s) };
             let (place, lost) = watched.judge(reading, expected, bounds);
-            taken.axes[axis].position = units::Length::mm(place);
+            taken.axes[axis].position = units::Coordinate::new(place);
             loop_.blind |= lost;
             // a drive that is gone says so itself
             if lost && feedback.axes[axis].ready {
@@ -199,7 +199,7 @@ impl EncoderPlausibility {
         let stuck = bounds.stuck.max(INFEED_STUCK_MM).max(late);
         let bounds = Bounds { stuck, frame_lost: self.frame_lost, ..bounds };
         let (place, lost) = watched.judge(reading, expected, bounds);
-        taken.axes[axis].position = units::Length::mm(place);
+        taken.axes[axis].position = units::Coordinate::new(place);
         loop_.blind |= lost;
         (lost && taken.axes[axis].ready).then_some((
             FaultKind::ReadingImplausible,

@@ -10,7 +10,7 @@ use crate::waiting::WaitFor;
 use alloc::collections::VecDeque;
 use motion::{InputWait, Output};
 use sync::Figures;
-use units::{Axis, Length, Position, Spin, Time};
+use units::{Axis, Coordinate, Length, Position, Spin, Time};
 
 /// Events kept for who has not asked yet.
 pub const EVENTS: usize = 256;
@@ -40,7 +40,7 @@ pub enum EventKind {
         /// Which axis.
         axis: Axis,
         /// How far.
-        error: Length,
+        error: Coordinate,
     },
     /// A spindle has come within its at-speed window.
     SpindleAtSpeed {
@@ -143,7 +143,7 @@ pub enum EventKind {
         /// Which.
         axis: Axis,
         /// By how much the reference was off where the axis had it before; `None`: it had none, or none was looked for.
-        deviation: Option<Length>,
+        deviation: Option<Coordinate>,
     },
     /// Homing was given up for the operator; the axis stands and does not know where it is.
     HomingStopped {

@@ -32,7 +32,7 @@ use crate::fault::FaultKind;
 use bus::{AXES, AxisFeedback, Feedback};
 use motion::{Goal, OnlineLimits, OnlineState};
 use run::{HomingRun, Next, Phase};
-use units::{Axis, Length};
+use units::{Axis, Coordinate, Length};
 
 /// Travel of an axis that does not know where it is.
 const EVERYWHERE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -175,7 +175,7 @@ impl Homing {
     /// What the encoders say, as positions.
     pub(crate) fn positions(&self, feedback: &mut Feedback) {
         for (axis, zero) in feedback.axes.iter_mut().zip(&self.zeros) {
-            let zero = Length::mm(*zero);
+            let zero = Coordinate::new(*zero);
             axis.position += zero;
             axis.index = axis.index.map(|at| at + zero);
         }
@@ -184,7 +184,7 @@ impl Homing {
     /// Positions as encoders would say them.
     pub(crate) fn readings(&self, command: &mut bus::Command) {
         for (axis, zero) in command.axes.iter_mut().zip(&self.zeros) {
-            axis.position -= Length::mm(*zero);
+            axis.position -= Coordinate::new(*zero);
         }
         if let Some(coupled) = &mut command.coupled {
             coupled.place -= Length::mm(self.zeros[usize::from(coupled.axis)]);
@@ -194,7 +194,7 @@ impl Homing {
     /// What [`Self::readings`] made readings of, as it was.
     pub(crate) fn command_positions(&self, command: &mut bus::Command) {
         for (axis, zero) in command.axes.iter_mut().zip(&self.zeros) {
-            axis.position += Length::mm(*zero);
+            axis.position += Coordinate::new(*zero);
         }
         if let Some(coupled) = &mut command.coupled {
             coupled.place += Length::mm(self.zeros[usize::from(coupled.axis)]);

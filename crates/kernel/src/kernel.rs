@@ -39,7 +39,7 @@ use crate::withdrawing::Withdrawing;
 use alloc::vec::Vec;
 use bus::{Command, Feedback, Report, State};
 use motion::{Readable, Step, WayOut};
-use units::{Length, Time};
+use units::{Coordinate, Time};
 
 /// Faults that are kept; the first ones tell why.
 pub const FAULTS: usize = 16;
@@ -188,9 +188,9 @@ impl Kernel {
     }
 
     /// Where the tool side of an axis is believed to be: by its scale, or by its motor and the model of its screw.
-    pub fn tool_side(&self, axis: units::Axis) -> Option<Length> {
+    pub fn tool_side(&self, axis: units::Axis) -> Option<Coordinate> {
         let axis = self.drives.axes.get(axis.index())?.as_ref()?;
-        Some(Length::mm(axis.position()))
+        Some(Coordinate::new(axis.position()))
     }
 
     /// The faults that have happened, oldest first.

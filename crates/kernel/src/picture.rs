@@ -5,7 +5,7 @@ use crate::operator::Operator;
 use crate::waiting::Waiting;
 use bus::{AXES, Report, SPINDLES};
 use motion::WayOut;
-use units::{Axis, Length, Spin};
+use units::{Axis, Coordinate, Length, Spin};
 
 /// What the methods of these names answer after the last tick.
 #[derive(Clone, Copy, Debug)]
@@ -50,13 +50,13 @@ pub struct Picture {
     /// [`Kernel::waiting`].
     pub waiting: Option<Waiting>,
     /// [`Kernel::setpoint`], by axis.
-    pub setpoints: [Option<f64>; AXES],
+    pub setpoints: [Option<Coordinate>; AXES],
     /// [`Kernel::tool_side`], by axis.
-    pub tool_sides: [Option<Length>; AXES],
+    pub tool_sides: [Option<Coordinate>; AXES],
     /// [`Kernel::is_homed`], by axis.
     pub is_homed: [bool; AXES],
     /// [`Kernel::zero`], by axis.
-    pub zeros: [Length; AXES],
+    pub zeros: [Coordinate; AXES],
     /// [`Kernel::homing`], by axis.
     pub homing: [Option<&'static str>; AXES],
     /// [`Kernel::ordered_spin`], by spindle.

@@ -118,7 +118,7 @@ impl AxisControl {
             ("friction.stribeck", self.friction.stribeck.value()),
             ("stiffness", self.stiffness.value()),
             ("encoder.count", self.encoder.count.value()),
-            ("encoder.motor_count", self.encoder.motor_count.map_or(1.0, units::Length::value)),
+            ("encoder.motor_count", self.encoder.motor_count.map_or(1.0, units::Coordinate::value)),
             ("peak_force", self.peak_force.value()),
             ("approach speed", self.approach.0.value()),
             ("approach acceleration", self.approach.1.value()),
@@ -140,7 +140,8 @@ impl AxisControl {
         ] {
             check(field, value, not_negative(value), NOT_NEGATIVE);
         }
-        let (from, to) = self.travel.unwrap_or((units::Length::ZERO, units::Length::mm(1.0)));
+        let (from, to) =
+            self.travel.unwrap_or((units::Coordinate::ZERO, units::Coordinate::new(1.0)));
         check("travel", from.value(), from < to, "its first end below its second one");
         let weight = self.weight.value();
         check("weight", weight, weight.is_finite(), "a finite number");

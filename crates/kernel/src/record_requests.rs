@@ -106,7 +106,7 @@ pub(crate) enum Permission {
 impl WorkRecord {
     /// Of a plan, for a coupling that has the axis at the plan's start when the spindle is at this angle.
     pub(crate) fn of(plan: &TapPlan, op: u32, line: u32, tool: u32, theta0: Angle) -> Self {
-        let start = plan.start.along(plan.axis);
+        let start = plan.start.along(plan.axis).of_linear();
         Self {
             cut: None,
             retreat: None,

@@ -11,8 +11,8 @@ use crate::config::{Config, PhaseLoss};
 use crate::drives::Drives;
 use motion::WayOut;
 use sync::Blend;
-use units::Axis;
 use units::Length;
+use units::{Axis, Coordinate};
 
 /// Share of what the axis can, as for any move that nobody planned.
 const SHARE: f64 = 0.5;
@@ -61,17 +61,19 @@ impl Retreating {
             share(bounds.accel[index], approach.1.value()),
         );
         let inside = way.inside(stands).value() > 0.0;
-        inside.then(|| Self::by(way.infeed, way.clear - stands, most, drives)).flatten()
+        inside
+            .then(|| Self::by(way.infeed, Coordinate::linear(way.clear - stands), most, drives))
+            .flatten()
     }
 
     /// To a place, gently; `None` if there is no such axis.
-    pub(crate) fn gently(axis: Axis, to: Length, drives: &Drives) -> Option<Self> {
+    pub(crate) fn gently(axis: Axis, to: Coordinate, drives: &Drives) -> Option<Self> {
         let control = drives.axes[axis.index()].as_ref()?;
         let most = (control.control.approach.0.value(), control.control.approach.1.value());
-        Self::by(axis, to - Length::mm(control.target.position), most, drives)
+        Self::by(axis, to - Coordinate::new(control.target.position), most, drives)
     }
 
-    fn by(axis: Axis, by: Length, (speed, accel): (f64, f64), drives: &Drives) -> Option<Self> {
+    fn by(axis: Axis, by: Coordinate, (speed, accel): (f64, f64), drives: &Drives) -> Option<Self> {
         let axis = axis.index();
         let from = drives.axes[axis].as_ref()?.target.position;
         Some(Self { axis, from, blend: Blend::new(0.0, by.value(), speed, accel), at_s: 0.0 })

@@ -19,7 +19,7 @@ use crate::queue::StepKind;
 use crate::track::Track;
 use bus::{AXES, Feedback};
 use motion::{Await, InputWait, Move, ProbeEnd};
-use units::{Axis, Length, Position, Time};
+use units::{Axis, Coordinate, Position, Time};
 
 /// What the program asked for, and what came of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,7 +219,7 @@ fn targets(drives: &Drives) -> [f64; AXES] {
 fn position(at: &[f64; AXES]) -> Position {
     let mut position = Position::default();
     for (axis, at) in Axis::ALL.into_iter().zip(at) {
-        position = position.with(axis, Length::mm(*at));
+        position = position.with(axis, Coordinate::new(*at));
     }
     position
 }

@@ -128,7 +128,7 @@ impl TapRun {
             unwritten_s: 0.0,
             unturned_s: 0.0,
             engaged_s: 0.0,
-            deepest: -(plan.bottom - plan.start.along(plan.axis)).abs(),
+            deepest: -(plan.bottom - plan.start.along(plan.axis).of_linear()).abs(),
             fastest: Spin::ZERO,
             saturated: false,
             error: None,
@@ -217,7 +217,7 @@ impl TapRun {
         let marks = self.marks.clone();
         let tap = Tap {
             lead: plan.lead,
-            start: plan.start.along(plan.axis),
+            start: plan.start.along(plan.axis).of_linear(),
             bottom: plan.bottom,
             end: plan.end,
             spin: plan.spin,
@@ -229,7 +229,10 @@ impl TapRun {
             early: drives.learning_records.early(),
             spoken: spoken(plan, &spindle.control, context.config, drives.learning_records.know())
                 .filter(|_| following),
-            approach: axis.control.approach,
+            approach: {
+                let (speed, accel) = axis.control.approach;
+                (speed.of_linear(), accel.of_linear())
+            },
             halt: halt(plan, axis, spindle),
         };
         let master = self.master(mode, spindle, context.config.period);
@@ -424,7 +427,7 @@ impl TapRun {
     ) -> Result<(), Finding> {
         self.error = None;
         let Some(coupling) = self.cycle.coupling() else { return Ok(()) };
-        let into = if plan.bottom < plan.start.along(plan.axis) { -1.0 } else { 1.0 };
+        let into = if plan.bottom < plan.start.along(plan.axis).of_linear() { -1.0 } else { 1.0 };
         self.deepest = self.deepest.max((z - plan.bottom) * into);
         self.fastest = self.fastest.max(spindle.now().spin.abs());
         self.saturated |= spindle.saturated();

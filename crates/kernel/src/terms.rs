@@ -37,7 +37,7 @@ pub(crate) fn halt(plan: &TapPlan, axis: &AxisLoop, spindle: &SpindleLoop) -> Ha
 
 /// Where the tap is clear of the work: at its start; of a peck that begins in the thread, above the surface.
 pub(crate) fn clear(plan: &TapPlan) -> Length {
-    let start = plan.start.along(plan.axis);
+    let start = plan.start.along(plan.axis).of_linear();
     let into = if plan.bottom < start { -1.0 } else { 1.0 };
     if (plan.surface - start).value() * into > 0.0 {
         return start;

@@ -22,8 +22,8 @@ use crate::moving::stand_at;
 use crate::retreating::Retreating;
 use motion::AXES;
 use motion::{OnThread, THREADING_AXES, ThreadStretch, WayOut};
-use units::Axis;
 use units::{Angle, Lead, Length, Time};
+use units::{Axis, Coordinate};
 
 /// The chain under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -238,7 +238,7 @@ fn back(
         at if at < infeed => at,
         at => at + 1,
     };
-    let to = Length::mm(chain.from[axis]);
+    let to = Coordinate::new(chain.from[axis]);
     let begun = leg.or_else(|| Retreating::gently(Axis::ALL[axis], to, drives));
     let Some(mut leg) = begun else { return Course::Back(at + 1, None) };
     leg.advance(period.value(), false, drives);

@@ -8,8 +8,7 @@ use crate::queue::{Queue, StepKind};
 use crate::time_scaling::{Motion, PlannedPoint};
 use motion::{AXES, Shape};
 use motion::{Follow, Move, coordinate};
-use units::Position;
-use units::{Length, Speed};
+use units::{Coordinate, CoordinateSpeed, Position};
 
 /// What is followed.
 #[derive(Clone, Copy)]
@@ -181,7 +180,10 @@ impl Motion for Ahead<'_> {
                 let mut at = order.profile.at(self.at);
                 at.v *= self.pace;
                 let motion = order.path.motion(at);
-                let (q, v) = (motion.position.map(Length::value), motion.speed.map(Speed::value));
+                let (q, v) = (
+                    motion.position.map(Coordinate::value),
+                    motion.speed.map(CoordinateSpeed::value),
+                );
                 PlannedPoint { q, v, rapid }
             }
             Track::Follow(order) => {

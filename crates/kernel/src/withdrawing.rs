@@ -11,7 +11,7 @@ use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
 use crate::retreating::Retreating;
-use units::Axis;
+use units::{Axis, Coordinate};
 use units::{Length, Time};
 
 /// Which axes move, one after the other, and where to.
@@ -59,7 +59,7 @@ impl Withdrawing {
         };
         let leg = match self.leg.take() {
             Some(leg) => leg,
-            None => Retreating::gently(axis, to, drives).ok_or((
+            None => Retreating::gently(axis, Coordinate::linear(to), drives).ok_or((
                 FaultKind::NotConfigured,
                 Subject::Axis(axis),
                 0.0,

@@ -79,7 +79,7 @@ fn turned(
 ) -> file::TurnedThread {
     let measured = |value| known_if(there && found.passes > 0, value);
     let um = |value| measured(Measured::um(value));
-    let zero = zero.along(found.axis);
+    let zero = zero.along(found.axis).of_linear();
     file::TurnedThread {
         common,
         hand: match found.hand {

@@ -22,7 +22,7 @@
 //! Length follows RS-274/NGC (NIST IR 6556, 2.1.2.5): along X Y Z if one of them moves, else along
 //! U V W, else the turn of the rotary axes in degrees; all others arrive at the same time.
 use crate::{Bezier, Curve, Instant, Line, Shape};
-use units::{Accel, Arc, Axis, Length, Position, Speed};
+use units::{Arc, Axis, Coordinate, CoordinateAccel, CoordinateSpeed, Length, Position};
 
 /// A path of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,16 +55,15 @@ pub enum Path {
     },
 }
 
-/// Where the axes shall be, and how they move, by [`Axis`] index. Of rotary axes (A, B, C) read degrees where it
-/// says millimetres.
+/// Where the axes shall be, and how they move, by [`Axis`] index.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Position.
-    pub position: [Length; 9],
+    pub position: [Coordinate; 9],
     /// Speed.
-    pub speed: [Speed; 9],
+    pub speed: [CoordinateSpeed; 9],
     /// Acceleration, with the centripetal part on arcs.
-    pub accel: [Accel; 9],
+    pub accel: [CoordinateAccel; 9],
 }
 
 impl Path {
@@ -137,11 +136,11 @@ fn linear(from: &Position, to: &Position, at: Instant, per_length: f64) -> Motio
     let fraction = (at.s * per_length).clamp(0.0, 1.0);
     let mut motion = Motion::default();
     for (i, axis) in Axis::ALL.into_iter().enumerate() {
-        let [a, b] = [from, to].map(|place| Length::mm(coordinate(place, axis)));
+        let [a, b] = [from, to].map(|place| Coordinate::new(coordinate(place, axis)));
         let slope = (b - a).value() * per_length;
         motion.position[i] = a * (1.0 - fraction) + b * fraction;
-        motion.speed[i] = Speed::mm_per_s(slope * at.v);
-        motion.accel[i] = Accel::mm_per_s2(slope * at.a);
+        motion.speed[i] = CoordinateSpeed::new(slope * at.v);
+        motion.accel[i] = CoordinateAccel::new(slope * at.a);
     }
     motion
 }
@@ -172,9 +171,9 @@ fn turn(
     let centre = [c0, c1];
     for (k, axis) in [first, second].into_iter().enumerate() {
         let i = axis.index();
-        motion.position[i] = Length::mm(centre[k] + p[k] + e[k] * fraction);
-        motion.speed[i] = Speed::mm_per_s(slope[k] * at.v);
-        motion.accel[i] = Accel::mm_per_s2(slope[k] * at.a - bend * p[k]);
+        motion.position[i] = Coordinate::new(centre[k] + p[k] + e[k] * fraction);
+        motion.speed[i] = CoordinateSpeed::new(slope[k] * at.v);
+        motion.accel[i] = CoordinateAccel::new(slope[k] * at.a - bend * p[k]);
     }
 }
 
@@ -182,9 +181,9 @@ fn turn(
 fn bend(motion: &mut Motion, curve: &Bezier, at: Instant) {
     let d = curve.at(at.s);
     for i in [Axis::X, Axis::Y].map(Axis::index) {
-        motion.position[i] = Length::mm(d.q[i]);
-        motion.speed[i] = Speed::mm_per_s(d.q1[i] * at.v);
-        motion.accel[i] = Accel::mm_per_s2(d.q1[i] * at.a + d.q2[i] * at.v * at.v);
+        motion.position[i] = Coordinate::new(d.q[i]);
+        motion.speed[i] = CoordinateSpeed::new(d.q1[i] * at.v);
+        motion.accel[i] = CoordinateAccel::new(d.q1[i] * at.a + d.q2[i] * at.v * at.v);
     }
 }
 
@@ -252,7 +251,7 @@ mod tests {
         let (from, to) = (Position::xyz(0.1, 1e7, -3.3), Position::xyz(0.3, 0.7, 1e-9));
         let line = Path::Line { from, to };
         let m = line.motion(at(line.length(), 0.0, 0.0));
-        assert_eq!([m.position[0], m.position[1], m.position[2]], to.linear);
+        assert_eq!([0, 1, 2].map(|i| m.position[i].of_linear()), to.linear);
     }
 
     /// Quarter circle of radius 10 about the origin, from (10, 0): at half way the speed points along
@@ -279,8 +278,8 @@ mod tests {
     fn a_helix_of_three_turns_in_each_plane_rises_along_the_normal() {
         for plane in [Plane::XY, Plane::ZX, Plane::YZ] {
             let [first, _, normal] = plane.axes();
-            let from = Position::default().with(first, Length::mm(4.0));
-            let to = from.with(normal, Length::mm(6.0));
+            let from = Position::default().with(first, Coordinate::new(4.0));
+            let to = from.with(normal, Coordinate::new(6.0));
             let arc = Arc { plane, centre: [Length::ZERO; 2], sweep: Angle::rev(-3.0) };
             let path = Path::Arc { from, to, arc };
             near(path.length(), libm::hypot(24.0 * core::f64::consts::PI, 6.0));
@@ -298,22 +297,22 @@ mod tests {
         let (from, to) = (Position::xyz(10.0, 0.0, 0.0), Position::xyz(0.0, 10.002, 0.0));
         let path = Path::Arc { from, to, arc };
         let almost = path.motion(at(path.length() * (1.0 - 1e-9), 0.0, 0.0));
-        assert!((almost.position[1] - to.linear[1]).abs().value() < 1e-7);
-        assert_eq!(path.motion(at(path.length(), 0.0, 0.0)).position[1], to.linear[1]);
+        assert!((almost.position[1].of_linear() - to.linear[1]).abs().value() < 1e-7);
+        assert_eq!(path.motion(at(path.length(), 0.0, 0.0)).position[1].of_linear(), to.linear[1]);
     }
 
     #[test]
     fn a_path_without_length_stays_where_it_is() {
         let here = Position::xyz(1.0, 2.0, 3.0);
         let m = Path::Line { from: here, to: here }.motion(Instant::default());
-        assert_eq!([m.position[0], m.position[1], m.position[2]], here.linear);
-        assert_eq!(m.speed, [Speed::ZERO; 9]);
+        assert_eq!([0, 1, 2].map(|i| m.position[i].of_linear()), here.linear);
+        assert_eq!(m.speed, [CoordinateSpeed::ZERO; 9]);
     }
 
     #[test]
     fn parallel_axes_count_when_x_y_z_rest_and_degrees_when_only_rotary_axes_turn() {
         let home = Position::default();
-        let w = home.with(Axis::W, Length::mm(7.0));
+        let w = home.with(Axis::W, Coordinate::new(7.0));
         near(Path::Line { from: home, to: w }.length(), 7.0);
         let mut a = home;
         a.rotary[0] = Angle::deg(90.0);

@@ -1,45 +1,46 @@
 //! What a machine can do, as the planner needs to know it; the machine file fills it in.
 //!
-//! Rotary axes (A, B, C) use the same [`AxisLimits`]: read degrees where they say millimetres, as
-//! RS-274/NGC does for the feed of a rotary axis.
+//! Rotary axes (A, B, C) use the same [`AxisLimits`], in degrees, as RS-274/NGC does for the feed of a
+//! rotary axis.
 use alloc::{string::String, vec::Vec};
 use canon::{Axis, PathMode};
 use motion::{AXES, Bounds, Limits};
 use units::{
-    Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, SpinAccel, Time, Torque,
+    Angle, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Inertia, Lead, Length,
+    Power, Spin, SpinAccel, Time, Torque,
 };
 
 /// One axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Lowest and highest machine coordinate; `None`: endless, or not checked.
-    pub travel: Option<(Length, Length)>,
+    pub travel: Option<(Coordinate, Coordinate)>,
     /// Highest speed of a rapid.
-    pub rapid_speed: Speed,
+    pub rapid_speed: CoordinateSpeed,
     /// Highest speed while cutting.
-    pub feed_speed: Speed,
+    pub feed_speed: CoordinateSpeed,
     /// Highest acceleration.
-    pub accel: Accel,
+    pub accel: CoordinateAccel,
     /// Highest jerk of a rapid; may be infinite.
-    pub rapid_jerk: Jerk,
+    pub rapid_jerk: CoordinateJerk,
     /// Highest jerk while cutting; may be infinite.
-    pub feed_jerk: Jerk,
+    pub feed_jerk: CoordinateJerk,
 }
 
 impl AxisLimits {
     /// Least share of a limit that moves keep beside what swings: what swings is held to the rest.
     const LEAST_BESIDE: f64 = 0.05;
 
-    /// What is left to moves while the axis swings with at most this speed, acceleration and jerk, mm and s.
+    /// What is left to moves while the axis swings with at most this speed, acceleration and jerk, in its own unit and s.
     pub(crate) fn beside(self, [speed, accel, jerk]: [f64; 3]) -> Self {
         let left = |most: f64, taken: f64| (most - taken).max(most * Self::LEAST_BESIDE);
         Self {
             travel: self.travel,
-            rapid_speed: Speed::mm_per_s(left(self.rapid_speed.value(), speed)),
-            feed_speed: Speed::mm_per_s(left(self.feed_speed.value(), speed)),
-            accel: Accel::mm_per_s2(left(self.accel.value(), accel)),
-            rapid_jerk: Jerk::mm_per_s3(left(self.rapid_jerk.value(), jerk)),
-            feed_jerk: Jerk::mm_per_s3(left(self.feed_jerk.value(), jerk)),
+            rapid_speed: CoordinateSpeed::new(left(self.rapid_speed.value(), speed)),
+            feed_speed: CoordinateSpeed::new(left(self.feed_speed.value(), speed)),
+            accel: CoordinateAccel::new(left(self.accel.value(), accel)),
+            rapid_jerk: CoordinateJerk::new(left(self.rapid_jerk.value(), jerk)),
+            feed_jerk: CoordinateJerk::new(left(self.feed_jerk.value(), jerk)),
         }
     }
 }

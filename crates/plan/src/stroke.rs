@@ -72,7 +72,7 @@ impl StrokeRequest {
     /// The acceleration that spindle and feed axis allow from rest, whatever gentler one is asked for.
     pub fn acceleration_from_rest(&self, spindle: &SpindleLimits, axis: &AxisLimits) -> SpinAccel {
         let torque = SpinAccel::rev_per_s2(spindle.speeding_up(self.cut).at_rest());
-        torque.min(axis.accel / self.lead.abs())
+        torque.min(axis.accel.of_linear() / self.lead.abs())
     }
 
     /// Highest speed, rev/s, and what sets it.
@@ -80,7 +80,7 @@ impl StrokeRequest {
         let candidates = [
             (self.spin.value(), Limiting::ProgrammedSpeed),
             (spindle.tapping_max.value(), Limiting::TappingMaximum),
-            ((axis.feed_speed / self.lead.abs()).value(), Limiting::FeedSpeed),
+            ((axis.feed_speed.of_linear() / self.lead.abs()).value(), Limiting::FeedSpeed),
             (spindle.reachable(self.cut).value(), Limiting::SpindlePower),
         ];
         // strictly lower: of two equal bounds the programmer's is named
@@ -115,9 +115,9 @@ impl Ramps {
     ) -> Self {
         let lead = request.lead.abs();
         let asked = request.spindle_accel.map_or(f64::INFINITY, SpinAccel::value);
-        let feed_accel = (axis.accel / lead).value();
+        let feed_accel = (axis.accel.of_linear() / lead).value();
         let level = feed_accel.min(asked);
-        let feed_jerk = (axis.feed_jerk / lead).value();
+        let feed_jerk = (axis.feed_jerk.of_linear() / lead).value();
         let jerk = feed_jerk.min(spindle.jerk());
         let up = spindle.speeding_up(request.cut);
         let down = spindle.slowing_down();

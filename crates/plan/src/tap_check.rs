@@ -72,7 +72,7 @@ impl TapCheck<'_> {
     /// How to say a depth in the program's words, as far as they are known.
     fn word(&self, depth: f64) -> String {
         let letter = self.tap.axis.letter();
-        let start = self.tap.start.along(self.tap.axis);
+        let start = self.tap.start.along(self.tap.axis).of_linear();
         if self.tap.surface == start {
             format!("{} below the start of the tap", self.length(depth))
         } else {
@@ -135,7 +135,7 @@ impl TapCheck<'_> {
             return Some(self.too_heavy(cut));
         }
         let bounds = [
-            (self.axis.feed_speed / lead, "M0320"),
+            (self.axis.feed_speed.of_linear() / lead, "M0320"),
             (self.spindle.tapping_max, "M0321"),
             (reachable, "M0331"),
         ];
@@ -146,7 +146,7 @@ impl TapCheck<'_> {
                 "M0320" => format!(
                     "{} feeds at {} at most, and {} per revolution need {}",
                     self.tap.axis.letter(),
-                    feed(self.frame, self.axis.feed_speed.in_mm_per_min()),
+                    feed(self.frame, self.axis.feed_speed.of_linear().in_mm_per_min()),
                     self.length(lead.value()),
                     bare_length(self.frame, (lead * spin).in_mm_per_min()),
                 ),
@@ -233,7 +233,7 @@ impl TapCheck<'_> {
     fn stopping_margin(&self, hole: &Drilled) -> Option<Diagnostic> {
         let own = self.own_ramps?;
         let lead = self.tap.lead.abs();
-        let stroke = (self.tap.bottom - self.tap.start.along(self.tap.axis)).abs();
+        let stroke = (self.tap.bottom - self.tap.start.along(self.tap.axis).of_linear()).abs();
         let miss = |spin: Spin| own.miss(spin, stroke / lead, lead).value();
         let needed = ceil_um(miss(self.tap.spin));
         let margin = (self.tap.bottom - self.tool.worn_length() - hole.full_bottom).value();

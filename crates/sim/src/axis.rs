@@ -36,7 +36,7 @@ use crate::plant::Transmission;
 use crate::travel::{Surroundings, Travel};
 use crate::{AxisEncoder, AxisErrors, AxisScatter, Lugre};
 use core::f64::consts::TAU;
-use units::{Force, Inertia, Length, Mass, Stiffness, Time, Torque};
+use units::{Coordinate, Force, Inertia, Mass, Stiffness, Time, Torque};
 
 /// Standard gravity, m/s² (CGPM 1901).
 pub(crate) const GRAVITY: f64 = 9.806_65;
@@ -59,7 +59,7 @@ pub struct AxisModel {
     /// Motor, coupling and screw.
     pub inertia: Inertia,
     /// Travel per turn of the motor.
-    pub screw_lead: Length,
+    pub screw_lead: Coordinate,
     /// Most the motor can give.
     pub peak_torque: Torque,
     /// Time constant of the current loop; zero for none.
@@ -69,7 +69,7 @@ pub struct AxisModel {
     /// Damping ratio of the mode in which motor and table swing against each other.
     pub damping_ratio: f64,
     /// Whole play between motor and table.
-    pub backlash: Length,
+    pub backlash: Coordinate,
     /// Friction of the guideway.
     pub friction: Lugre,
     /// Share of the table's weight that pulls it towards minus: 0 for a level or a counterbalanced axis, 1
@@ -80,7 +80,7 @@ pub struct AxisModel {
     /// Where the axis is measured.
     pub encoder: AxisEncoder,
     /// Where it stands at the start, by its encoder.
-    pub start: Length,
+    pub start: Coordinate,
     /// What stands along it.
     pub travel: Travel,
     /// How far the axis as it was built may be from all this.
@@ -260,8 +260,8 @@ impl Axis {
     }
 
     /// Where the table really is.
-    pub(crate) fn position(&self) -> Length {
-        Length::mm(self.table.x * 1e3)
+    pub(crate) fn position(&self) -> Coordinate {
+        Coordinate::new(self.table.x * 1e3)
     }
 
     /// Table position, mm.
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn the_z_axis_rings_at_its_natural_frequency_of_124_hz() {
-        let model = AxisModel { backlash: Length::ZERO, ..without_friction(z_axis()) };
+        let model = AxisModel { backlash: Coordinate::ZERO, ..without_friction(z_axis()) };
         let mode = free_mode(&model);
         let mut axis = axis(&model);
         axis.obey(&on(0.0));
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn the_ringing_decays_at_its_damping_ratio() {
-        let model = AxisModel { backlash: Length::ZERO, ..without_friction(z_axis()) };
+        let model = AxisModel { backlash: Coordinate::ZERO, ..without_friction(z_axis()) };
         let mode = free_mode(&model);
         let mut axis = axis(&model);
         axis.obey(&on(0.0));
@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn constant_force_gives_the_parabola_of_the_whole_mass() {
-        let model = AxisModel { backlash: Length::ZERO, ..without_friction(z_axis()) };
+        let model = AxisModel { backlash: Coordinate::ZERO, ..without_friction(z_axis()) };
         let mut axis = axis(&model);
         axis.obey(&on(10_000.0));
         for _ in 0..4000 {
@@ -362,9 +362,9 @@ mod tests {
 
     #[test]
     fn a_hard_stop_holds_an_axis_that_is_driven_into_it_with_all_its_force() {
-        let mut model = AxisModel { backlash: Length::ZERO, ..without_friction(z_axis()) };
+        let mut model = AxisModel { backlash: Coordinate::ZERO, ..without_friction(z_axis()) };
         let stop = Stiffness::n_per_mm(80_000.0);
-        model.travel.stops = Some((Length::mm(-400.0), Length::mm(10.0), stop));
+        model.travel.stops = Some((Coordinate::new(-400.0), Coordinate::new(10.0), stop));
         let mut axis = axis(&model);
         let force = model.peak_force().value();
         let (mut fastest, mut farthest) = (0.0_f64, 0.0_f64);

@@ -175,22 +175,24 @@ fn check_axis(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<String
     let before = found.len();
     let of = format!("axis {index}");
     let mut need = Needs { of: &of, found };
+    let kind = units::Axis::ALL[index].kind();
+    let (unit, speed_unit) = (kind.unit().trim_start(), kind.speed_unit().trim_start());
     need.positive("table mass", axis.table.value(), "kg");
     need.positive("inertia", axis.inertia.value(), "kg·m²");
-    need.positive("screw lead", axis.screw_lead.value(), "mm");
+    need.positive("screw lead", axis.screw_lead.value(), unit);
     need.positive("peak torque", axis.peak_torque.value(), "N·m");
     need.not_negative("force lag", axis.force_lag.value(), "s");
     need.positive("stiffness", axis.stiffness.value(), "N/mm");
     need.not_negative("damping ratio", axis.damping_ratio, "");
-    need.not_negative("backlash", axis.backlash.value(), "mm");
+    need.not_negative("backlash", axis.backlash.value(), unit);
     need.finite("weight share", axis.weight_share, "");
-    need.finite("start", axis.start.value(), "mm");
+    need.finite("start", axis.start.value(), unit);
     let friction = &axis.friction;
     need.positive("bristle stiffness", friction.bristle_stiffness.value(), "N/mm");
     need.not_negative("bristle damping", friction.bristle_damping_n_s_per_m, "N·s/m");
     need.not_negative("viscous friction", friction.viscous_n_s_per_m, "N·s/m");
     need.positive("Coulomb force", friction.coulomb.value(), "N");
-    need.positive("Stribeck speed", friction.stribeck.value(), "mm/s");
+    need.positive("Stribeck speed", friction.stribeck.value(), speed_unit);
     need.hold(
         friction.breakaway >= friction.coulomb && friction.breakaway.is_finite(),
         "breakaway force",
@@ -203,7 +205,7 @@ fn check_axis(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<String
             need.positive("encoder", f64::from(counts_per_rev), "counts/rev");
         }
         AxisEncoder::Scale { resolution, motor_counts_per_rev } => {
-            need.positive("scale", resolution.value(), "mm");
+            need.positive("scale", resolution.value(), unit);
             if let Some(counts) = motor_counts_per_rev {
                 need.positive("encoder", f64::from(counts), "counts/rev");
             }

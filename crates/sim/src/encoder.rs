@@ -15,7 +15,7 @@
 //! The index mark of a spindle passes at whole revolutions of its disk. The counter is latched there, and a
 //! mark may be crossed in either direction.
 use crate::rng::Rng;
-use units::{Angle, Length};
+use units::{Angle, Coordinate};
 
 /// Where an axis is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub enum AxisEncoder {
     /// On the table.
     Scale {
         /// One count.
-        resolution: Length,
+        resolution: Coordinate,
         /// Counts per turn of the encoder that the motor has beside it; a linear motor has none.
         motor_counts_per_rev: Option<u32>,
     },

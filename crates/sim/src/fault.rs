@@ -29,7 +29,7 @@
 use crate::rng::Rng;
 use crate::{Bus, Config, RunDown};
 use bus::{Command, DriveReaction, Feedback, Machine, Truth};
-use units::{Angle, Length, Time, Torque};
+use units::{Angle, Coordinate, Time, Torque};
 
 /// What the drives do by themselves.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,7 @@ pub enum Trigger {
     /// When the first spindle has turned this far in all, either way.
     Turned(Angle),
     /// When an axis passes a coordinate, by its encoder: bus index, coordinate.
-    Passes(usize, Length),
+    Passes(usize, Coordinate),
     /// With the same chance in each period of a span of time.
     Random(Time, Time),
 }
@@ -81,7 +81,7 @@ pub enum Fault {
     /// An axis' encoder is stuck.
     Stuck(usize),
     /// An axis' reading jumps.
-    Jump(usize, Length),
+    Jump(usize, Coordinate),
     /// An axis moves so much farther than it reads, from where it stands then: length over length.
     ScaleError(usize, f64),
     /// The disk of a spindle's encoder is off its centre: amplitude of the reading's error.

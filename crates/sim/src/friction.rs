@@ -27,7 +27,7 @@
 //!
 //! Source: Canudas de Wit, Olsson, Åström, Lischinsky, "A new model for control of systems with friction",
 //! IEEE Transactions on Automatic Control 40 (1995) 419–425.
-use units::{Force, Speed, Stiffness};
+use units::{CoordinateSpeed, Force, Stiffness};
 
 /// Friction of a guideway.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub struct Lugre {
     /// Breakaway force Fs.
     pub breakaway: Force,
     /// Stribeck speed vs.
-    pub stribeck: Speed,
+    pub stribeck: CoordinateSpeed,
 }
 
 /// A guideway's friction made ready for one step size; SI units.

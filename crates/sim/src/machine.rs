@@ -276,7 +276,8 @@ impl SimulatedMachine {
             }
             return;
         };
-        let over = [x, y].map(|at| at.map_or(Length::ZERO, |at| self.axes[at].position()));
+        let over =
+            [x, y].map(|at| at.map_or(Length::ZERO, |at| self.axes[at].position().of_linear()));
         cutting.begin_period(self.changer.tool(), over);
         let turned = self.turning.as_mut().zip(cutting.insert()).map(
             |(turning, (number, insert, length))| {

@@ -22,7 +22,7 @@
 use crate::rng::Rng;
 use crate::{AxisEncoder, AxisModel, Config, SpindleModel};
 use core::f64::consts::TAU;
-use units::{Angle, Force, Length};
+use units::{Angle, Coordinate, Force};
 
 /// The stream of a plant is another one than that of the process.
 const OF_PLANT: u64 = 0x504C_414E_5453_4545;
@@ -39,7 +39,7 @@ pub struct AxisScatter {
     /// Cumulative lead error of the screw: 20 µm a metre is 2·10⁻⁵.
     pub lead_error: f64,
     /// Largest amplitude of the screw's error once per revolution.
-    pub wobble: Length,
+    pub wobble: Coordinate,
     /// Largest amplitude of the motor encoder's error once per revolution.
     pub eccentricity: Angle,
     /// Error of the linear scale.
@@ -61,13 +61,13 @@ pub struct AxisErrors {
     /// Cumulative lead error of the screw: so much farther than its turns say.
     pub lead: Option<f64>,
     /// Amplitude of the screw's error once per revolution, and its phase.
-    pub wobble: Option<(Length, Angle)>,
+    pub wobble: Option<(Coordinate, Angle)>,
     /// Amplitude of the motor encoder's error once per revolution, and its phase.
     pub eccentricity: Option<(Angle, Angle)>,
     /// Error of the linear scale: the axis moves so much farther than it reads.
     pub scale: Option<f64>,
     /// Where all of them are zero.
-    pub zero: Length,
+    pub zero: Coordinate,
 }
 
 impl AxisScatter {
@@ -77,7 +77,7 @@ impl AxisScatter {
         stiffness: 0.0,
         friction: 0.0,
         lead_error: 0.0,
-        wobble: Length::ZERO,
+        wobble: Coordinate::ZERO,
         eccentricity: Angle::ZERO,
         scale_error: 0.0,
     };
@@ -104,7 +104,7 @@ impl SpindleScatter {
 impl AxisErrors {
     /// Nothing stated: all is drawn.
     pub const DRAWN: Self =
-        Self { lead: None, wobble: None, eccentricity: None, scale: None, zero: Length::ZERO };
+        Self { lead: None, wobble: None, eccentricity: None, scale: None, zero: Coordinate::ZERO };
 }
 
 impl AxisModel {
@@ -269,18 +269,18 @@ impl Transmission {
     }
 
     /// What the encoders say of a motor and a table: the one that the position is taken from, and the other one.
-    pub(crate) fn read(&self, motor: f64, table: f64) -> (Length, Option<Length>) {
+    pub(crate) fn read(&self, motor: f64, table: f64) -> (Coordinate, Option<Coordinate>) {
         let by_motor = |counts_per_rev: u32| {
             let count = self.lead_mm / f64::from(counts_per_rev);
             let disk = motor - self.touched_off + self.wave(self.eccentricity, motor);
-            Length::mm(crate::encoder::quantise(disk * 1e3, count))
+            Coordinate::new(crate::encoder::quantise(disk * 1e3, count))
         };
         match self.encoder {
             AxisEncoder::Motor { counts_per_rev } => (by_motor(counts_per_rev), None),
             AxisEncoder::Scale { resolution, motor_counts_per_rev } => {
                 let read = table - self.scale * (table - self.zero);
                 let read = crate::encoder::quantise(read * 1e3, resolution.value());
-                (Length::mm(read), motor_counts_per_rev.map(by_motor))
+                (Coordinate::new(read), motor_counts_per_rev.map(by_motor))
             }
         }
     }
@@ -314,7 +314,7 @@ mod tests {
             stiffness: 0.15,
             friction: 0.2,
             lead_error: 2e-5,
-            wobble: Length::um(3.0),
+            wobble: Coordinate::new(3e-3),
             eccentricity: Angle::rev(2e-5),
             scale_error: 5e-6,
         }
@@ -374,10 +374,10 @@ mod tests {
         let mut axis = z_axis();
         axis.errors = AxisErrors {
             lead: Some(3e-5),
-            wobble: Some((Length::um(2.0), Angle::ZERO)),
+            wobble: Some((Coordinate::new(2e-3), Angle::ZERO)),
             eccentricity: None,
             scale: None,
-            zero: Length::mm(-320.0), // 20 revolutions
+            zero: Coordinate::new(-320.0), // 20 revolutions
         };
         let screw = Transmission::new(&axis, &z_axis());
         for (mm, um) in

@@ -25,7 +25,7 @@
 use crate::{AxisModel, Config, SpindleModel};
 use bus::{AxisCommand, Command, Coupled, DriveReaction, Feedback, SpindleCommand};
 use core::f64::consts::TAU;
-use units::{Force, Length, SpinAccel, Time, Torque};
+use units::{Coordinate, Force, SpinAccel, Time, Torque};
 
 /// Share of a drive's limit that it brakes with.
 const BRAKING: f64 = 0.95;
@@ -271,8 +271,8 @@ impl AxisDrive {
         self.force = force.clamp(-self.peak, self.peak);
         AxisCommand {
             enable: true,
-            position: Length::mm((x + v * h) * 1e3),
-            speed: units::Speed::mm_per_s(v * 1e3),
+            position: Coordinate::new((x + v * h) * 1e3),
+            speed: units::CoordinateSpeed::new(v * 1e3),
             force: Force::n(self.force),
         }
     }

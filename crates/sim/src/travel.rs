@@ -17,7 +17,7 @@
 //! | d, m | depth, mass of the table | m, kg |
 use crate::encoder::{index_between, quantise};
 use crate::rng::Rng;
-use units::{Length, Stiffness};
+use units::{Coordinate, Stiffness};
 
 /// ζ (estimate: a block of polyurethane or steel).
 const DAMPING_RATIO: f64 = 0.3;
@@ -30,9 +30,9 @@ const HALF_TURN: f64 = 180.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
     /// Where the table meets a hard stop at the negative and at the positive end, and how stiff these are.
-    pub stops: Option<(Length, Length, Stiffness)>,
+    pub stops: Option<(Coordinate, Coordinate, Stiffness)>,
     /// From where on outwards the limit switches at the two ends are actuated.
-    pub limit_switches: Option<(Length, Length)>,
+    pub limit_switches: Option<(Coordinate, Coordinate)>,
     /// The home switch.
     pub home_switch: Option<HomeSwitch>,
     /// Index marks of the encoder that the position is read from.
@@ -45,22 +45,22 @@ pub struct Travel {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomeSwitch {
     /// Where it is actuated …
-    pub from: Length,
+    pub from: Coordinate,
     /// … to.
-    pub to: Length,
+    pub to: Coordinate,
     /// On a rotary axis the cam comes again after so far.
-    pub every: Option<Length>,
+    pub every: Option<Coordinate>,
     /// It is let go of so much later than it is actuated.
-    pub hysteresis: Length,
+    pub hysteresis: Coordinate,
 }
 
 /// Marks of an encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IndexMarks {
     /// Where one is.
-    pub at: Length,
+    pub at: Coordinate,
     /// From one to the next.
-    pub every: Length,
+    pub every: Coordinate,
 }
 
 /// What is so when a machine is switched on.
@@ -78,11 +78,11 @@ impl Travel {
         Self { stops: None, limit_switches: None, home_switch: None, index: None, absolute: false };
 
     /// Where the axis stands when it is switched on, if that is not known.
-    pub(crate) fn draw(&self, axis: usize, seed: u64) -> Length {
+    pub(crate) fn draw(&self, axis: usize, seed: u64) -> Coordinate {
         let mut rng = Rng::new(seed ^ OF_POWER_ON ^ (axis as u64) << 32);
         let (from, to) =
             self.stops.map_or((-HALF_TURN, HALF_TURN), |(from, to, _)| (from.value(), to.value()));
-        Length::mm(from + (to - from) * rng.branch().unit())
+        Coordinate::new(from + (to - from) * rng.branch().unit())
     }
 
     /// Everything that no machine can have.
@@ -194,8 +194,8 @@ impl Surroundings {
     }
 
     /// A reading as the encoder says it.
-    pub(crate) fn reading(&self, position: Length) -> Length {
-        position - Length::mm(self.zero)
+    pub(crate) fn reading(&self, position: Coordinate) -> Coordinate {
+        position - Coordinate::new(self.zero)
     }
 
     /// What switches and marks say of an axis.
@@ -205,7 +205,7 @@ impl Surroundings {
             .travel
             .limit_switches
             .map_or([false; 2], |(from, to)| [table <= from.value(), table >= to.value()]);
-        feedback.index = self.index.map(|at| self.reading(Length::mm(at)));
+        feedback.index = self.index.map(|at| self.reading(Coordinate::new(at)));
     }
 }
 
@@ -216,10 +216,10 @@ mod tests {
     #[test]
     fn a_switch_is_let_go_of_later_than_it_is_actuated() {
         let cam = HomeSwitch {
-            from: Length::mm(-10.0),
-            to: Length::mm(5.0),
+            from: Coordinate::new(-10.0),
+            to: Coordinate::new(5.0),
             every: None,
-            hysteresis: Length::mm(0.1),
+            hysteresis: Coordinate::new(0.1),
         };
         assert!(!cam.next(false, -10.05) && cam.next(true, -10.05) && !cam.next(true, -10.11));
         assert!(cam.next(false, 4.99) && !cam.next(false, 5.05) && cam.next(true, 5.05));
@@ -228,10 +228,10 @@ mod tests {
     #[test]
     fn the_cam_of_a_rotary_axis_comes_once_a_turn() {
         let cam = HomeSwitch {
-            from: Length::mm(-5.0),
-            to: Length::mm(5.0),
-            every: Some(Length::mm(360.0)),
-            hysteresis: Length::ZERO,
+            from: Coordinate::new(-5.0),
+            to: Coordinate::new(5.0),
+            every: Some(Coordinate::new(360.0)),
+            hysteresis: Coordinate::ZERO,
         };
         for (at, on) in [(0.0, true), (180.0, false), (357.0, true), (-718.0, true), (366.0, false)]
         {

@@ -1,5 +1,5 @@
 //! Axes by letter, and where they stand: positions, planes, circles, and the ratio of two spindles.
-use crate::{Angle, Length};
+use crate::{Angle, AxisKind, Coordinate, Length};
 
 /// An axis by its letter, in the order used wherever axes are numbered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -39,6 +39,14 @@ impl Axis {
         Self::ALL.into_iter().find(|axis| axis.letter() == letter.to_ascii_uppercase())
     }
 
+    /// What it does: A, B and C turn, the others move straight on.
+    pub const fn kind(self) -> AxisKind {
+        match self {
+            Self::A | Self::B | Self::C => AxisKind::Rotary,
+            _ => AxisKind::Linear,
+        }
+    }
+
     /// Its letter.
     pub const fn letter(self) -> char {
         ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'][self as usize]
@@ -66,24 +74,24 @@ impl Position {
         }
     }
 
-    /// Coordinate of an axis. Of a rotary one degrees stand for millimetres, as everywhere behind the machine's file.
-    pub const fn along(&self, axis: Axis) -> Length {
+    /// Coordinate of an axis.
+    pub const fn along(&self, axis: Axis) -> Coordinate {
         let i = axis.index();
         match i {
-            0..=2 => self.linear[i],
-            6..=8 => self.parallel[i - 6],
-            _ => Length::mm(self.rotary[i - 3].in_deg()),
+            0..=2 => Coordinate::linear(self.linear[i]),
+            6..=8 => Coordinate::linear(self.parallel[i - 6]),
+            _ => Coordinate::rotary(self.rotary[i - 3]),
         }
     }
 
     /// The same point with one axis moved, to where [`Position::along`] then says it is.
     #[must_use]
-    pub const fn with(mut self, axis: Axis, value: Length) -> Self {
+    pub const fn with(mut self, axis: Axis, value: Coordinate) -> Self {
         let i = axis.index();
         match i {
-            0..=2 => self.linear[i] = value,
-            6..=8 => self.parallel[i - 6] = value,
-            _ => self.rotary[i - 3] = Angle::deg(value.value()),
+            0..=2 => self.linear[i] = value.of_linear(),
+            6..=8 => self.parallel[i - 6] = value.of_linear(),
+            _ => self.rotary[i - 3] = value.of_rotary(),
         }
         self
     }
@@ -171,7 +179,7 @@ mod tests {
         let origin = Position::default();
         for axis in Axis::ALL {
             for value in [-250.0, -0.125, 30.0, 359.5, 1e5] {
-                let moved = origin.with(axis, Length::mm(value));
+                let moved = origin.with(axis, Coordinate::new(value));
                 for other in Axis::ALL {
                     let expected = if other == axis { value } else { 0.0 };
                     let found = moved.along(other).value();
@@ -182,7 +190,10 @@ mod tests {
                 }
             }
         }
-        assert_eq!(origin.with(Axis::A, Length::mm(90.0)).rotary[0], Angle::deg(90.0));
+        let turned = origin.with(Axis::A, Coordinate::rotary(Angle::deg(90.0)));
+        assert_eq!(turned.rotary[0], Angle::deg(90.0));
+        let moved = origin.with(Axis::W, Coordinate::linear(Length::mm(90.0)));
+        assert_eq!(moved.parallel[2], Length::mm(90.0));
     }
 
     #[test]

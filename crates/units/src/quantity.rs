@@ -2,6 +2,19 @@
 
 macro_rules! quantity {
     ($(#[$doc:meta])* $name:ident, $ctor:ident, $unit:literal) => {
+        crate::quantity::measure!($(#[$doc])* $name, $ctor, $unit);
+        impl core::fmt::Display for $name {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                core::fmt::Display::fmt(&self.0, f)?;
+                f.write_str(concat!(" ", $unit))
+            }
+        }
+    };
+}
+
+/// Without a Display: that of a [`crate::Coordinate`] needs the axis.
+macro_rules! measure {
+    ($(#[$doc:meta])* $name:ident, $ctor:ident, $unit:literal) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
         #[repr(transparent)]
@@ -36,12 +49,6 @@ macro_rules! quantity {
             /// Neither infinite nor NaN.
             pub const fn is_finite(self) -> bool {
                 self.0.is_finite()
-            }
-        }
-        impl core::fmt::Display for $name {
-            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-                core::fmt::Display::fmt(&self.0, f)?;
-                f.write_str(concat!(" ", $unit))
             }
         }
         impl core::ops::Add for $name {
@@ -107,4 +114,4 @@ macro_rules! product {
     };
 }
 
-pub(crate) use {product, quantity};
+pub(crate) use {measure, product, quantity};

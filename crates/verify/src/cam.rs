@@ -141,7 +141,7 @@ impl Seen {
         Self {
             time: sample.feedback.time.value(),
             turn: sample.spindle(0).value() - phase,
-            edge: (sample.axis(0) + deflection).value(),
+            edge: (sample.axis(0).of_linear() + deflection).value(),
         }
     }
 }

@@ -165,7 +165,8 @@ impl Watch {
                 self.works.insert(index, work);
             }
             OpKind::Tap(tap) => {
-                let into = if tap.bottom < tap.start.along(tap.axis) { -1.0 } else { 1.0 };
+                let into =
+                    if tap.bottom < tap.start.along(tap.axis).of_linear() { -1.0 } else { 1.0 };
                 let lead = self.is_tied().then_some(tap.lead.value() * into);
                 let work = Work {
                     axis: tap.axis,
@@ -250,7 +251,7 @@ impl Watch {
         }
         let work = self.works.get(&first)?;
         let now = sample.feedback.time;
-        let (angle, z) = (sample.spindle(0), sample.axis(work.axis.index()));
+        let (angle, z) = (sample.spindle(0), sample.axis(work.axis.index()).of_linear());
         let (then, was, z_was) = self.before.replace((now, angle, z))?;
         if now <= then || sample.report.line != work.line {
             self.against_mm = 0.0;
@@ -270,7 +271,7 @@ impl Watch {
         }
         let state = sample.report.state;
         let taps = matches!(state, State::TapIn | State::TapBottom | State::TapOut);
-        let radius = sample.axis(Axis::X.index()) - self.config.work_axis[0];
+        let radius = sample.axis(Axis::X.index()).of_linear() - self.config.work_axis[0];
         let in_force = self.in_force.at(radius).unwrap_or(Spin::ZERO);
         match work.lead {
             Some(lead) if taps => {
@@ -315,12 +316,12 @@ fn across(sample: &Sample, work: &Work) -> f64 {
     [Axis::X, Axis::Y, Axis::Z]
         .into_iter()
         .filter(|axis| *axis != work.axis)
-        .map(|axis| (sample.axis(axis.index()) - work.at[axis.index()]).value().abs())
+        .map(|axis| (sample.axis(axis.index()).of_linear() - work.at[axis.index()]).value().abs())
         .fold(0.0, f64::max)
 }
 
 fn place(at: &canon::Position) -> [Length; 3] {
-    [Axis::X, Axis::Y, Axis::Z].map(|axis| at.along(axis))
+    [Axis::X, Axis::Y, Axis::Z].map(|axis| at.along(axis).of_linear())
 }
 
 #[cfg(test)]

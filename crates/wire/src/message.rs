@@ -4,7 +4,7 @@ use bus::{
     ANALOGUE, AXES, AxisCommand, AxisFeedback, Command, Feedback, SPINDLES, Signals,
     SpindleCommand, SpindleFeedback, ToolBreak, Truth,
 };
-use units::{Angle, Force, Length, Speed, Spin, Time, Torque};
+use units::{Angle, Coordinate, CoordinateSpeed, Force, Length, Spin, Time, Torque};
 
 /// Longest name.
 const LONGEST_NAME: usize = 255;
@@ -313,8 +313,8 @@ fn read_command(r: &mut Reader<'_>) -> Option<Command> {
     for index in indices(r.u16()?, AXES)? {
         command.axes[index] = AxisCommand {
             enable: r.flag()?,
-            position: Length::mm(r.f64()?),
-            speed: Speed::mm_per_s(r.f64()?),
+            position: Coordinate::new(r.f64()?),
+            speed: CoordinateSpeed::new(r.f64()?),
             force: Force::n(r.f64()?),
         };
     }
@@ -405,9 +405,9 @@ fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
             ready: flags & 1 != 0,
             home_switch: flags & 4 != 0,
             limit_switches: [flags & 8 != 0, flags & 16 != 0],
-            position: Length::mm(r.f64()?),
-            motor: if flags & 2 == 0 { None } else { Some(Length::mm(r.f64()?)) },
-            index: if flags & 32 == 0 { None } else { Some(Length::mm(r.f64()?)) },
+            position: Coordinate::new(r.f64()?),
+            motor: if flags & 2 == 0 { None } else { Some(Coordinate::new(r.f64()?)) },
+            index: if flags & 32 == 0 { None } else { Some(Coordinate::new(r.f64()?)) },
         };
     }
     for index in indices(r.u16()?, SPINDLES)? {
@@ -437,7 +437,7 @@ fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
 }
 
 fn write_truth(w: &mut Writer<'_>, truth: &Truth) {
-    let axes: [(Length, Force); AXES] =
+    let axes: [(Coordinate, Force); AXES] =
         core::array::from_fn(|i| (truth.axes[i], truth.axis_forces[i]));
     w.u16(mask(&axes));
     for (place, force) in axes.iter().filter(|one| **one != Default::default()) {
@@ -472,7 +472,7 @@ fn write_truth(w: &mut Writer<'_>, truth: &Truth) {
 fn read_truth(r: &mut Reader<'_>) -> Option<Truth> {
     let mut truth = Truth::default();
     for index in indices(r.u16()?, AXES)? {
-        truth.axes[index] = Length::mm(r.f64()?);
+        truth.axes[index] = Coordinate::new(r.f64()?);
         truth.axis_forces[index] = Force::n(r.f64()?);
     }
     for index in indices(r.u16()?, SPINDLES)? {

@@ -4,7 +4,7 @@ use canon::Axis;
 use control::job::restart;
 use control::operation::{Jog, Request, ToolField};
 use std::path::PathBuf;
-use units::{Angle, Spin, Time};
+use units::{Angle, Coordinate, CoordinateSpeed, Spin, Time};
 
 /// A line.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,7 +107,7 @@ impl Command {
             ["jog", "stop"] => Self::Request(Request::JogStop),
             ["jog", letter, rest @ ..] => jog(axis(letter)?, rest)?,
             ["handwheel", letter, by] => {
-                Self::Request(Request::Jog(axis(letter)?, Jog::Handwheel(number(by)?)))
+                Self::Request(Request::Jog(axis(letter)?, Jog::Handwheel(coordinate(by)?)))
             }
             ["spindle", "override", percent] => {
                 Self::Request(Request::SpindleOverride(share(percent)?))
@@ -137,12 +137,12 @@ impl Command {
             ["feed", percent] => Self::Request(Request::FeedOverride(share(percent)?)),
             ["rapid", percent] => Self::Request(Request::RapidOverride(share(percent)?)),
             ["touch", "off", letter, at] => {
-                Self::Request(Request::TouchOff(axis(letter)?, number(at)?))
+                Self::Request(Request::TouchOff(axis(letter)?, coordinate(at)?))
             }
             ["offset", system, letter, at] => Self::Request(Request::SetWorkOffset(
                 work_offset(system)?,
                 axis(letter)?,
-                number(at)?,
+                coordinate(at)?,
             )),
             ["tool", tool, "wear", field, value] => Self::Request(Request::EditTool(
                 tool.parse().map_err(|_| format!("expected a tool's number, found \"{tool}\""))?,
@@ -188,11 +188,11 @@ fn unknown(line: &str, first: &str) -> String {
 
 fn jog(axis: Axis, rest: &[&str]) -> Result<Command, String> {
     Ok(match rest {
-        ["to", to] => Command::Request(Request::Jog(axis, Jog::To(number(to)?))),
+        ["to", to] => Command::Request(Request::Jog(axis, Jog::To(coordinate(to)?))),
         ["at", speed] => leased_jog(axis, speed, JOGS)?,
         ["at", speed, "for", time @ ..] => leased_jog(axis, speed, self::time(time)?)?,
         [by] if by.starts_with(['+', '-']) => {
-            Command::Request(Request::Jog(axis, Jog::Increment(number(by)?)))
+            Command::Request(Request::Jog(axis, Jog::Increment(coordinate(by)?)))
         }
         _ => {
             return Err(format!(
@@ -204,8 +204,8 @@ fn jog(axis: Axis, rest: &[&str]) -> Result<Command, String> {
 }
 
 fn leased_jog(axis: Axis, speed: &str, lasts: Time) -> Result<Command, String> {
-    let per_s = number(speed)? / 60.0;
-    Ok(Command::Leased(Request::Jog(axis, Jog::Continuous(per_s)), lasts))
+    let speed = CoordinateSpeed::per_min(number(speed)?);
+    Ok(Command::Leased(Request::Jog(axis, Jog::Continuous(speed)), lasts))
 }
 
 fn spindle(rest: &[&str]) -> Result<Command, String> {
@@ -253,6 +253,11 @@ pub(super) fn number(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected a number, found \"{text}\""))
 }
 
+/// In the axis' own unit.
+fn coordinate(text: &str) -> Result<Coordinate, String> {
+    number(text).map(Coordinate::new)
+}
+
 fn share(percent: &str) -> Result<f64, String> {
     Ok(number(percent.trim_end_matches('%'))? / 100.0)
 }
@@ -295,11 +300,14 @@ mod tests {
         assert_eq!(read("power on"), Command::Request(Request::Power(true)));
         assert_eq!(
             read("jog x +10"),
-            Command::Request(Request::Jog(Axis::X, Jog::Increment(10.0)))
+            Command::Request(Request::Jog(Axis::X, Jog::Increment(Coordinate::new(10.0))))
         );
         assert_eq!(
             read("jog Z at -600 for 500 ms"),
-            Command::Leased(Request::Jog(Axis::Z, Jog::Continuous(-10.0)), Time::s(0.5))
+            Command::Leased(
+                Request::Jog(Axis::Z, Jog::Continuous(CoordinateSpeed::new(-10.0))),
+                Time::s(0.5)
+            )
         );
         assert_eq!(
             read("mdi G0 X10; G1 Y5 F100"),
@@ -316,7 +324,7 @@ mod tests {
         );
         assert_eq!(
             read("offset g59.1 y -3"),
-            Command::Request(Request::SetWorkOffset(7, Axis::Y, -3.0))
+            Command::Request(Request::SetWorkOffset(7, Axis::Y, Coordinate::new(-3.0)))
         );
     }
 

@@ -20,7 +20,7 @@ use control::operation::{Control, ControlOptions};
 use session::{Failure, Session};
 use std::io::{IsTerminal, Read};
 use std::path::Path;
-use units::Length;
+use units::Coordinate;
 
 /// How a script has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +119,7 @@ pub(crate) fn clamped(text: &str) -> Result<Position, Refused> {
                 "--clamped: expected axes with millimetres, as in X0.4,Y-0.3,Z1.2, found \"{word}\""
             )));
         };
-        shift = shift.with(axis, Length::mm(value));
+        shift = shift.with(axis, Coordinate::new(value));
     }
     Ok(shift)
 }

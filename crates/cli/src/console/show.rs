@@ -3,6 +3,7 @@ use super::command::WORDS;
 use canon::Axis;
 use control::operation::{Control, Status};
 use std::fmt::Write as _;
+use units::Coordinate;
 
 /// The status line.
 pub(super) fn line(status: &Status) -> String {
@@ -121,10 +122,11 @@ pub(super) fn offsets(control: &Control) -> String {
     let mut text = String::new();
     for system in 1..=9 {
         let axes = control.machine().axes.iter().flatten().map(|axis| axis.letter);
-        let zeros: Vec<(Axis, f64)> =
+        let zeros: Vec<(Axis, Coordinate)> =
             axes.map(|axis| (axis, control.zero_of(system, axis))).collect();
-        if system == 1 || zeros.iter().any(|(_, at)| *at != 0.0) {
-            let words = zeros.iter().map(|(axis, at)| format!("{}{at:.4}", axis.letter()));
+        if system == 1 || zeros.iter().any(|(_, at)| *at != Coordinate::ZERO) {
+            let words =
+                zeros.iter().map(|(axis, at)| format!("{}{:.4}", axis.letter(), at.value()));
             let name = control.work_offset_name(system);
             let _ = writeln!(text, "  {name} {}", words.collect::<Vec<_>>().join(" "));
         }

@@ -25,11 +25,11 @@ pub(super) fn picture_of_pass(
         &pass,
         record.stroke.spindle,
         feedback,
-        (approach.speed, approach.acceleration),
+        (approach.speed.of_linear(), approach.acceleration.of_linear()),
     )?;
     let at = Point {
         angle: feedback.spindles[usize::from(plan.spindle)].angle + plan.turn,
-        place: feedback.axes[pass.axis.index()].position,
+        place: feedback.axes[pass.axis.index()].position.of_linear(),
     };
     let way = plan.stored.project(at, plan.way);
     Some(drawn(record, &plan.stored, at, [way.unloaded, way.to], way.to))

@@ -5,7 +5,7 @@ use kernel::{
 };
 use store::machine::{self, Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
 use sync::{Prediction, SyncMode, Windows};
-use units::{Angle, Force};
+use units::{Angle, Coordinate, Force};
 
 /// Standard gravity (CGPM 1901).
 const GRAVITY_M_PER_S2: f64 = 9.806_65;
@@ -35,7 +35,12 @@ pub fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: bool) -> C
         phase_loss: control.phase_loss.and_then(|loss| {
             let axis = machine.axes[loss.axis.index()].as_ref()?;
             let most = (axis.rapid, axis.acceleration);
-            Some(PhaseLoss { window: loss.window, axis: loss.axis, by: loss.by, most })
+            Some(PhaseLoss {
+                window: loss.window,
+                axis: loss.axis,
+                by: Coordinate::linear(loss.by),
+                most,
+            })
         }),
         overrides: Overrides {
             feed_most: control.overrides.feed_most_share,

@@ -1,10 +1,10 @@
 //! How the axes of a machine are homed, and what the simulated machine has for it.
 use kernel::{HomingMethod, HomingOrder};
 use store::machine::{self, Axis, MachineFile};
-use units::Length;
+use units::Coordinate;
 
 /// A switch is let go of so much later than it is actuated, mm or ° (estimate: an inductive switch).
-const HYSTERESIS: Length = Length::mm(0.05);
+const HYSTERESIS: Coordinate = Coordinate::new(0.05);
 
 /// One axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ fn how(file: &Axis) -> HomingOrder {
 /// What stands along an axis of the simulated machine.
 pub(super) fn along(file: &Axis) -> sim::Travel {
     let homing = &file.homing;
-    let ends = |beyond: fn(&machine::Ends) -> Length| {
+    let ends = |beyond: fn(&machine::Ends) -> Coordinate| {
         let beyond = beyond(file.ends.as_ref()?);
         Some((file.travel.from - beyond, file.travel.to + beyond))
     };

@@ -100,7 +100,7 @@ fn axis(file: &Axis) -> AxisLimits {
     let mass = file.drive.motor_mass() + file.moving_mass;
     let weight = Force::n(file.weight_share * file.moving_mass.value() * GRAVITY_M_PER_S2);
     let free = file.drive.peak_force() * PLANNED_SHARE - weight - file.friction.static_force;
-    let possible = units::Accel::mm_per_s2(free.value() / mass.value() * 1e3);
+    let possible = units::CoordinateAccel::new(free.value() / mass.value() * 1e3);
     AxisLimits {
         travel: Some((file.travel.from, file.travel.to)),
         rapid_speed: file.rapid,

@@ -4,7 +4,7 @@ use store::machine::{
     Axis, InputModel, InputSource, MachineFile, Material, Motor, PlantScatter, PositionFrom, Round,
     Spindle, TapSeat, eccentric,
 };
-use units::{Angle, Inertia, Lead, Length};
+use units::{Angle, AxisKind, Coordinate, Inertia, Lead, Length};
 
 /// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
 const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
@@ -79,7 +79,7 @@ pub fn left_alone(machine: &MachineFile, config: &sim::Config) -> sim::LeftAlone
 
 /// How far the real axis may be from its file.
 fn scatter(file: &Axis, plant: &PlantScatter) -> sim::AxisScatter {
-    let rotary = matches!(file.letter, canon::Axis::A | canon::Axis::B | canon::Axis::C);
+    let rotary = file.letter.kind() == AxisKind::Rotary;
     let has_screw = matches!(file.drive.motor, Motor::BallScrew { .. });
     let disk = eccentric(plant.encoder_eccentricity, plant.motor_encoder_diameter);
     sim::AxisScatter {
@@ -90,8 +90,8 @@ fn scatter(file: &Axis, plant: &PlantScatter) -> sim::AxisScatter {
         lead_error: if has_screw && !rotary { plant.screw_lead_error } else { 0.0 },
         wobble: match (has_screw, rotary) {
             (true, true) => plant.gear_wobble,
-            (true, false) => plant.screw_wobble,
-            (false, _) => Length::ZERO,
+            (true, false) => Coordinate::linear(plant.screw_wobble),
+            (false, _) => Coordinate::ZERO,
         },
         eccentricity: if has_screw { disk } else { Angle::ZERO },
         scale_error: if rotary { 0.0 } else { plant.scale_error },
@@ -99,7 +99,7 @@ fn scatter(file: &Axis, plant: &PlantScatter) -> sim::AxisScatter {
 }
 
 /// What is stated to be wrong with it. Everything is zero where the work was touched off.
-fn errors(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisErrors {
+fn errors(file: &Axis, plant: &PlantScatter, zero: Coordinate) -> sim::AxisErrors {
     let by_scale = matches!(file.position_from, PositionFrom::Scale { .. });
     let stated = file.errors;
     sim::AxisErrors {
@@ -113,7 +113,7 @@ fn errors(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisErrors {
     }
 }
 
-fn axis(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisModel {
+fn axis(file: &Axis, plant: &PlantScatter, zero: Coordinate) -> sim::AxisModel {
     let (screw_lead, inertia) = match file.drive.motor {
         Motor::BallScrew { lead, rotating_inertia, .. } => (lead, rotating_inertia),
         Motor::Linear { motor_mass, .. } => {
@@ -126,7 +126,7 @@ fn axis(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisModel {
     sim::AxisModel {
         table: file.moving_mass,
         inertia,
-        screw_lead: screw_lead * Angle::rev(1.0),
+        screw_lead: Coordinate::new(screw_lead.value()),
         peak_torque: units::Torque::n_m(file.drive.peak_force().value() * metres_per_rad),
         force_lag: file.drive.force_lag,
         stiffness: file.structure.stiffness,
@@ -159,8 +159,8 @@ fn axis(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisModel {
 }
 
 /// Where an axis stands when the machine is switched on: at machine zero, or as near as its travel allows.
-pub fn start(file: &Axis) -> Length {
-    Length::ZERO.max(file.travel.from).min(file.travel.to)
+pub fn start(file: &Axis) -> Coordinate {
+    Coordinate::ZERO.max(file.travel.from).min(file.travel.to)
 }
 
 fn spindle(file: &Spindle, plant: &PlantScatter) -> sim::SpindleModel {

@@ -11,7 +11,7 @@
 //! asked for lies within one, at the rapids that lead to it. A turned thread is begun at its first pass, as it is judged whole.
 use canon::{Axis, CamOrder, Op, OpKind, Position, SpindleOrder, Threading};
 use diag::Span;
-use units::{Angle, Lead, Length, Spin};
+use units::{Angle, Coordinate, Lead, Length, Spin};
 
 /// Where to begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,7 +111,8 @@ impl Passes {
     /// Whether a pass is one of this thread: of its lead, and along the same way, less than a turn beside it.
     fn has(&self, from: &Position, order: &Threading) -> bool {
         let near = |a: &Position, b: &Position| {
-            (a.along(order.axis) - b.along(order.axis)).abs() < order.lead.abs() * Angle::rev(1.0)
+            (a.along(order.axis) - b.along(order.axis)).abs().of_linear()
+                < order.lead.abs() * Angle::rev(1.0)
         };
         let same = (self.lead - order.lead).abs() < Lead::mm_per_rev(1e-6);
         same && near(&self.ends[0], from) && near(&self.ends[1], &order.to)
@@ -248,12 +249,12 @@ fn leads_to(passes: &Passes, here: Position, ops: &[Op]) -> bool {
 fn restart(skip: usize, first: &Op, in_force: &InForce, at: &Position, top: Length) -> Restart {
     let span = first.span;
     let over = match &first.kind {
-        OpKind::Rapid { to } => to.with(Axis::Z, top),
-        OpKind::Hole(hole) => hole.at.with(Axis::Z, top),
-        _ => at.with(Axis::Z, top),
+        OpKind::Rapid { to } => to.with(Axis::Z, Coordinate::linear(top)),
+        OpKind::Hole(hole) => hole.at.with(Axis::Z, Coordinate::linear(top)),
+        _ => at.with(Axis::Z, Coordinate::linear(top)),
     };
     let mut prelude = vec![
-        OpKind::Rapid { to: at.with(Axis::Z, top) },
+        OpKind::Rapid { to: at.with(Axis::Z, Coordinate::linear(top)) },
         OpKind::ChangeTool { number: in_force.tool },
     ];
     prelude.extend(in_force.mode.clone());

@@ -12,7 +12,7 @@ use std::{
 };
 use store::machine::{MachineFile, Material, Ramp};
 use store::tools::{TableUnit, ToolTable};
-use units::Length;
+use units::Coordinate;
 
 /// The table that is used when none is named and none lies beside the program.
 const EMBEDDED_TOOLS: &str = include_str!("../../../../programs/tools.toml");
@@ -148,7 +148,7 @@ impl Session {
         for axis in self.machine.axes.iter_mut().flatten().filter(lags) {
             // an axis lags by its speed over its gain: no rapid may take it out of its window
             let most = axis.windows.following_error_stop.value() * axis.loops.position_gain_per_s;
-            axis.rapid = axis.rapid.min(units::Speed::mm_per_s(LAG_SHARE * most));
+            axis.rapid = axis.rapid.min(units::CoordinateSpeed::new(LAG_SHARE * most));
             axis.loops.velocity_feed_forward_share = 0.0;
             axis.loops.acceleration_feed_forward_share = 0.0;
             axis.loops.friction_feed_forward_share = 0.0;
@@ -158,7 +158,7 @@ impl Session {
     /// The machine stands where its encoders say. An axis that hangs at the end of its travel reads beyond it by what its screw
     /// gives: the kernel smooths as much away.
     pub fn stands(&mut self, feedback: &bus::Feedback) {
-        const GIVES: Length = Length::um(50.0);
+        const GIVES: Coordinate = Coordinate::new(0.05);
         let mut place = canon::Position::default();
         for axis in self.machine.axes.iter().flatten() {
             let reading = feedback.axes[axis.letter.index()].position;
@@ -238,7 +238,7 @@ impl Session {
         let mut zero = canon::Position::default();
         for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
             let value = self.parameters.get(G54 + axis.index()).unwrap_or(0.0);
-            zero = zero.with(axis, units::Length::mm(value));
+            zero = zero.with(axis, units::Coordinate::new(value));
         }
         zero
     }

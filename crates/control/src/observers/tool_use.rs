@@ -40,7 +40,7 @@ impl ToolUseCount {
 
     /// A servo period.
     pub(super) fn sample(&mut self, sample: &Sample) {
-        let at = [0, 1, 2].map(|axis| sample.command.axes[axis].position);
+        let at = [0, 1, 2].map(|axis| sample.command.axes[axis].position.of_linear());
         let now = sample.feedback.time;
         let Some((then, from)) = self.last.replace((now, at)) else { return };
         let cuts = matches!(

@@ -6,7 +6,6 @@
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
-use super::manual::unit;
 use super::meters::Meters;
 use super::programs::{Loaded, UnderWay};
 use super::request::{Accepted, Refusal, Request};
@@ -22,6 +21,7 @@ use kernel::{Kernel, Pause, WaitFor};
 use sim::Faulty;
 use std::path::{Path, PathBuf};
 use store::state::LastProgram;
+use units::Coordinate;
 
 /// Alarms that are remembered.
 const MOST_ALARMS: usize = 200;
@@ -71,7 +71,7 @@ pub struct Control {
     /// Axes that are homed after those that are homed now.
     pub(super) to_home: Vec<config::AxisHoming>,
     /// Where the handwheel has sent each axis.
-    pub(super) handwheel: [Option<f64>; AXES],
+    pub(super) handwheel: [Option<Coordinate>; AXES],
     /// The program that was loaded last, and how far it came.
     pub(super) last_program: Option<LastProgram>,
     pub(super) kept: Kept,
@@ -294,7 +294,7 @@ impl Control {
         let mut place = self.base.interp_setup().start;
         for axis in self.base.machine.axes.iter().flatten() {
             if let Some(at) = self.executor.kernel.setpoint(axis.letter) {
-                place = place.with(axis.letter, units::Length::mm(at));
+                place = place.with(axis.letter, at);
             }
         }
         place
@@ -360,21 +360,18 @@ impl Control {
             match &event.kind {
                 EventKind::Operator(notice) => self.events.notice(notice.to_string()),
                 EventKind::FollowingWarning { axis, error } => {
-                    let (letter, by) = (axis.letter(), error.value());
-                    let unit = unit(*axis);
-                    self.events.notice(format!("{letter}: following error {by:.4} {unit}"));
+                    let (letter, by) = (axis.letter(), axis.reading(*error));
+                    self.events.notice(format!("{letter}: following error {by:.4}"));
                 }
                 EventKind::SyncWarning { error } => {
                     self.events.notice(format!("line {}: sync error {error}", event.line));
                 }
                 EventKind::Homed { axis, deviation } => {
                     self.keep_homed(*axis);
-                    let (axis, unit) = (axis.letter(), unit(*axis));
+                    let (letter, deviation) = (axis.letter(), deviation.map(|by| axis.reading(by)));
                     self.events.notice(match deviation {
-                        None => format!("{axis} is homed"),
-                        Some(by) => {
-                            format!("{axis} is homed, {:+.4} {unit} from before", by.value())
-                        }
+                        None => format!("{letter} is homed"),
+                        Some(by) => format!("{letter} is homed, {by:+.4} from before"),
                     });
                 }
                 EventKind::HomingStopped { axis } => {

@@ -6,7 +6,7 @@ use canon::Axis;
 use kernel::{ManualOrder, ManualRefusal};
 use motion::{Goal, OnlineLimits};
 use store::machine::Axis as AxisFile;
-use units::{Angle, Spin};
+use units::{Angle, Coordinate, CoordinateSpeed, Spin};
 
 impl Control {
     /// The axis in the machine's file.
@@ -24,25 +24,29 @@ impl Control {
             return Err(Refusal::because("axes are being homed: wait, or stop the jog"));
         }
         let file = self.axis_file(axis)?;
-        let at = self.executor.kernel.setpoint(axis).unwrap_or(0.0);
+        let at = self.executor.kernel.setpoint(axis).unwrap_or(Coordinate::ZERO);
         let is_homed = self.is_homed(axis);
         let ends = if is_homed {
-            (file.travel.from.value(), file.travel.to.value())
+            (file.travel.from, file.travel.to)
         } else {
-            (f64::NEG_INFINITY, f64::INFINITY)
+            (Coordinate::new(f64::NEG_INFINITY), Coordinate::new(f64::INFINITY))
         };
-        let (approach, fastest) = (file.approach.speed.value(), file.rapid.value());
+        let (approach, fastest) = (file.approach.speed, file.rapid);
         // an axis that does not know where it is goes no faster than it may run into its end
         let most = if is_homed { fastest } else { approach };
+        let to = |to: Coordinate| (Goal::Position(to.value()), approach, None);
+        let mut sent_to = None;
         let (goal, speed, lease) = match jog {
-            Jog::Continuous(speed) => (Goal::Speed(speed), speed.abs(), Some(Jog::LEASE)),
-            Jog::Increment(by) => (Goal::Position(at + by), approach, None),
-            Jog::To(to) => (Goal::Position(to), approach, None),
+            Jog::Continuous(speed) => (Goal::Speed(speed.value()), speed.abs(), Some(Jog::LEASE)),
+            Jog::Increment(by) => to(at + by),
+            Jog::To(place) => to(place),
             Jog::Handwheel(by) => {
                 let sent = self.handwheel[axis.index()]
                     .filter(|_| self.executor.kernel.is_moving_manually())
                     .unwrap_or(at);
-                (Goal::Position((sent + by).clamp(ends.0, ends.1)), approach, None)
+                let place = (sent + by).max(ends.0).min(ends.1);
+                sent_to = Some(place);
+                to(place)
             }
         };
         let (Goal::Speed(value) | Goal::Position(value)) = goal;
@@ -50,39 +54,39 @@ impl Control {
             return Err(Refusal::because("a jog needs a number"));
         }
         if let (Goal::Position(to), Jog::Increment(_) | Jog::To(_)) = (goal, jog)
+            && let to = Coordinate::new(to)
             && (to < ends.0 || to > ends.1)
         {
             let (end, left) =
                 if to < ends.0 { (ends.0, at - ends.0) } else { (ends.1, ends.1 - at) };
-            let (letter, unit) = (axis.letter(), unit(axis));
+            let [to, end, left] =
+                [to, end, left.max(Coordinate::ZERO)].map(|place| axis.reading(place));
             return Err(Refusal::because(format!(
-                "{letter} would go to {to:.3} {unit}: its travel ends at {end:.3} {unit}, {:.3} {unit} from here",
-                left.max(0.0)
+                "{} would go to {to}: its travel ends at {end}, {left} from here",
+                axis.letter()
             )));
         }
         if speed > most {
-            let (letter, unit) = (axis.letter(), unit(axis));
+            let (letter, unit) = (axis.letter(), axis.kind().unit());
             let why = if is_homed { "its rapid" } else { "its approach speed until it is homed" };
             return Err(Refusal::because(format!(
-                "{letter} is jogged at {:.0} {unit}/min at most, {why}",
-                most * 60.0
+                "{letter} is jogged at {:.0}{unit}/min at most, {why}",
+                most.in_per_min()
             )));
         }
         let limits = OnlineLimits {
-            speed: if speed > 0.0 { speed } else { approach },
+            speed: if speed > CoordinateSpeed::ZERO { speed } else { approach }.value(),
             accel: file.acceleration.value(),
             jerk: file.jerk_feed.value(),
         };
         let lease = lease.map(|lasts| self.now() + lasts);
+        let ends = (ends.0.value(), ends.1.value());
         let order = ManualOrder { goal, limits, ends, lease };
         self.executor
             .kernel
             .move_manually(axis, order)
             .map_err(|why| refused_by_kernel(why, axis))?;
-        self.handwheel[axis.index()] = match (jog, goal) {
-            (Jog::Handwheel(_), Goal::Position(to)) => Some(to),
-            _ => None,
-        };
+        self.handwheel[axis.index()] = sent_to;
         self.enter(Mode::Manual);
         Ok(Accepted::default())
     }
@@ -138,14 +142,6 @@ impl Control {
                 machine.name
             ))
         })
-    }
-}
-
-/// Unit of an axis' coordinates.
-pub(super) const fn unit(axis: Axis) -> &'static str {
-    match axis {
-        Axis::A | Axis::B | Axis::C => "deg",
-        _ => "mm",
     }
 }
 

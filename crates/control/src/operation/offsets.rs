@@ -1,9 +1,8 @@
 //! Work offsets, touch off, and what the control believes of its tools.
 use super::control::Control;
-use super::manual::unit;
 use super::request::{Accepted, Refusal, ToolField};
 use canon::{Axis, Tool};
-use units::Length;
+use units::{Coordinate, Length};
 
 /// Number of the parameter that holds X of the work offset G54; those of G55 follow 20 later.
 const G54: usize = 5221;
@@ -21,18 +20,18 @@ impl Control {
         self.data.rest.as_ref().map_or(1, interp::OpsRest::work_offset)
     }
 
-    /// Where a work offset has its zero along an axis, machine coordinates in mm or degrees.
-    pub fn zero_of(&self, system: u8, axis: Axis) -> f64 {
-        self.data.parameters.get(parameter(system, axis)).unwrap_or(0.0)
+    /// Where a work offset has its zero along an axis, machine coordinates.
+    pub fn zero_of(&self, system: u8, axis: Axis) -> Coordinate {
+        Coordinate::new(self.data.parameters.get(parameter(system, axis)).unwrap_or(0.0))
     }
 
     /// How far the tool's tip stands from where the axis is.
-    pub(super) fn tip(&self, axis: Axis) -> f64 {
+    pub(super) fn tip(&self, axis: Axis) -> Coordinate {
         let tool = self.data.tools.get(self.mounted()).filter(|_| axis == Axis::Z);
-        tool.map_or(0.0, |tool| (tool.length + tool.wear.length).value())
+        tool.map_or(Coordinate::ZERO, |tool| Coordinate::linear(tool.length + tool.wear.length))
     }
 
-    pub(super) fn touch_off(&mut self, axis: Axis, at: f64) -> Result<Accepted, Refusal> {
+    pub(super) fn touch_off(&mut self, axis: Axis, at: Coordinate) -> Result<Accepted, Refusal> {
         self.axis_file(axis)?;
         let system = self.work_offset();
         let turned = self.data.parameters.get(parameter(system, Axis::X) + 9).unwrap_or(0.0);
@@ -52,23 +51,23 @@ impl Control {
         &mut self,
         system: u8,
         axis: Axis,
-        at: f64,
+        at: Coordinate,
     ) -> Result<Accepted, Refusal> {
         self.axis_file(axis)?;
         if !(1..=SYSTEMS).contains(&system) {
             return Err(Refusal::because("work offsets are G54 to G59.3, numbered 1 to 9"));
         }
         let before = self.zero_of(system, axis);
-        if !self.data.parameters.set(parameter(system, axis), at) {
+        if !self.data.parameters.set(parameter(system, axis), at.value()) {
             return Err(Refusal::because("a work offset needs a number"));
         }
         if let Err(why) = self.keep_parameters() {
-            self.data.parameters.set(parameter(system, axis), before);
+            self.data.parameters.set(parameter(system, axis), before.value());
             return Err(why);
         }
-        let (letter, unit) = (axis.letter(), unit(axis));
+        let (letter, at) = (axis.letter(), axis.reading(at));
         Ok(Accepted {
-            notes: vec![format!("{}: {letter} is at {at:.4} {unit} of the machine", name(system))],
+            notes: vec![format!("{}: {letter} is at {at:.4} of the machine", name(system))],
         })
     }
 

@@ -9,7 +9,6 @@ use super::control::Control;
 use super::ended::EndedProgram;
 use super::event::Event;
 use super::kept::take_left;
-use super::manual::unit;
 use super::proving::Fit;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
@@ -116,7 +115,7 @@ impl Control {
     /// The way of the tool through operations that begin here, in the work offset in force.
     fn path_through(&self, ops: &[Op]) -> ToolPath {
         let system = self.work_offset();
-        let zero = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.zero_of(system, axis));
+        let zero = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.zero_of(system, axis).value());
         let length_of = |number: u32| {
             self.data.tools.get(number).map_or(0.0, |tool| (tool.length + tool.wear.length).value())
         };
@@ -408,8 +407,7 @@ fn sentence(session: &Session, op: &Op) -> Option<String> {
 fn place(session: &Session, to: &Position) -> String {
     let axes = session.machine.axes.iter().flatten();
     let words = axes.map(|axis| {
-        let at = to.along(axis.letter).value();
-        format!("{}{at:.3} {}", axis.letter.letter(), unit(axis.letter))
+        format!("{}{}", axis.letter.letter(), axis.letter.reading(to.along(axis.letter)))
     });
     format!("{} of the machine", words.collect::<Vec<_>>().join(" "))
 }

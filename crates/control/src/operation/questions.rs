@@ -6,7 +6,7 @@ use super::state::{EmergencyStop, Execution, Need};
 use bus::State;
 use canon::Axis;
 use kernel::Waiting;
-use units::Time;
+use units::{Coordinate, Time};
 
 impl Control {
     /// The emergency stop chain, as the machine says it is.
@@ -105,10 +105,10 @@ impl Control {
         self.base.tools.get(self.mounted()).filter(|_| is_broken)
     }
 
-    /// Where each axis of the machine is told to be, mm or degrees.
-    pub fn setpoints(&self) -> impl Iterator<Item = (Axis, f64)> {
+    /// Where each axis of the machine is told to be.
+    pub fn setpoints(&self) -> impl Iterator<Item = (Axis, Coordinate)> {
         let axes = self.base.machine.axes.iter().flatten().map(|axis| axis.letter);
-        axes.map(|axis| (axis, self.executor.kernel.setpoint(axis).unwrap_or(0.0)))
+        axes.map(|axis| (axis, self.executor.kernel.setpoint(axis).unwrap_or(Coordinate::ZERO)))
     }
 
     /// Machine time.

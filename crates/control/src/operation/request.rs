@@ -5,19 +5,19 @@ use crate::job::restart;
 use canon::Axis;
 use core::fmt;
 use std::path::PathBuf;
-use units::{Angle, Spin, Time};
+use units::{Angle, Coordinate, CoordinateSpeed, Spin, Time};
 
-/// How an axis is jogged. Of A, B and C read degrees for millimetres.
+/// How an axis is jogged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Jog {
-    /// On and on, at this speed, signed, mm/s, as long as it is asked for again within [`Jog::LEASE`].
-    Continuous(f64),
-    /// By this much from where the axis is told to be, mm.
-    Increment(f64),
-    /// By this much from where the handwheel has sent it so far, mm.
-    Handwheel(f64),
-    /// To this machine coordinate, mm.
-    To(f64),
+    /// On and on, at this speed, signed, as long as it is asked for again within [`Jog::LEASE`].
+    Continuous(CoordinateSpeed),
+    /// By this much from where the axis is told to be.
+    Increment(Coordinate),
+    /// By this much from where the handwheel has sent it so far.
+    Handwheel(Coordinate),
+    /// To this machine coordinate.
+    To(Coordinate),
 }
 
 impl Jog {
@@ -80,9 +80,9 @@ pub enum Request {
     /// Share of the programmed spindle speed.
     SpindleOverride(f64),
     /// Set the work offset in force so that the tool's tip is at this coordinate of the axis, mm.
-    TouchOff(Axis, f64),
+    TouchOff(Axis, Coordinate),
     /// Set a work offset, 1 for G54: its zero is at this machine coordinate of the axis, mm.
-    SetWorkOffset(u8, Axis, f64),
+    SetWorkOffset(u8, Axis, Coordinate),
     /// Set what the control believes of a tool, mm.
     EditTool(u32, ToolField, f64),
 }

@@ -1,7 +1,7 @@
 //! Signals of a control: what a scope shows, a value each servo period.
 use super::control::Control;
-use super::manual::unit;
 use canon::Axis;
+use units::{AxisKind, Coordinate};
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +26,11 @@ impl Signals {
     pub fn of(control: &Control) -> Self {
         let mut all = Vec::new();
         for axis in control.machine().axes.iter().flatten().map(|axis| axis.letter) {
-            let (letter, unit) = (axis.letter(), unit(axis));
-            let error = if unit == "mm" { "um" } else { "mdeg" };
+            let (letter, unit) = (axis.letter(), axis.kind().unit_name());
+            let error = match axis.kind() {
+                AxisKind::Linear => "um",
+                AxisKind::Rotary => "mdeg",
+            };
             all.push((format!("{letter}.setpoint_{unit}"), Source::Setpoint(axis)));
             all.push((format!("{letter}.position_{unit}"), Source::Position(axis)));
             all.push((format!("{letter}.following_error_{error}"), Source::FollowingError(axis)));
@@ -52,7 +55,7 @@ impl Signals {
         let feedback = control.executor.machine.feedback();
         let position =
             |axis: Axis| (feedback.axes[axis.index()].position + kernel.zero(axis)).value();
-        let setpoint = |axis: Axis| kernel.setpoint(axis).unwrap_or(f64::NAN);
+        let setpoint = |axis: Axis| kernel.setpoint(axis).map_or(f64::NAN, Coordinate::value);
         row.extend(self.sources.iter().map(|source| {
             match *source {
                 Source::Setpoint(axis) => setpoint(axis) as f32,

@@ -1,6 +1,5 @@
 //! How a control is: all that a panel shows, as plain values with their units in their names.
 use super::control::Control;
-use super::manual::unit;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Need, Power};
 use units::Length;
@@ -255,16 +254,16 @@ impl Control {
         let status = |axis: &store::machine::Axis| {
             let letter = axis.letter;
             let counted = feedback.axes[letter.index()].position;
-            let read = (counted + self.executor.kernel.zero(letter)).value();
+            let read = counted + self.executor.kernel.zero(letter);
             let machine = self.executor.kernel.setpoint(letter).unwrap_or(read);
             AxisStatus {
                 letter: letter.letter(),
-                unit: unit(letter),
-                machine,
-                work: machine - self.tip(letter) - self.zero_of(system, letter),
-                to_go: goal.map(|goal| goal.along(letter).value() - machine),
+                unit: letter.kind().unit_name(),
+                machine: machine.value(),
+                work: (machine - self.tip(letter) - self.zero_of(system, letter)).value(),
+                to_go: goal.map(|goal| (goal.along(letter) - machine).value()),
                 is_homed: self.is_homed(letter),
-                following_error: machine - read,
+                following_error: (machine - read).value(),
             }
         };
         self.base.machine.axes.iter().flatten().map(status).collect()

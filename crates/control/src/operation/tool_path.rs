@@ -6,7 +6,7 @@
 //!   tip = axis − zero of the work offset,    along Z less the length of the tool in the spindle
 //! ```
 use canon::{Arc, Axis, Op, OpKind, Position, Spline};
-use units::Angle;
+use units::{Angle, Coordinate};
 
 /// Points that are kept: what a browser draws at once. A longer program is shown up to there.
 const MOST_POINTS: usize = 200_000;
@@ -116,13 +116,16 @@ impl ToolPath {
                 return 0;
             }
             OpKind::Hole(hole) => {
-                let bottom = frame.tip(&hole.at.with(hole.axis, hole.bottom))[2];
+                let bottom =
+                    frame.tip(&hole.at.with(hole.axis, Coordinate::linear(hole.bottom)))[2];
                 self.holes.push(PathHole { line, is_tap: false, at: frame.tip(&hole.at), bottom });
                 return 1;
             }
             OpKind::Tap(tap) => {
-                let (top, bottom) =
-                    (frame.tip(&tap.start), frame.tip(&tap.start.with(tap.axis, tap.bottom)));
+                let (top, bottom) = (
+                    frame.tip(&tap.start),
+                    frame.tip(&tap.start.with(tap.axis, Coordinate::linear(tap.bottom))),
+                );
                 self.holes.push(PathHole { line, is_tap: true, at: top, bottom: bottom[2] });
                 (PathKind::Tap, tap.start, vec![top, bottom, top])
             }
@@ -154,15 +157,21 @@ impl ToolPath {
 fn chords(from: &Position, to: &Position, arc: &Arc, frame: &TipFrame<'_>) -> Vec<[f64; 3]> {
     let [first, second, normal] = arc.plane.axes();
     let count = ((arc.sweep.value() / CHORD.value()).abs().ceil() as usize).clamp(1, MOST_CHORDS);
-    let [x, y] = [first, second].map(|axis| from.along(axis));
+    let [x, y] = [first, second].map(|axis| from.along(axis).of_linear());
     let (dx, dy) = ((x - arc.centre[0]).value(), (y - arc.centre[1]).value());
     let mut points: Vec<_> = (1..count)
         .map(|k| {
             let share = k as f64 / count as f64;
             let (sin, cos) = (arc.sweep.value() * core::f64::consts::TAU * share).sin_cos();
             let place = to
-                .with(first, arc.centre[0] + units::Length::mm(cos * dx - sin * dy))
-                .with(second, arc.centre[1] + units::Length::mm(sin * dx + cos * dy))
+                .with(
+                    first,
+                    Coordinate::linear(arc.centre[0] + units::Length::mm(cos * dx - sin * dy)),
+                )
+                .with(
+                    second,
+                    Coordinate::linear(arc.centre[1] + units::Length::mm(sin * dx + cos * dy)),
+                )
                 .with(normal, from.along(normal) * (1.0 - share) + to.along(normal) * share);
             frame.tip(&place)
         })
@@ -176,7 +185,13 @@ fn ends(from: &Position, to: &Position, spline: &Spline, frame: &TipFrame<'_>) -
     let count = spline.pieces.len();
     let inner = spline.pieces.iter().take(count.saturating_sub(1));
     let mut points: Vec<_> = inner
-        .map(|piece| frame.tip(&from.with(Axis::X, piece[4][0]).with(Axis::Y, piece[4][1])))
+        .map(|piece| {
+            frame.tip(
+                &from
+                    .with(Axis::X, Coordinate::linear(piece[4][0]))
+                    .with(Axis::Y, Coordinate::linear(piece[4][1])),
+            )
+        })
         .collect();
     points.push(frame.tip(to));
     points

@@ -6,7 +6,7 @@ use forms::polygon::{Actuator, Drive, Effort, Form, Limits};
 use std::f64::consts::{PI, TAU};
 use store::machine::{Axis, MachineFile, PositionFrom, Spindle};
 use sync::Complex;
-use units::Spin;
+use units::{Coordinate, Spin};
 
 /// What a commissioning leaves undecided of a screw's stiffness, as a share.
 pub const STIFFNESS: f64 = 0.15;
@@ -128,7 +128,9 @@ fn limits(machine: &MachineFile, actuator: Actuator, form: &Form, work: Spin) ->
         Oscillating::Axis(letter) => {
             let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?;
             let middle = match actuator {
-                Actuator::CentreLine => machine.setup.g54.along(letter) + form.centres(),
+                Actuator::CentreLine => {
+                    machine.setup.g54.along(letter) + Coordinate::linear(form.centres())
+                }
                 Actuator::Across | Actuator::ToolPhase => machine.setup.g54.along(letter),
             };
             let travel = (middle - axis.travel.from).min(axis.travel.to - middle).value();

@@ -48,7 +48,7 @@ pub fn clear(form: &Form) -> Length {
 pub fn cutter(machine: &MachineFile, form: &Form, zero: Length) -> Vec<String> {
     let axis = machine.axes.iter().flatten().find(|axis| axis.letter == canon::Axis::X);
     let Some(axis) = axis else { return Vec::new() };
-    let (least, most) = (axis.travel.from - zero, axis.travel.to - zero);
+    let (least, most) = (axis.travel.from.of_linear() - zero, axis.travel.to.of_linear() - zero);
     let (cut, clear) = (form.centres(), clear(form));
     let works = |radius: Length| {
         format!("Ø{:.3} works, a tip radius of {:.3} mm", 2.0 * radius.value(), radius.value())
@@ -87,7 +87,10 @@ fn travel(
     let Some(middle) = cut.get(letter.index()) else { return };
     let nodes = sampled(&oscillation.harmonics);
     let [low, high] = [f64::min, f64::max].map(|of| nodes.iter().copied().fold(0.0, of));
-    let (least, most) = ((axis.travel.from - *middle).value(), (axis.travel.to - *middle).value());
+    let (least, most) = (
+        (axis.travel.from.of_linear() - *middle).value(),
+        (axis.travel.to.of_linear() - *middle).value(),
+    );
     if low < least || high > most {
         let room = most.min(-least).max(0.0);
         all.push(format!(

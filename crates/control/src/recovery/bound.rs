@@ -61,7 +61,7 @@ pub(super) fn unseen(
         }
         PositionFrom::Scale { resolution, .. } => (resolution, None),
     };
-    let counts = Length::mm(count) + resolution;
+    let counts = Length::mm(count) + resolution.of_linear();
     let (play, mut spring) = of_screw.unwrap_or_default();
     if of_screw.is_some() {
         spring += Length::mm(ground.value() / (SOFTER * axis.structure.stiffness.value()));
@@ -92,5 +92,5 @@ fn screw(stroke: &Stroke, axis: &Axis, spindle: &Spindle, error: Length) -> (Len
     let pushed = axis.moving_mass.value() * runs_up.min(axis.acceleration.value() * 1e-3);
     let given = error.abs() * (holder / (k + holder));
     let spring = Length::mm((MORE * standing + MISSED * (moving + pushed)) / k * 1e3) + given;
-    (axis.structure.backlash * MORE, spring)
+    (axis.structure.backlash.of_linear() * MORE, spring)
 }

@@ -231,7 +231,7 @@ pub(super) fn drive_out(
         turn: findings.turn,
         way: findings.way,
         spin: OUT,
-        feed: (axis.approach.speed / 10.0, axis.approach.acceleration),
+        feed: (axis.approach.speed.of_linear() / 10.0, axis.approach.acceleration.of_linear()),
     });
     let mut figures = None;
     super::obey(&mut kernel, plant, &mut |event| {

@@ -325,7 +325,8 @@ fn stands(file: &MachineFile, feedback: &Feedback, axis: u8) -> Length {
     let reading = feedback.axes[usize::from(axis)].position;
     let control = config::control(file, None, false);
     let control = control.axes.get(usize::from(axis)).and_then(Option::as_ref);
-    control.map_or(reading, |control| control.tool_side_at_rest(reading))
+    let place = control.map_or(reading, |control| control.tool_side_at_rest(reading));
+    place.of_linear()
 }
 
 /// What lies in a state folder.

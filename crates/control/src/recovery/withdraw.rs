@@ -60,7 +60,7 @@ pub(super) fn find(
     file: &MachineFile,
 ) -> Withdrawal {
     let feedback = &welcome.observed.feedback;
-    let place = |axis: u8| feedback.axes[usize::from(axis)].position;
+    let place = |axis: u8| feedback.axes[usize::from(axis)].position.of_linear();
     let leg = |axis: u8, to| Leg { axis: Axis::ALL[usize::from(axis)], from: place(axis), to };
     let is_thread = stroke.cut == Cut::Thread;
     Withdrawal {
@@ -158,7 +158,7 @@ fn back_along(
     let approach = file.axis(pass.axis).map(|axis| axis.approach);
     let approach = approach.ok_or_else(|| format!("there is no axis {}", pass.axis.letter()))?;
     let mut kernel = Kernel::new(config::control(file, None, false));
-    let feed = (approach.speed / 10.0, approach.acceleration);
+    let feed = (approach.speed.of_linear() / 10.0, approach.acceleration.of_linear());
     let plan = along_pass(&pass, stroke.spindle, &plant.feedback(), feed);
     kernel.recover(plan.ok_or("its lead grows")?);
     let mut figures = None;
@@ -198,7 +198,7 @@ pub fn along_pass(
     }
     let at = Point {
         angle: feedback.spindles[usize::from(spindle)].angle,
-        place: feedback.axes[pass.axis.index()].position,
+        place: feedback.axes[pass.axis.index()].position.of_linear(),
     };
     let coupling = Coupling::line(pass.lead, pass.angle, pass.start);
     let angle = |z: Length| pass.angle + (z - pass.start) / pass.lead;

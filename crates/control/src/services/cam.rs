@@ -114,7 +114,7 @@ impl CamHost {
             let angle = sample.feedback.spindles[0].angle + half_angle - phase;
             self.now.samples.push(Pair {
                 angle: self.now.lead.as_ref().map_or(angle, |lead| even_turn(lead, angle)),
-                position: sample.feedback.axes[0].position + half_way,
+                position: sample.feedback.axes[0].position.of_linear() + half_way,
             });
         }
     }

@@ -69,10 +69,10 @@ pub fn in_work(record: &SyncRecord, feedback: &bus::Feedback) -> bool {
     const CLEAR: Length = Length::mm(1.0);
     let stroke = &record.stroke;
     if let Some(retreat) = stroke.retreat {
-        let place = feedback.axes[usize::from(retreat.axis)].position;
+        let place = feedback.axes[usize::from(retreat.axis)].position.of_linear();
         return record.stage.is_in_work() && retreat.inside(place) > AT_START;
     }
-    let z = feedback.axes[usize::from(stroke.axis)].position;
+    let z = feedback.axes[usize::from(stroke.axis)].position.of_linear();
     let below = if stroke.bottom < stroke.start { stroke.surface - z } else { z - stroke.surface };
     record.stage.is_in_work() && stroke.inside(z) > AT_START && below > -CLEAR
 }
@@ -399,7 +399,7 @@ fn is_inside(record: &SyncRecord, tools: &ToolLibrary, top: Length, feedback: &F
     const CERTAIN: Length = Length::mm(0.1);
     let stroke = &record.stroke;
     let length = tools.get(stroke.tool).map_or(Length::ZERO, canon::Tool::worn_length);
-    let place = feedback.axes[usize::from(stroke.axis)].position;
+    let place = feedback.axes[usize::from(stroke.axis)].position.of_linear();
     if usize::from(stroke.axis) != canon::Axis::Z.index() || stroke.bottom > stroke.start {
         return stroke.inside(place) > stroke.inside(stroke.surface) + CERTAIN;
     }

@@ -25,7 +25,7 @@ use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
 use std::ops::ControlFlow;
 use sync::recovery::{Mover, Point, Way};
-use units::{Angle, Length, Spin, Stiffness, Time};
+use units::{Angle, Coordinate, Length, Spin, Stiffness, Time};
 use verify::{FeatureKind, Judge};
 
 /// Whatever was switched off stands by then: the operator switches it on again.
@@ -118,7 +118,7 @@ impl Stops {
         let tool = sample.feedback.tool.unwrap_or(0);
         let length = self.lengths.iter().find(|(number, _)| *number == tool);
         let length = length.map_or(Length::ZERO, |(_, length)| *length);
-        let below = self.zero - (sample.axis(2) - length);
+        let below = self.zero - (sample.axis(2).of_linear() - length);
         let now = sample.feedback.time;
         for order in self.orders.due(sample, below) {
             self.happened.push(format!("operator at {:.3} s: {}", now.value(), name(order)));
@@ -220,7 +220,7 @@ impl Stops {
 
 /// What is said of a tap that is not taken out.
 fn left_in(line: u32, plant: &Plant, surface: Length, by: &str) -> Option<String> {
-    let depth = (surface - plant.feedback().axes[2].position).value();
+    let depth = (surface - plant.feedback().axes[2].position.of_linear()).value();
     (depth > 0.0).then(|| {
         format!("line {line}: the tap was left {depth:.2} mm deep in its thread; {by} takes it out along it")
     })
@@ -261,7 +261,7 @@ fn name(order: Order) -> String {
 }
 
 fn point(sample: &Sample) -> PlanePoint {
-    (sample.spindle(0), sample.axis(2))
+    (sample.spindle(0), sample.axis(2).of_linear())
 }
 
 /// One period without orders: the drives alone, or a control that has stopped.
@@ -278,12 +278,12 @@ fn one_period(kernel: &mut Kernel, plant: &mut Plant) -> Sample {
 /// Until nothing turns or moves.
 fn run_down(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) {
     /// What stands, and for how many periods.
-    const STANDS: (Spin, Length, u32) = (Spin::rpm(1.0), Length::mm(2.5e-5), 200);
+    const STANDS: (Spin, Coordinate, u32) = (Spin::rpm(1.0), Coordinate::new(2.5e-5), 200);
     let end = plant.feedback().time + RUN_DOWN;
     let (mut still, mut before) = (0, None);
     while plant.feedback().time < end && (still < STANDS.2 || kernel.is_retreating()) {
         let sample = one_period(kernel, plant);
-        let (angle, places): (_, [Length; bus::AXES]) =
+        let (angle, places): (_, [Coordinate; bus::AXES]) =
             (sample.spindle(0), core::array::from_fn(|axis| sample.axis(axis)));
         let stands = before.replace((angle, places)).is_some_and(|(a, was)| {
             let moved = places.iter().zip(was).any(|(place, was)| (*place - was).abs() >= STANDS.1);

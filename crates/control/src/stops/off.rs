@@ -61,7 +61,7 @@ pub(super) fn deal_with(
     };
     let (line, cut) = (kernel.report().line, name(way_out.cut));
     let axis = way_out.infeed.letter();
-    let place = |plant: &Plant| plant.feedback().axes[way_out.infeed.index()].position;
+    let place = |plant: &Plant| plant.feedback().axes[way_out.infeed.index()].position.of_linear();
     let before = place(plant);
     run_down(kernel, plant, hear);
     // with the drives alive the kernel has seen to it

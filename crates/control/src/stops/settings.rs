@@ -38,7 +38,7 @@ impl RecoverySettings {
             play: session.machine.simulation.tap_seat.flank_clearance,
             taps: taps.collect(),
             feed: approach.map_or((slow, Accel::mm_per_s2(100.0)), |approach| {
-                (approach.speed.min(slow), approach.acceleration * 0.1)
+                (approach.speed.of_linear().min(slow), approach.acceleration.of_linear() * 0.1)
             }),
         }
     }
@@ -64,7 +64,8 @@ impl RecoverySettings {
         let way = match setting {
             None => Way::Direct,
             Some(setting) => {
-                let at = Point { angle: now.spindles[0].angle, place: now.axes[2].position };
+                let at =
+                    Point { angle: now.spindles[0].angle, place: now.axes[2].position.of_linear() };
                 match stored.leaving(at, &setting).map_err(|why| why.to_string())? {
                     Leaving::Straight => Way::Straight,
                     Leaving::Along => {

@@ -14,7 +14,7 @@ use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
 use bus::{AXES, Feedback, SPINDLES};
-use units::{Angle, Axis, Length};
+use units::{Angle, Axis, Coordinate};
 
 /// Friction, play and stiffness may be off by so much.
 const SPRINGS: f64 = 2.0;
@@ -60,7 +60,7 @@ impl EncoderPlausibility {
             };
             let (place, lost) =
                 watched.judge(reading, expected, bounds(loop_, period_s, frame_lost));
-            said.position = Length::mm(place + loop_.shifted);
+            said.position = Coordinate::new(place + loop_.shifted);
             loop_.blind |= lost;
             if lost {
                 let of = Subject::Axis(Axis::ALL[index]);

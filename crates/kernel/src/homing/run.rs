@@ -4,7 +4,7 @@ use crate::axis::AxisLoop;
 use crate::fault::FaultKind;
 use bus::AxisFeedback;
 use motion::{Goal, OnlineState};
-use units::Length;
+use units::Coordinate;
 
 /// A mark so near to the switch's edge, as a share of the distance between marks, may be taken for its neighbour next time.
 const MARK_AT_EDGE: f64 = 0.05;
@@ -136,7 +136,7 @@ impl HomingRun {
                 far(from, order.search, FaultKind::HomeSwitchNotFound)
             }
             Phase::Index { from, edge } => {
-                let Some(at) = said.index.map(Length::value) else {
+                let Some(at) = said.index.map(Coordinate::value) else {
                     return far(from, BEYOND_MARK * order.index_spacing, FaultKind::IndexNotFound);
                 };
                 let nearest = MARK_AT_EDGE * order.index_spacing;

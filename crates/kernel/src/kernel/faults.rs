@@ -194,7 +194,7 @@ impl Kernel {
                 axis.warned = false;
             } else if error.abs() > limit && !axis.warned {
                 axis.warned = true;
-                let (axis, error) = (Axis::ALL[index], units::Length::mm(error));
+                let (axis, error) = (Axis::ALL[index], units::Coordinate::new(error));
                 self.note(EventKind::FollowingWarning { axis, error });
             }
         }

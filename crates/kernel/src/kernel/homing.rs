@@ -8,7 +8,7 @@ use crate::homing::{HomingOrder, HomingOutcome};
 use crate::manual::ManualRefusal;
 use crate::queue::StepKind;
 use bus::{AXES, Feedback, Sample};
-use units::{Axis, Length};
+use units::{Axis, Coordinate};
 
 impl Kernel {
     /// Home an axis from the next tick on, or at once where its encoder or the operator knows its place. Several axes may be
@@ -64,8 +64,8 @@ impl Kernel {
     }
 
     /// What is added to an encoder's reading to make a position of it.
-    pub const fn zero(&self, axis: Axis) -> Length {
-        Length::mm(self.homing.zero(axis.index()))
+    pub const fn zero(&self, axis: Axis) -> Coordinate {
+        Coordinate::new(self.homing.zero(axis.index()))
     }
 
     /// What crossed the bus in the period of the last tick, with positions in the place of the encoders' readings.
@@ -106,7 +106,7 @@ impl Kernel {
     }
 
     fn note_homed(&mut self, axis: Axis, deviation: Option<f64>) {
-        self.note(EventKind::Homed { axis, deviation: deviation.map(Length::mm) });
+        self.note(EventKind::Homed { axis, deviation: deviation.map(Coordinate::new) });
     }
 
     /// Whether a step moves no axis that does not know where it is.

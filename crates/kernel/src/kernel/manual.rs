@@ -4,7 +4,7 @@ use crate::execute::Activity;
 use crate::manual::{ManualOrder, ManualRefusal, SpindleByHand};
 use crate::spindle::SpindleLoop;
 use bus::State;
-use units::{Angle, Axis, Spin, Time};
+use units::{Angle, Axis, Coordinate, Spin, Time};
 
 impl Kernel {
     /// Outputs off: everything stands and nothing is executed. Whether that is so.
@@ -147,9 +147,10 @@ impl Kernel {
         self.manual.is_leased()
     }
 
-    /// Where an axis is told to be, mm or degrees.
-    pub fn setpoint(&self, axis: Axis) -> Option<f64> {
-        Some(self.drives.axes.get(axis.index())?.as_ref()?.target.position)
+    /// Where an axis is told to be.
+    pub fn setpoint(&self, axis: Axis) -> Option<Coordinate> {
+        let axis = self.drives.axes.get(axis.index())?.as_ref()?;
+        Some(Coordinate::new(axis.target.position))
     }
 
     /// How fast a spindle is told to turn; one that there is not, not at all.

@@ -260,7 +260,7 @@ impl Design {
                 (most * 60.0).floor()
             ));
         }
-        let zero = self.machine.setup.g54.along(canon::Axis::X);
+        let zero = self.machine.setup.g54.along(canon::Axis::X).of_linear();
         wrong.extend(refuse::cutter(&self.machine, &self.form, zero));
     }
 

@@ -44,7 +44,11 @@ impl Peaks {
                 let n = programmed.map_or(1.0, |programmed| programmed.turning);
                 let place = |p: &canon::Position| canon::Axis::ALL.map(|axis| coordinate(p, axis));
                 let motion = |t| {
-                    order.path.motion(order.profile.at(t * n)).position.map(units::Length::value)
+                    order
+                        .path
+                        .motion(order.profile.at(t * n))
+                        .position
+                        .map(units::Coordinate::value)
                 };
                 self.last.resize(3, place(order.path.from()));
                 self.sample(order.profile.duration() / n, motion);

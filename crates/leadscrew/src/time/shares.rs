@@ -4,7 +4,7 @@ use control::config;
 use control::job::{Session, Source, preflight};
 use plan::{Clock, MachineLimits, Planner};
 use plan::{Step, StepKind};
-use units::{Jerk, Time};
+use units::{CoordinateJerk, Time};
 
 /// What takes time, in the order of the report.
 #[derive(Clone, Copy, Debug, Default)]
@@ -93,7 +93,7 @@ pub struct WithoutJerk {
 impl WithoutJerk {
     /// `None`: no axis has such a limit.
     pub fn of(session: &mut Session, options: plan::Options) -> Option<Self> {
-        let free = Jerk::mm_per_s3(f64::INFINITY);
+        let free = CoordinateJerk::new(f64::INFINITY);
         let limited = session.machine.axes.clone();
         if limited.iter().flatten().all(|axis| axis.jerk_feed == free && axis.jerk_rapid == free) {
             return None;

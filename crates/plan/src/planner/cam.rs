@@ -18,7 +18,7 @@ use alloc::{format, vec::Vec};
 use canon::{Axis, CamOrder};
 use diag::Diagnostic;
 use motion::{Move, Path, Superpose, Superposed, TiedCut};
-use units::{Angle, Lead, Length, Spin};
+use units::{Angle, Coordinate, Lead, Length, Spin};
 
 /// The spindle that turns the work.
 const WORK: u8 = 0;
@@ -144,8 +144,8 @@ impl Planner {
     /// left to the profile, and it never stands still to be in position.
     fn wheel_to(&mut self, job: &mut Job, x: Length) {
         let from = self.position();
-        let to = from.with(Axis::X, x);
-        self.programmed = self.programmed.with(Axis::X, x);
+        let to = from.with(Axis::X, Coordinate::linear(x));
+        self.programmed = self.programmed.with(Axis::X, Coordinate::linear(x));
         let path = Path::Line { from, to };
         if self.is_refused(job, &[path]) {
             return;
@@ -286,8 +286,8 @@ impl Planner {
     /// Cut in by so much, at a rate for each turn.
     fn infeed(&mut self, job: &mut Job, bite: Length, rate: Lead, spin: Spin) {
         let from = self.position();
-        let to = from.with(Axis::X, from.linear[0] - bite);
-        self.programmed = self.programmed.with(Axis::X, to.linear[0]);
+        let to = from.with(Axis::X, Coordinate::linear(from.linear[0] - bite));
+        self.programmed = self.programmed.with(Axis::X, Coordinate::linear(to.linear[0]));
         let path = Path::Line { from, to };
         if self.is_refused(job, &[path]) {
             return;

@@ -67,7 +67,7 @@ impl Planner {
 /// When a move passes the level of a chip removal, s after its start; `None` if it stays before it.
 pub(crate) fn passed_by(throw: &ChipThrow, order: &Move) -> Option<f64> {
     let beyond = |t: f64| {
-        let at = order.path.motion(order.profile.at(t)).position[throw.axis.index()];
+        let at = order.path.motion(order.profile.at(t)).position[throw.axis.index()].of_linear();
         (at - throw.level).value() * if throw.upwards { 1.0 } else { -1.0 } >= -super::NOTHING
     };
     let (mut low, mut high) = (0.0, order.profile.duration());

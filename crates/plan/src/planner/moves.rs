@@ -12,7 +12,7 @@ use diag::Diagnostic;
 use motion::{Move, Path, coordinate};
 use path::geometry::Segment;
 use path::geometry::quintic;
-use units::{Length, Spin};
+use units::{Coordinate, Length, Spin};
 
 /// Share of P for merging collinear moves, where no Q below P is stated, and the most of it that Q may take: what merging
 /// takes is missing where the curve through the points is made faster.
@@ -104,7 +104,9 @@ impl Planner {
         let mut from = self.programmed;
         let mut parts = Vec::new();
         for piece in &spline.pieces {
-            let place = |[x, y]: [Length; 2]| from.with(Axis::X, x).with(Axis::Y, y);
+            let place = |[x, y]: [Length; 2]| {
+                from.with(Axis::X, Coordinate::linear(x)).with(Axis::Y, Coordinate::linear(y))
+            };
             let [a, b, c, d, end] = piece.map(place);
             let control = [from, a, b, c, d, end];
             let control = control.map(|at| Axis::ALL.map(|axis| coordinate(&at, axis)));
@@ -116,7 +118,8 @@ impl Planner {
             .into_iter()
             .map(|curve| {
                 let [x, y, ..] = curve.control[5].map(Length::mm);
-                let to = from.with(Axis::X, x).with(Axis::Y, y);
+                let to =
+                    from.with(Axis::X, Coordinate::linear(x)).with(Axis::Y, Coordinate::linear(y));
                 Path::Spline { from: core::mem::replace(&mut from, to), to, curve }
             })
             .collect();

@@ -29,7 +29,7 @@ use alloc::{format, string::String};
 use canon::{Axis, Holder, ProgramFrame, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
 use diag::{Diagnostic, Span};
 use motion::TapPlan;
-use units::{Angle, Lead, Length, Spin, SpinAccel, Time, Torque};
+use units::{Angle, Coordinate, Lead, Length, Spin, SpinAccel, Time, Torque};
 
 /// The axes stand at the start if they are this near to it, mm.
 const AT_START: f64 = 1e-6;
@@ -37,7 +37,7 @@ const AT_START: f64 = 1e-6;
 /// The fastest way out that spindle and axis can tap.
 fn highest_return(tap: &Tap, means: &Means) -> Spin {
     let (axis, spindle) = &means.outward;
-    spindle.tapping_max.min(axis.feed_speed / tap.lead.abs())
+    spindle.tapping_max.min(axis.feed_speed.of_linear() / tap.lead.abs())
 }
 
 /// What is left below this counts as no peck of its own, mm.
@@ -94,7 +94,7 @@ impl Planner {
 
     /// All findings about a tap; what to plan it with if none of them refuses it.
     fn judge(&mut self, job: &Job, tap: &Tap) -> Option<Means> {
-        let turns = (tap.bottom - tap.start.along(tap.axis)) / tap.lead;
+        let turns = (tap.bottom - tap.start.along(tap.axis).of_linear()) / tap.lead;
         let seconds = (turns / tap.spin).abs() + (turns / tap.return_spin).abs() + tap.dwell;
         if self.numbers_are_refused(job, tap) || self.time_is_refused(job, seconds.value()) {
             return None;
@@ -246,7 +246,7 @@ impl Planner {
 
     /// Numbers that make no tap.
     fn numbers_are_refused(&mut self, job: &Job, tap: &Tap) -> bool {
-        let stroke = tap.bottom - tap.start.along(tap.axis);
+        let stroke = tap.bottom - tap.start.along(tap.axis).of_linear();
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let numbers = [
             stroke.value().abs(),
@@ -290,7 +290,10 @@ impl Planner {
                 self.findings.add(Diagnostic::error("M0330", job.span, text));
             }
         }
-        let path = motion::Path::Line { from: tap.start, to: tap.start.with(tap.axis, tap.bottom) };
+        let path = motion::Path::Line {
+            from: tap.start,
+            to: tap.start.with(tap.axis, Coordinate::linear(tap.bottom)),
+        };
         self.is_refused(job, &[path]) || refused
     }
 
@@ -327,7 +330,7 @@ impl Planner {
     }
 
     fn tap_plan(&mut self, tap: &Tap, peck: &Peck, means: &Means) -> TapPlan {
-        let start = tap.start.along(tap.axis);
+        let start = tap.start.along(tap.axis).of_linear();
         let direction = if tap.bottom < start { -1.0 } else { 1.0 };
         let sense = if tap.lead < Lead::ZERO { -1.0 } else { 1.0 };
         let turns = |from: Length, to: Length| -> Angle { (to - from).abs() / tap.lead.abs() };
@@ -356,7 +359,7 @@ impl Planner {
         TapPlan {
             axis: tap.axis,
             spindle: 0,
-            start: tap.start.with(tap.axis, peck.from),
+            start: tap.start.with(tap.axis, Coordinate::linear(peck.from)),
             bottom: peck.bottom,
             end: peck.end,
             surface: tap.surface,
@@ -404,7 +407,7 @@ impl Planner {
 /// The pecks of a tap, the only one of a tap without Q. A chip is broken only where that leaves the tap on its
 /// way: a retract as long as the peck or longer comes out to the start.
 fn pecks(tap: &Tap, retract: Retract) -> impl Iterator<Item = Peck> {
-    let (start, to) = (tap.start.along(tap.axis), tap.bottom);
+    let (start, to) = (tap.start.along(tap.axis).of_linear(), tap.bottom);
     let stroke = (to - start).abs();
     let into = if to < start { -1.0 } else { 1.0 };
     let depth = tap.peck.map_or(stroke, |peck| peck.min(stroke));

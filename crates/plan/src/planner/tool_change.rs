@@ -11,7 +11,7 @@ use alloc::format;
 use canon::{Axis, Position};
 use diag::Diagnostic;
 use motion::Path;
-use units::{Length, Spin};
+use units::{Coordinate, Length, Spin};
 
 /// Where axes really are that a tool change has taken away; `None`: where the program has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,9 +25,9 @@ impl Away {
     pub(super) fn instead_of(&self, programmed: Position) -> Position {
         let mut place = programmed;
         for (axis, at) in [Axis::X, Axis::Y].into_iter().zip(self.across) {
-            place = at.map_or(place, |at| place.with(axis, at));
+            place = at.map_or(place, |at| place.with(axis, Coordinate::linear(at)));
         }
-        self.z.map_or(place, |z| place.with(Axis::Z, z))
+        self.z.map_or(place, |z| place.with(Axis::Z, Coordinate::linear(z)))
     }
 
     const fn is_across(&self) -> bool {

@@ -25,7 +25,7 @@ use alloc::format;
 use canon::{Holder, Tap};
 use diag::Diagnostic;
 use motion::{Move, Path, Phase, Profile};
-use units::{Angle, Length, Spin, Time};
+use units::{Angle, Coordinate, Length, Spin, Time};
 
 /// Within which a drive that makes its own ramp is told a new speed, s.
 const TOLD_WITHIN: f64 = 1e-3;
@@ -51,7 +51,7 @@ impl Planner {
         if self.words_are_refused(job, tap) {
             return;
         }
-        let start = tap.start.along(tap.axis);
+        let start = tap.start.along(tap.axis).of_linear();
         let stroke = tap.bottom - start;
         if stroke.abs() <= clutch.spline_length {
             let text = format!(
@@ -122,7 +122,7 @@ impl Planner {
 
     /// From here on the tool is in the work: whoever comes after a control that has died must know.
     fn goes_in(&mut self, job: &mut Job, tap: &Tap) {
-        let start = tap.start.along(tap.axis);
+        let start = tap.start.along(tap.axis).of_linear();
         let outward = if tap.bottom < start { 1.0 } else { -1.0 };
         let way_out = way_out::floating(0, tap.axis, start, outward);
         self.hand_on(job, StepKind::WayOut(Some(way_out)));
@@ -154,7 +154,7 @@ impl Planner {
 
     /// Down to a coordinate at S·H and back; `None` if the axis cannot.
     fn ways(&mut self, job: &Job, tap: &Tap, to: Length) -> Option<(FeedStroke, FeedStroke)> {
-        let (from, to) = (tap.start, tap.start.with(tap.axis, to));
+        let (from, to) = (tap.start, tap.start.with(tap.axis, Coordinate::linear(to)));
         let feed = (tap.lead.abs() * tap.spin).value();
         let mut way = |from, to| {
             let path = Path::Line { from, to };

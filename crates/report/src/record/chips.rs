@@ -102,10 +102,10 @@ impl Chips {
     pub(crate) fn op(&mut self, index: u32, op: &Op) {
         match &op.kind {
             OpKind::Hole(hole) => {
-                self.levels.insert(index, (hole.axis, hole.at.along(hole.axis)));
+                self.levels.insert(index, (hole.axis, hole.at.along(hole.axis).of_linear()));
             }
             OpKind::Tap(tap) => {
-                self.levels.insert(index, (tap.axis, tap.start.along(tap.axis)));
+                self.levels.insert(index, (tap.axis, tap.start.along(tap.axis).of_linear()));
             }
             OpKind::Spindle { order: SpindleOrder::ThrowChips(chips), .. } => {
                 self.orders.push_back((index, *chips));
@@ -126,7 +126,7 @@ impl Chips {
         let Some((&hole_op, &(axis, level))) = self.levels.range(..=op).next_back() else { return };
         self.row(sample, now.value(), spin, length);
         let cuts = matches!(sample.report.state, State::Feed | State::TapIn | State::TapBottom);
-        let height = sample.axis(axis.index()) - level;
+        let height = sample.axis(axis.index()).of_linear() - level;
         self.stage = match self.stage {
             Stage::Before if cuts => self.begin_cut(hole_op, now.value()),
             Stage::Before => Stage::Before,

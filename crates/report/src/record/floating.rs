@@ -52,7 +52,7 @@ impl Floating {
             return;
         }
         // a tap's coordinates are those of its axis: the tool's length is in both
-        let held = truth.axes[tap.axis.index()] - tap.surface;
+        let held = truth.axes[tap.axis.index()].of_linear() - tap.surface;
         self.moments.push(Moment {
             time: sample.feedback.time.value(),
             feed: held.value(),

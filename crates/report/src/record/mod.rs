@@ -190,7 +190,7 @@ impl Recorder {
                 self.changes.push((sample.feedback.time, tool));
             }
         }
-        let z = sample.axis(Axis::Z.index()) - self.length;
+        let z = sample.axis(Axis::Z.index()).of_linear() - self.length;
         let at =
             [sample.axis(Axis::X.index()).value(), sample.axis(Axis::Y.index()).value(), z.value()];
         match sample.report.state {

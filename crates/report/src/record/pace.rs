@@ -11,25 +11,25 @@ use super::{Point, Series, Track};
 use bus::{AXES, Sample, State};
 use canon::{Arc, Axis, Feed, Op, OpKind, Position};
 use std::collections::BTreeMap;
-use units::{Accel, Angle, Jerk, Speed, Time};
+use units::{Angle, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Time};
 
-/// What the axes can do, X first; infinite where there is no limit. Of A, B and C read degrees for millimetres.
+/// What the axes can do, X first; infinite where there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Highest speed.
-    pub speed: [Speed; AXES],
+    pub speed: [CoordinateSpeed; AXES],
     /// Highest acceleration.
-    pub accel: [Accel; AXES],
+    pub accel: [CoordinateAccel; AXES],
     /// Highest jerk while cutting.
-    pub jerk: [Jerk; AXES],
+    pub jerk: [CoordinateJerk; AXES],
 }
 
 impl AxisLimits {
     /// Of axes that are not there.
     pub const NONE: Self = Self {
-        speed: [Speed::mm_per_s(f64::INFINITY); AXES],
-        accel: [Accel::mm_per_s2(f64::INFINITY); AXES],
-        jerk: [Jerk::mm_per_s3(f64::INFINITY); AXES],
+        speed: [CoordinateSpeed::new(f64::INFINITY); AXES],
+        accel: [CoordinateAccel::new(f64::INFINITY); AXES],
+        jerk: [CoordinateJerk::new(f64::INFINITY); AXES],
     };
 }
 
@@ -168,9 +168,9 @@ impl Pace {
         };
         let of = |axes: [usize; 3]| axes.iter().map(|i| v[*i] * v[*i]).sum::<f64>().sqrt();
         let (speed, turning) = (of(LINEAR), of(ROTARY));
-        let fast = share(v, limits.speed.map(Speed::value));
-        let hard = share(a, limits.accel.map(Accel::value));
-        let sudden = share(j, limits.jerk.map(Jerk::value));
+        let fast = share(v, limits.speed.map(CoordinateSpeed::value));
+        let hard = share(a, limits.accel.map(CoordinateAccel::value));
+        let sudden = share(j, limits.jerk.map(CoordinateJerk::value));
         let time = now.value();
         self.speed.push(time, speed);
         if turning > 0.0 || self.turning.is_some() {

@@ -76,7 +76,10 @@ impl TapTrace {
             saturated_for: Time::ZERO,
             worst: Length::ZERO,
             completed: false,
-            origin: (command.spindles[SPINDLE].angle, command.axes[tap.axis.index()].position),
+            origin: (
+                command.spindles[SPINDLE].angle,
+                command.axes[tap.axis.index()].position.of_linear(),
+            ),
             previous: None,
             coming_out: false,
         }
@@ -84,23 +87,23 @@ impl TapTrace {
 
     /// +1 where the tap goes towards plus, −1 where it goes towards minus.
     fn inwards(&self) -> f64 {
-        if self.tap.bottom < self.tap.start.along(self.tap.axis) { -1.0 } else { 1.0 }
+        if self.tap.bottom < self.tap.start.along(self.tap.axis).of_linear() { -1.0 } else { 1.0 }
     }
 
     /// Stroke before the material begins.
     pub(crate) fn clearance(&self) -> Length {
-        (self.tap.surface - self.tap.start.along(self.tap.axis)) * self.inwards()
+        (self.tap.surface - self.tap.start.along(self.tap.axis).of_linear()) * self.inwards()
     }
 
     /// Whole stroke.
     pub(crate) fn whole(&self) -> Length {
-        (self.tap.bottom - self.tap.start.along(self.tap.axis)).abs()
+        (self.tap.bottom - self.tap.start.along(self.tap.axis).of_linear()).abs()
     }
 
     /// Record a period.
     pub(crate) fn push(&mut self, sample: &Sample) {
         self.coming_out |= sample.report.state == State::TapOut;
-        let (angle, z) = (sample.spindle(SPINDLE), sample.axis(self.tap.axis.index()));
+        let (angle, z) = (sample.spindle(SPINDLE), sample.axis(self.tap.axis.index()).of_linear());
         let turned = angle - self.origin.0;
         let travelled = z - self.origin.1;
         let turns = turned.value() * self.tap.lead.value().signum();

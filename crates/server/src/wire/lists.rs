@@ -54,7 +54,7 @@ pub(crate) struct OffsetBody {
 impl OffsetBody {
     /// Of a work offset of the control.
     pub(crate) fn of(offset: &WorkOffset, active: &str) -> Self {
-        let axes = offset.zeros.iter().map(|(axis, at)| (axis.letter().to_string(), *at));
+        let axes = offset.zeros.iter().map(|(axis, at)| (axis.letter().to_string(), at.value()));
         Self {
             work_offset: offset.name.clone(),
             is_active: offset.name == active,

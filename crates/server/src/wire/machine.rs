@@ -93,16 +93,15 @@ impl MachineBody {
     /// Of a machine's file.
     pub(crate) fn of(machine: &MachineFile, signals: &[String]) -> Self {
         let axis = |axis: &store::machine::Axis| {
-            let letter = axis.letter.letter();
-            let is_rotary = matches!(letter, 'A' | 'B' | 'C');
+            let kind = axis.letter.kind();
             MachineAxis {
-                letter,
-                kind: if is_rotary { "rotary" } else { "linear" },
-                unit: if is_rotary { "deg" } else { "mm" },
+                letter: axis.letter.letter(),
+                kind: kind.name(),
+                unit: kind.unit_name(),
                 travel_from: axis.travel.from.value(),
                 travel_to: axis.travel.to.value(),
-                rapid_per_min: axis.rapid.value() * 60.0,
-                approach_per_min: axis.approach.speed.value() * 60.0,
+                rapid_per_min: axis.rapid.in_per_min(),
+                approach_per_min: axis.approach.speed.in_per_min(),
             }
         };
         let spindle = |spindle: &store::machine::Spindle| MachineSpindle {

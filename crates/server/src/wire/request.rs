@@ -6,7 +6,7 @@ use control::operation::hosted::{RefusalData, RefusalKind};
 use control::operation::{Jog, Request, ToolField};
 use serde::Deserialize;
 use store::machine::MachineFile;
-use units::{Angle, Spin};
+use units::{Angle, Coordinate, CoordinateSpeed, Spin};
 
 /// Longest text of blocks that are typed.
 const LONGEST_BLOCKS: usize = 16 * 1024;
@@ -163,17 +163,18 @@ impl RequestBody {
             Self::Home { axis } => {
                 Request::Home(axis.map(|letter| self::axis(&letter, machine)).transpose()?)
             }
-            Self::JogContinuous { axis, mm_per_min } => {
-                Request::Jog(self::axis(&axis, machine)?, Jog::Continuous(mm_per_min / 60.0))
-            }
+            Self::JogContinuous { axis, mm_per_min } => Request::Jog(
+                self::axis(&axis, machine)?,
+                Jog::Continuous(CoordinateSpeed::per_min(mm_per_min)),
+            ),
             Self::JogIncrement { axis, by_mm } => {
-                Request::Jog(self::axis(&axis, machine)?, Jog::Increment(by_mm))
+                Request::Jog(self::axis(&axis, machine)?, Jog::Increment(Coordinate::new(by_mm)))
             }
             Self::JogTo { axis, to_mm } => {
-                Request::Jog(self::axis(&axis, machine)?, Jog::To(to_mm))
+                Request::Jog(self::axis(&axis, machine)?, Jog::To(Coordinate::new(to_mm)))
             }
             Self::Handwheel { axis, by_mm } => {
-                Request::Jog(self::axis(&axis, machine)?, Jog::Handwheel(by_mm))
+                Request::Jog(self::axis(&axis, machine)?, Jog::Handwheel(Coordinate::new(by_mm)))
             }
             Self::JogStop {} => Request::JogStop,
             Self::TurnSpindle { spindle, rpm } => {
@@ -223,9 +224,12 @@ impl RequestBody {
                 overrides.spindle_least_share,
                 overrides.spindle_most_share,
             )?),
-            Self::TouchOff { axis, at_mm } => Request::TouchOff(self::axis(&axis, machine)?, at_mm),
+            Self::TouchOff { axis, at_mm } => {
+                Request::TouchOff(self::axis(&axis, machine)?, Coordinate::new(at_mm))
+            }
             Self::SetWorkOffset { work_offset, axis, at_mm } => {
-                Request::SetWorkOffset(system(&work_offset)?, self::axis(&axis, machine)?, at_mm)
+                let at = Coordinate::new(at_mm);
+                Request::SetWorkOffset(system(&work_offset)?, self::axis(&axis, machine)?, at)
             }
             Self::EditTool { tool, field, value_mm } => {
                 let field = match field {

@@ -15,7 +15,7 @@ pub fn stribeck(u: f64) -> f64 {
 
 /// Force of a guideway that slides at constant speed.
 pub fn steady_force(model: &Lugre, speed: Speed) -> Force {
-    let share = stribeck((speed / model.stribeck).powi(2));
+    let share = stribeck((speed.value() / model.stribeck.value()).powi(2));
     let dry = model.coulomb + (model.breakaway - model.coulomb) * share;
     let viscous = Force::n(model.viscous_n_s_per_m * speed.value() * 1e-3);
     dry * speed.value().signum() + viscous

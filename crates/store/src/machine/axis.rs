@@ -14,7 +14,10 @@ use super::homing::{Ends, Homing, Of};
 use super::plant::AxisErrors;
 use super::setup::percent;
 use crate::keys::Keys;
-use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, Time, Torque};
+use units::{
+    Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Force, Inertia, Lead, Length,
+    Mass, Stiffness, Time, Torque,
+};
 
 /// Standard gravity (CGPM 1901).
 const GRAVITY_M_PER_S2: f64 = 9.806_65;
@@ -29,15 +32,15 @@ pub struct Axis {
     /// Where it may go.
     pub travel: Travel,
     /// Speed of rapid moves.
-    pub rapid: Speed,
+    pub rapid: CoordinateSpeed,
     /// Fastest feed.
-    pub feed_most: Speed,
+    pub feed_most: CoordinateSpeed,
     /// Largest acceleration; infinite: what the drive gives.
-    pub acceleration: Accel,
+    pub acceleration: CoordinateAccel,
     /// Largest jerk on feeds; may be infinite.
-    pub jerk_feed: Jerk,
+    pub jerk_feed: CoordinateJerk,
     /// Largest jerk on rapids; may be infinite.
-    pub jerk_rapid: Jerk,
+    pub jerk_rapid: CoordinateJerk,
     /// Limits of motion that is not planned.
     pub approach: Approach,
     /// What it moves: table, column or ram.
@@ -68,18 +71,18 @@ pub struct Axis {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     /// Speed.
-    pub speed: Speed,
+    pub speed: CoordinateSpeed,
     /// Acceleration.
-    pub acceleration: Accel,
+    pub acceleration: CoordinateAccel,
 }
 
 /// Where an axis may go, in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
     /// Negative end.
-    pub from: Length,
+    pub from: Coordinate,
     /// Positive end.
-    pub to: Length,
+    pub to: Coordinate,
 }
 
 /// The motor, and what makes thrust of it.
@@ -122,7 +125,7 @@ pub struct Structure {
     /// Damping ratio of the axial mode.
     pub damping_ratio: f64,
     /// Lost motion.
-    pub backlash: Length,
+    pub backlash: Coordinate,
 }
 
 /// LuGre friction of the guide.
@@ -139,7 +142,7 @@ pub struct Friction {
     /// Fs, break-away force.
     pub static_force: Force,
     /// vs, where friction has fallen from Fs most of the way to Fc.
-    pub stribeck_speed: Speed,
+    pub stribeck_speed: CoordinateSpeed,
 }
 
 /// What tells an axis' position, and in what steps.
@@ -150,14 +153,14 @@ pub enum PositionFrom {
         /// Counts per revolution of the motor.
         counts_per_rev: u32,
         /// One count, at the table.
-        resolution: Length,
+        resolution: Coordinate,
     },
     /// A linear scale at the table.
     Scale {
         /// One count.
-        resolution: Length,
+        resolution: Coordinate,
         /// The motor's own encoder beside it: counts per revolution, and one count at the table.
-        motor: Option<(u32, Length)>,
+        motor: Option<(u32, Coordinate)>,
     },
 }
 
@@ -180,23 +183,23 @@ pub struct Loops {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisWindows {
     /// In position: this near to the command …
-    pub in_position: Length,
+    pub in_position: Coordinate,
     /// … for this long.
     pub settle: Time,
     /// Following error that is reported.
-    pub following_error_warn: Length,
+    pub following_error_warn: Coordinate,
     /// Following error that stops the machine.
-    pub following_error_stop: Length,
+    pub following_error_stop: Coordinate,
 }
 
 impl Travel {
     /// Whether a coordinate lies within.
-    pub fn contains(&self, at: Length) -> bool {
+    pub fn contains(&self, at: Coordinate) -> bool {
         (self.from..=self.to).contains(&at)
     }
 
     fn read(keys: &mut Keys<'_>) -> Self {
-        let mut end = |key| Length::mm(keys.number(key, -FARTHEST_MM..=FARTHEST_MM));
+        let mut end = |key| Coordinate::new(keys.number(key, -FARTHEST_MM..=FARTHEST_MM));
         let travel = Self { from: end("travel_from_mm"), to: end("travel_to_mm") };
         if keys.has("travel_from_mm") && travel.from >= travel.to {
             keys.conflict(
@@ -218,25 +221,27 @@ impl Axis {
         let drive = keys.section("drive", Drive::read);
         let travel = Travel::read(keys);
         let approach = Approach {
-            speed: Speed::mm_per_min(keys.renamed(
+            speed: CoordinateSpeed::per_min(keys.renamed(
                 "approach_mm_per_min",
                 "gentle_mm_per_min",
                 1.0..=1e6,
             )),
-            acceleration: Accel::mm_per_s2(
+            acceleration: CoordinateAccel::new(
                 keys.renamed("approach_m_per_s2", "gentle_m_per_s2", 1e-3..=500.0) * MM_PER_M,
             ),
         };
         let axis = Self {
             letter,
             travel,
-            rapid: Speed::mm_per_min(keys.number("rapid_mm_per_min", 1.0..=1e6)),
-            feed_most: Speed::mm_per_min(keys.number("feed_most_mm_per_min", 1.0..=1e6)),
-            acceleration: Accel::mm_per_s2(
+            rapid: CoordinateSpeed::per_min(keys.number("rapid_mm_per_min", 1.0..=1e6)),
+            feed_most: CoordinateSpeed::per_min(keys.number("feed_most_mm_per_min", 1.0..=1e6)),
+            acceleration: CoordinateAccel::new(
                 keys.limit("acceleration_m_per_s2", 1e-3..=500.0) * MM_PER_M,
             ),
-            jerk_feed: Jerk::mm_per_s3(keys.limit("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
-            jerk_rapid: Jerk::mm_per_s3(keys.limit("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M),
+            jerk_feed: CoordinateJerk::new(keys.limit("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
+            jerk_rapid: CoordinateJerk::new(
+                keys.limit("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M,
+            ),
             approach,
             moving_mass: Mass::kg(keys.number("moving_mass_kg", 0.01..=100_000.0)),
             weight_share: percent(keys, "weight_percent", 0.0..=100.0),
@@ -256,7 +261,7 @@ impl Axis {
     /// The axis with what its file says of homing, which has to do with all the rest of it.
     pub(super) fn with_homing(self, keys: &mut Keys<'_>) -> Self {
         let lead = match self.drive.motor {
-            Motor::BallScrew { lead, .. } => Some(Length::mm(lead.value())),
+            Motor::BallScrew { lead, .. } => Some(Coordinate::new(lead.value())),
             Motor::Linear { .. } => None,
         };
         let weight = self.weight_share * self.moving_mass.value() * GRAVITY_M_PER_S2;
@@ -331,7 +336,7 @@ impl Structure {
         Self {
             stiffness: n_per_um(keys.number("stiffness_n_per_um", 1e-3..=1e5)),
             damping_ratio: keys.number("damping_ratio", 0.0..=2.0),
-            backlash: Length::um(keys.number("backlash_um", 0.0..=10_000.0)),
+            backlash: Coordinate::linear(Length::um(keys.number("backlash_um", 0.0..=10_000.0))),
         }
     }
 }
@@ -349,7 +354,9 @@ impl Friction {
             viscous_n_s_per_m: keys.number("viscous_n_s_per_m", 0.0..=1e7),
             coulomb: Force::n(keys.number("coulomb_n", 0.0..=1e6)),
             static_force: Force::n(keys.number("static_n", 0.0..=1e6)),
-            stribeck_speed: Speed::mm_per_s(keys.number("stribeck_speed_mm_per_s", 1e-3..=1000.0)),
+            stribeck_speed: CoordinateSpeed::new(
+                keys.number("stribeck_speed_mm_per_s", 1e-3..=1000.0),
+            ),
         };
         let below = friction.static_force < friction.coulomb;
         at_least(keys, "static_n", "`coulomb_n`", below, friction.coulomb.value());
@@ -365,8 +372,8 @@ pub(super) fn at_least(keys: &Keys<'_>, key: &'static str, of: &str, below: bool
 }
 
 /// What a count of a motor's encoder is at the table.
-fn count(lead: Lead, counts_per_rev: u32) -> Length {
-    Length::mm(lead.value() / f64::from(counts_per_rev))
+fn count(lead: Lead, counts_per_rev: u32) -> Coordinate {
+    Coordinate::new(lead.value() / f64::from(counts_per_rev))
 }
 
 impl PositionFrom {
@@ -376,12 +383,12 @@ impl PositionFrom {
         let scale_step = keys.optional("scale_resolution_nm", 0.01..=1e6);
         let expected = |key, why: &str| {
             keys.conflict("position_from", format!("position from the {why} needs `{key}`"));
-            Length::ZERO
+            Coordinate::ZERO
         };
         if scale {
             let resolution = scale_step.map_or_else(
                 || expected("scale_resolution_nm", "scale"),
-                |nm| Length::mm(nm * 1e-6),
+                |nm| Coordinate::new(nm * 1e-6),
             );
             let motor = match motor {
                 Motor::BallScrew { lead, .. } => {
@@ -396,7 +403,7 @@ impl PositionFrom {
                 "position_from",
                 "a linear motor has no encoder of its own: expected \"scale\"",
             );
-            return Self::Scale { resolution: Length::ZERO, motor: None };
+            return Self::Scale { resolution: Coordinate::ZERO, motor: None };
         };
         let Some(counts_per_rev) = counts else {
             let resolution = expected("motor_counts_per_rev", "motor");
@@ -406,7 +413,7 @@ impl PositionFrom {
     }
 
     /// One count.
-    pub const fn resolution(&self) -> Length {
+    pub const fn resolution(&self) -> Coordinate {
         match *self {
             Self::Motor { resolution, .. } | Self::Scale { resolution, .. } => resolution,
         }
@@ -441,13 +448,19 @@ impl Loops {
 impl AxisWindows {
     fn read(keys: &mut Keys<'_>) -> Self {
         let windows = Self {
-            in_position: Length::um(keys.number("in_position_um", 0.01..=10_000.0)),
+            in_position: Coordinate::linear(Length::um(
+                keys.number("in_position_um", 0.01..=10_000.0),
+            )),
             settle: Time::s(keys.number("settle_ms", 0.0..=10_000.0) * 1e-3),
-            following_error_warn: Length::um(keys.number("following_error_warn_um", 0.1..=1e6)),
-            following_error_stop: Length::um(keys.number("following_error_stop_um", 0.1..=1e6)),
+            following_error_warn: Coordinate::linear(Length::um(
+                keys.number("following_error_warn_um", 0.1..=1e6),
+            )),
+            following_error_stop: Coordinate::linear(Length::um(
+                keys.number("following_error_stop_um", 0.1..=1e6),
+            )),
         };
         let below = windows.following_error_stop < windows.following_error_warn;
-        let least = windows.following_error_warn.in_um();
+        let least = windows.following_error_warn.of_linear().in_um();
         at_least(keys, "following_error_stop_um", "the warning", below, least);
         windows
     }

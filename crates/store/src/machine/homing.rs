@@ -14,7 +14,7 @@ use super::axis::{Approach, Axis, FARTHEST_MM, Friction, PositionFrom, Travel};
 use super::setup::percent;
 use crate::keys::Keys;
 use canon::Axis as Letter;
-use units::{Force, Length, Speed};
+use units::{Coordinate, CoordinateSpeed, Force};
 
 /// Index mark and switch keep this share of the distance between marks from one another.
 const APART: f64 = 0.05;
@@ -76,17 +76,17 @@ pub struct Homing {
     /// The reference is approached towards plus.
     pub positive: bool,
     /// Speed to the switch.
-    pub fast: Speed,
+    pub fast: CoordinateSpeed,
     /// Speed to the switch's edge, the mark or the stop.
-    pub slow: Speed,
+    pub slow: CoordinateSpeed,
     /// Position of the mark, the switch's edge or the stop.
-    pub reference: Length,
+    pub reference: Coordinate,
     /// Position of the switch's edge, where it is not the reference.
-    pub switch: Length,
+    pub switch: Coordinate,
     /// From one index mark to the next.
-    pub index_every: Length,
+    pub index_every: Coordinate,
     /// How far the axis goes back from the reference.
-    pub pull_off: Length,
+    pub pull_off: Coordinate,
     /// Share of the drive's peak force against the stop.
     pub force_share: f64,
 }
@@ -95,9 +95,9 @@ pub struct Homing {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ends {
     /// Limit switches are actuated.
-    pub limit_switches: Length,
+    pub limit_switches: Coordinate,
     /// Hard stops hold the axis.
-    pub hard_stops: Length,
+    pub hard_stops: Coordinate,
 }
 
 /// The keys of a linear and of a rotary axis.
@@ -157,7 +157,7 @@ impl Ends {
     pub(super) fn read(letter: Letter, travel: &Travel, keys: &mut Keys<'_>) -> Option<Self> {
         let names = names(letter);
         let stated = keys.optional_section("ends", |keys| {
-            let mut beyond = |key| Length::mm(keys.number(key, 0.0..=1000.0));
+            let mut beyond = |key| Coordinate::new(keys.number(key, 0.0..=1000.0));
             let ends = Self {
                 limit_switches: beyond(names.limits),
                 hard_stops: beyond(names.stops),
@@ -173,7 +173,7 @@ impl Ends {
             }
             ends
         });
-        let (limit_switches, hard_stops) = (Length::mm(BEYOND.0), Length::mm(BEYOND.1));
+        let (limit_switches, hard_stops) = (Coordinate::new(BEYOND.0), Coordinate::new(BEYOND.1));
         let usual = (!is_endless(letter, travel)).then_some(Self { limit_switches, hard_stops });
         stated.or(usual)
     }
@@ -186,7 +186,7 @@ pub(super) struct Of<'a> {
     pub(super) approach: &'a Approach,
     pub(super) position_from: &'a PositionFrom,
     /// Travel a turn of the motor; `None`: a linear motor.
-    pub(super) lead: Option<Length>,
+    pub(super) lead: Option<Coordinate>,
     pub(super) ends: Option<&'a Ends>,
     pub(super) peak: Force,
     /// What the drive has to hold.
@@ -196,11 +196,11 @@ pub(super) struct Of<'a> {
 
 impl Of<'_> {
     /// Marks of the encoder: once a turn of the motor, or of the table; a scale has its own.
-    fn marks(&self) -> Option<Length> {
+    fn marks(&self) -> Option<Coordinate> {
         match self.position_from {
             PositionFrom::Motor { .. } => self.lead,
             PositionFrom::Scale { .. } if names(self.letter).unit == ROTARY.unit => {
-                Some(Length::mm(TURN))
+                Some(Coordinate::new(TURN))
             }
             PositionFrom::Scale { .. } => None,
         }
@@ -213,12 +213,12 @@ impl Homing {
         method: HomingMethod::Given,
         order: 1,
         positive: true,
-        fast: Speed::ZERO,
-        slow: Speed::ZERO,
-        reference: Length::ZERO,
-        switch: Length::ZERO,
-        index_every: Length::ZERO,
-        pull_off: Length::ZERO,
+        fast: CoordinateSpeed::ZERO,
+        slow: CoordinateSpeed::ZERO,
+        reference: Coordinate::ZERO,
+        switch: Coordinate::ZERO,
+        index_every: Coordinate::ZERO,
+        pull_off: Coordinate::ZERO,
         force_share: 1.0,
     };
 
@@ -235,8 +235,8 @@ impl Homing {
         let end = if positive { of.travel.to } else { of.travel.from };
         let endless = is_endless(of.letter, of.travel);
         let beyond = if endless { 0.0 } else { REFERENCE };
-        let reference = Length::mm(if endless { 0.0 } else { end.value() } + sense * beyond);
-        let index_every = of.marks().unwrap_or(Length::mm(SCALE_MARKS));
+        let reference = Coordinate::new(if endless { 0.0 } else { end.value() } + sense * beyond);
+        let index_every = of.marks().unwrap_or(Coordinate::new(SCALE_MARKS));
         Self {
             method: HomingMethod::SwitchAndIndex,
             order: match of.letter {
@@ -250,7 +250,7 @@ impl Homing {
             reference,
             switch: reference - index_every * (sense / 2.0),
             index_every,
-            pull_off: Length::mm(beyond),
+            pull_off: Coordinate::new(beyond),
             force_share: 1.0,
         }
     }
@@ -264,23 +264,23 @@ impl Homing {
             // the operator's word needs none
             let absolute = method == HomingMethod::Absolute;
             let reference = if absolute { keys.optional(names.reference, at) } else { None };
-            let reference = Length::mm(reference.unwrap_or(0.0));
+            let reference = Coordinate::new(reference.unwrap_or(0.0));
             return Self { method, order, reference, ..usual };
         }
         let positive = keys.choice("direction", &[("+", true), ("-", false)]);
-        let mut speed = |key| Speed::mm_per_min(keys.number(key, 0.1..=1e6));
+        let mut speed = |key| CoordinateSpeed::per_min(keys.number(key, 0.1..=1e6));
         let (fast, slow) = match method {
             HomingMethod::SwitchAndIndex | HomingMethod::Switch => {
                 (speed(names.fast), speed(names.slow))
             }
             _ => (speed(names.slow), speed(names.slow)),
         };
-        let reference = Length::mm(keys.number(names.reference, at.clone()));
+        let reference = Coordinate::new(keys.number(names.reference, at.clone()));
         let switch = match method {
-            HomingMethod::SwitchAndIndex => Length::mm(keys.number(names.switch, at)),
+            HomingMethod::SwitchAndIndex => Coordinate::new(keys.number(names.switch, at)),
             _ => reference,
         };
-        let pull_off = Length::mm(keys.number(names.pull_off, 0.0..=1000.0));
+        let pull_off = Coordinate::new(keys.number(names.pull_off, 0.0..=1000.0));
         let force_share = match method {
             HomingMethod::HardStop => percent(keys, names.force, 0.1..=100.0),
             _ => 1.0,
@@ -382,7 +382,7 @@ impl Homing {
         } else {
             of.travel.from - ends.hard_stops
         };
-        if keys.has(names.reference) && (stop - self.reference).abs() > Length::um(1.0) {
+        if keys.has(names.reference) && (stop - self.reference).abs() > Coordinate::new(1e-3) {
             let (key, stop) = (names.reference, stop.value());
             keys.conflict(
                 key,
@@ -399,34 +399,38 @@ impl Homing {
     }
 
     /// Where the home switch is actuated, and after how far its cam comes again: from its edge to the end of travel and beyond.
-    pub fn cam(&self, letter: Letter, travel: &Travel) -> (Length, Length, Option<Length>) {
+    pub fn cam(
+        &self,
+        letter: Letter,
+        travel: &Travel,
+    ) -> (Coordinate, Coordinate, Option<Coordinate>) {
         if is_endless(letter, travel) {
-            let end = self.switch + Length::mm(CAM * self.sense());
-            return (self.switch.min(end), self.switch.max(end), Some(Length::mm(TURN)));
+            let end = self.switch + Coordinate::new(CAM * self.sense());
+            return (self.switch.min(end), self.switch.max(end), Some(Coordinate::new(TURN)));
         }
-        let far = Length::mm(FARTHEST_MM);
+        let far = Coordinate::new(FARTHEST_MM);
         if self.positive { (self.switch, far, None) } else { (-far, self.switch, None) }
     }
 
     /// Longest way to the switch or the stop, a little more than the whole of it.
-    pub fn search(&self, letter: Letter, travel: &Travel, ends: Option<&Ends>) -> Length {
+    pub fn search(&self, letter: Letter, travel: &Travel, ends: Option<&Ends>) -> Coordinate {
         /// Over the whole way.
         const MORE: f64 = 1.02;
         if is_endless(letter, travel) {
-            return Length::mm(TURN * MORE);
+            return Coordinate::new(TURN * MORE);
         }
-        let stops = ends.map_or(Length::ZERO, |ends| ends.hard_stops);
+        let stops = ends.map_or(Coordinate::ZERO, |ends| ends.hard_stops);
         (travel.to - travel.from + stops * 2.0) * MORE
     }
 }
 
 /// How far index marks are apart.
-fn marks(of: &Of<'_>, keys: &mut Keys<'_>) -> Length {
+fn marks(of: &Of<'_>, keys: &mut Keys<'_>) -> Coordinate {
     let names = names(of.letter);
     let stated = keys.optional(names.every, 0.01..=FARTHEST_MM);
     match (of.marks(), stated) {
         (Some(own), None) => own,
-        (None, Some(stated)) => Length::mm(stated),
+        (None, Some(stated)) => Coordinate::new(stated),
         (Some(own), Some(stated)) => {
             if (own.value() - stated).abs() > 1e-9 {
                 let (key, own) = (names.every, own.value());
@@ -437,7 +441,7 @@ fn marks(of: &Of<'_>, keys: &mut Keys<'_>) -> Length {
         (None, None) => {
             let key = names.every;
             keys.conflict("method", format!("homing by the index marks of a scale needs `{key}`"));
-            Length::mm(SCALE_MARKS)
+            Coordinate::new(SCALE_MARKS)
         }
     }
 }

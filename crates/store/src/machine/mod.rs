@@ -64,6 +64,7 @@ pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;
 use std::path::Path;
+use units::Coordinate;
 
 /// A machine, as its file describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -253,7 +254,7 @@ impl MachineFile {
         for (letter, key, place) in at {
             let (Some(axis), Some(place)) = (self.axis(letter), place) else { continue };
             let travel = &axis.travel;
-            if travel.from < travel.to && !travel.contains(place) {
+            if travel.from < travel.to && !travel.contains(Coordinate::linear(place)) {
                 let message = format!(
                     "`{key}` of the tool change is {}: outside the travel of {} from {} to {} mm",
                     place.value(),

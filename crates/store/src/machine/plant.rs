@@ -12,7 +12,7 @@
 //! | `scale_error_um_per_m` | error of a linear scale, growing with the length |
 use super::setup::percent;
 use crate::keys::Keys;
-use units::{Angle, Length};
+use units::{Angle, Coordinate, Length};
 
 /// How far the plant may be from its file, to either side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +27,8 @@ pub struct PlantScatter {
     pub screw_lead_error: f64,
     /// Amplitude of their error once per revolution.
     pub screw_wobble: Length,
-    /// The same of a rotary axis' gear; degrees where it says millimetres.
-    pub gear_wobble: Length,
+    /// The same of a rotary axis' gear.
+    pub gear_wobble: Coordinate,
     /// How far an encoder's graduation is off its centre.
     pub encoder_eccentricity: Length,
     /// Diameter of the graduation of the motors' encoders.
@@ -68,7 +68,7 @@ impl PlantScatter {
         friction_share: 0.2,
         screw_lead_error: 6e-3 / 300.0,
         screw_wobble: Length::um(3.0),
-        gear_wobble: Length::mm(5.0 / 3600.0),
+        gear_wobble: Coordinate::new(5.0 / 3600.0),
         encoder_eccentricity: Length::um(3.0),
         motor_encoder_diameter: Length::mm(40.0),
         spindle_encoder_diameter: Length::mm(60.0),
@@ -103,7 +103,7 @@ impl PlantScatter {
                 1e-3,
                 usual.screw_wobble.value(),
             )),
-            gear_wobble: Length::mm(number(
+            gear_wobble: Coordinate::new(number(
                 "gear_wobble_arcsec",
                 0.0..=3600.0,
                 1.0 / 3600.0,

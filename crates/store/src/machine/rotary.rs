@@ -18,7 +18,10 @@ use super::axis::{
 use super::homing::{Ends, Homing};
 use super::plant::AxisErrors;
 use crate::keys::Keys;
-use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, Time, Torque};
+use units::{
+    Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Force, Inertia, Lead, Mass,
+    Stiffness, Time, Torque,
+};
 
 /// Farthest from zero that a rotary axis may turn, °: a thousand turns.
 const FARTHEST_DEG: f64 = 360_000.0;
@@ -35,18 +38,18 @@ pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
     let axis = Axis {
         letter,
         travel,
-        rapid: Speed::mm_per_min(keys.number("rapid_deg_per_min", 1.0..=1e7)),
-        feed_most: Speed::mm_per_min(keys.number("feed_most_deg_per_min", 1.0..=1e7)),
-        acceleration: Accel::mm_per_s2(keys.limit("acceleration_deg_per_s2", 0.1..=1e7)),
-        jerk_feed: Jerk::mm_per_s3(keys.limit("jerk_feed_deg_per_s3", 1.0..=1e10)),
-        jerk_rapid: Jerk::mm_per_s3(keys.limit("jerk_rapid_deg_per_s3", 1.0..=1e10)),
+        rapid: CoordinateSpeed::per_min(keys.number("rapid_deg_per_min", 1.0..=1e7)),
+        feed_most: CoordinateSpeed::per_min(keys.number("feed_most_deg_per_min", 1.0..=1e7)),
+        acceleration: CoordinateAccel::new(keys.limit("acceleration_deg_per_s2", 0.1..=1e7)),
+        jerk_feed: CoordinateJerk::new(keys.limit("jerk_feed_deg_per_s3", 1.0..=1e10)),
+        jerk_rapid: CoordinateJerk::new(keys.limit("jerk_rapid_deg_per_s3", 1.0..=1e10)),
         approach: Approach {
-            speed: Speed::mm_per_min(keys.renamed(
+            speed: CoordinateSpeed::per_min(keys.renamed(
                 "approach_deg_per_min",
                 "gentle_deg_per_min",
                 1.0..=1e7,
             )),
-            acceleration: Accel::mm_per_s2(keys.renamed(
+            acceleration: CoordinateAccel::new(keys.renamed(
                 "approach_deg_per_s2",
                 "gentle_deg_per_s2",
                 0.1..=1e7,
@@ -69,8 +72,8 @@ pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
 
 /// It stands at zero when the machine is switched on, so zero lies within.
 fn travel(keys: &mut Keys<'_>) -> Travel {
-    let from = Length::mm(keys.number("travel_from_deg", -FARTHEST_DEG..=0.0));
-    let to = Length::mm(keys.number("travel_to_deg", 0.0..=FARTHEST_DEG));
+    let from = Coordinate::new(keys.number("travel_from_deg", -FARTHEST_DEG..=0.0));
+    let to = Coordinate::new(keys.number("travel_to_deg", 0.0..=FARTHEST_DEG));
     if keys.has("travel_from_deg") && from >= to {
         let (low, high) = (from.value(), to.value());
         let text = format!("`travel_from_deg` {low} is not below `travel_to_deg` {high}");
@@ -100,7 +103,7 @@ fn structure(keys: &mut Keys<'_>) -> Structure {
     Structure {
         stiffness: stiffness(keys.number("stiffness_n_m_per_rad", 1.0..=1e9)),
         damping_ratio: keys.number("damping_ratio", 0.0..=2.0),
-        backlash: Length::mm(keys.number("backlash_arcsec", 0.0..=36_000.0) / ARCSEC),
+        backlash: Coordinate::new(keys.number("backlash_arcsec", 0.0..=36_000.0) / ARCSEC),
     }
 }
 
@@ -114,7 +117,9 @@ fn friction(keys: &mut Keys<'_>) -> Friction {
         viscous_n_s_per_m: keys.number("viscous_n_m_s_per_rad", 0.0..=1e5) * damping,
         coulomb: torque(keys.number("coulomb_n_m", 0.0..=1e5)),
         static_force: torque(keys.number("static_n_m", 0.0..=1e5)),
-        stribeck_speed: Speed::mm_per_s(keys.number("stribeck_speed_deg_per_s", 1e-3..=1000.0)),
+        stribeck_speed: CoordinateSpeed::new(
+            keys.number("stribeck_speed_deg_per_s", 1e-3..=1000.0),
+        ),
     };
     let least = friction.coulomb.value() / RAD_PER_M;
     let below = friction.static_force < friction.coulomb;
@@ -134,9 +139,9 @@ fn position_from(motor: &Motor, keys: &mut Keys<'_>) -> PositionFrom {
     let table_counts = keys.optional_whole("table_counts_per_rev", 16..=u32::MAX);
     let Some(counts_per_rev) = (if table { table_counts } else { motor_counts }) else {
         keys.conflict("position_from", format!("position from there needs `{key}`"));
-        return PositionFrom::Motor { counts_per_rev: 1, resolution: Length::ZERO };
+        return PositionFrom::Motor { counts_per_rev: 1, resolution: Coordinate::ZERO };
     };
-    let resolution = Length::mm(turn / f64::from(counts_per_rev));
+    let resolution = Coordinate::new(turn / f64::from(counts_per_rev));
     if table {
         PositionFrom::Scale { resolution, motor: None }
     } else {
@@ -145,7 +150,7 @@ fn position_from(motor: &Motor, keys: &mut Keys<'_>) -> PositionFrom {
 }
 
 fn windows(keys: &mut Keys<'_>) -> AxisWindows {
-    let mut arcsec = |key| Length::mm(keys.number(key, 0.01..=3.6e6) / ARCSEC);
+    let mut arcsec = |key| Coordinate::new(keys.number(key, 0.01..=3.6e6) / ARCSEC);
     let (in_position, following_error_warn, following_error_stop) = (
         arcsec("in_position_arcsec"),
         arcsec("following_error_warn_arcsec"),

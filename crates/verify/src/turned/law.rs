@@ -201,8 +201,9 @@ impl<'a> Law<'a> {
 
     /// The surface of the first stretch that passes one; `None` where the thread begins and ends in the material.
     fn passed(&self) -> Option<Length> {
-        let inside =
-            |stretch: &&Stretch| stretch.order.surface != stretch.from.along(stretch.order.axis);
+        let inside = |stretch: &&Stretch| {
+            stretch.order.surface != stretch.from.along(stretch.order.axis).of_linear()
+        };
         self.0.iter().find(inside).map(|stretch| stretch.order.surface)
     }
 
@@ -216,14 +217,14 @@ impl<'a> Law<'a> {
     pub(super) fn surface(&self) -> Length {
         match self.passed() {
             Some(surface) if !self.runs_out() => surface,
-            _ => self.ends()[0].along(self.axis()),
+            _ => self.ends()[0].along(self.axis()).of_linear(),
         }
     }
 
     /// Places of the axis where the material begins and where the thread ends.
     pub(super) fn span(&self) -> [Length; 2] {
         let end = self.passed().filter(|_| self.runs_out());
-        [self.surface(), end.unwrap_or(self.ends()[1].along(self.axis()))]
+        [self.surface(), end.unwrap_or(self.ends()[1].along(self.axis()).of_linear())]
     }
 
     /// The tool is to come out of the air, or to go into it: the thread is to reach the end of the work.

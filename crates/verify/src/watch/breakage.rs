@@ -68,7 +68,7 @@ fn why(by: ToolBreak) -> String {
 fn place(sample: &Sample, tool: Option<&Tool>, config: &Config) -> String {
     let zero = config.stock.map_or([Length::ZERO; 3], |stock| stock.zero);
     let length = tool.map_or(Length::ZERO, canon::Tool::worn_length);
-    let [x, y, z] = [0, 1, 2].map(|i| (sample.axis(i) - zero[i]).value());
+    let [x, y, z] = [0, 1, 2].map(|i| (sample.axis(i).of_linear() - zero[i]).value());
     let frame = if config.stock.is_some() { "of G54" } else { "of the machine" };
     let number = |value: f64| {
         let text = format!("{value:.2}");

@@ -113,7 +113,7 @@ impl CamSetup {
                     .map_or(Angle::ZERO, |c| Angle::rev(0.5 / f64::from(c.encoder_counts_per_rev))),
                 machine.axes[0]
                     .as_ref()
-                    .map_or(Length::ZERO, |x| x.position_from.resolution() / 2.0),
+                    .map_or(Length::ZERO, |x| x.position_from.resolution().of_linear() / 2.0),
             ),
         })
     }
@@ -354,9 +354,9 @@ pub fn bounds(machine: &MachineFile) -> Option<(AxisBounds, f64)> {
     let (x, work) = (limits.axes[0]?, limits.spindles.first()?);
     let torque = work.peak_torque.value() * TORQUE_SHARE;
     let bounds = AxisBounds {
-        speed: x.rapid_speed,
-        accel: x.accel,
-        jerk: x.feed_jerk,
+        speed: x.rapid_speed.of_linear(),
+        accel: x.accel.of_linear(),
+        jerk: x.feed_jerk.of_linear(),
         spin: work.reachable(units::Torque::ZERO),
         spin_accel: SpinAccel::rev_per_s2(torque / work.inertia.value() / TAU),
     };

@@ -2,6 +2,7 @@
 use crate::operation::{Alarm, Control, LoadedProgram, Status};
 use canon::{Axis, Tool};
 use std::sync::Arc;
+use units::Coordinate;
 use verify::Feature;
 
 /// Work offsets that there are: G54 to G59.3.
@@ -12,8 +13,8 @@ const SYSTEMS: u8 = 9;
 pub struct WorkOffset {
     /// As a program writes it.
     pub name: String,
-    /// Its zero in machine coordinates, mm or degrees.
-    pub zeros: Vec<(Axis, f64)>,
+    /// Its zero in machine coordinates.
+    pub zeros: Vec<(Axis, Coordinate)>,
 }
 
 /// A control, as it was.
