@@ -2,17 +2,20 @@
 //! to 6000 rpm in 0.22 s would need more at the top than P/ω, and the synchronism would break there.
 use examples::{Line, draw};
 use plan::{AxisLimits, SpindleLimits, StrokeRequest};
-use units::{Accel, Angle, Inertia, Jerk, Lead, Power, Speed, Spin, Time, Torque};
+use units::{
+    Angle, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Inertia, Lead, Power, Speed, Spin,
+    Time, Torque,
+};
 
 /// Torque that turns the spindle along a stroke, over its speed, on the way up.
 fn torque(spindle: &SpindleLimits, force_ramp: Option<Time>) -> Vec<(f64, f64)> {
     let feed = AxisLimits {
         travel: None,
-        rapid_speed: Speed::mm_per_min(50_000.0),
-        feed_speed: Speed::mm_per_min(30_000.0),
-        accel: Accel::mm_per_s2(15_000.0),
-        rapid_jerk: Jerk::mm_per_s3(8e5),
-        feed_jerk: Jerk::mm_per_s3(8e5),
+        rapid_speed: CoordinateSpeed::linear(Speed::mm_per_min(50_000.0)),
+        feed_speed: CoordinateSpeed::linear(Speed::mm_per_min(30_000.0)),
+        accel: CoordinateAccel::new(15_000.0),
+        rapid_jerk: CoordinateJerk::new(8e5),
+        feed_jerk: CoordinateJerk::new(8e5),
     };
     let stroke = StrokeRequest {
         revolutions: Angle::rev(30.0),

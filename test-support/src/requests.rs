@@ -13,7 +13,7 @@ use control::operation::{
 };
 use std::collections::VecDeque;
 use std::path::Path;
-use units::{Angle, Spin, Time};
+use units::{Angle, Coordinate, CoordinateSpeed, Spin, Time};
 
 /// A program with everything that a request can meet: cuts, a drilled hole, taps, stops, blocks that may be skipped.
 pub const PROGRAM: &str = "\
@@ -138,9 +138,9 @@ fn any(chance: &mut Chance, program: &Path) -> Request {
         1 if chance.below(4) == 0 => Request::EmergencyStop(true),
         1 | 2 => Request::EmergencyStop(false),
         3 => Request::Home(on.then_some(axis)),
-        4 | 5 => Request::Jog(axis, Jog::Continuous(signed(chance, 900.0))),
-        6 => Request::Jog(axis, Jog::Increment(signed(chance, 60.0))),
-        7 => Request::Jog(axis, Jog::Handwheel(signed(chance, 1.0))),
+        4 | 5 => Request::Jog(axis, Jog::Continuous(CoordinateSpeed::new(signed(chance, 900.0)))),
+        6 => Request::Jog(axis, Jog::Increment(Coordinate::new(signed(chance, 60.0)))),
+        7 => Request::Jog(axis, Jog::Handwheel(Coordinate::new(signed(chance, 1.0)))),
         8 => Request::JogStop,
         9 => Request::TurnSpindle(chance.below(2) as usize, Spin::rpm(signed(chance, 12_000.0))),
         10 => Request::OrientSpindle(0, Angle::rev(chance.share())),
@@ -161,7 +161,7 @@ fn any(chance: &mut Chance, program: &Path) -> Request {
         27 => Request::FeedOverride(chance.share() * 2.2),
         28 if on => Request::RapidOverride(chance.share()),
         28 => Request::SpindleOverride(chance.share() * 1.5),
-        29 if on => Request::SetWorkOffset(2, Axis::X, signed(chance, 100.0)),
+        29 if on => Request::SetWorkOffset(2, Axis::X, Coordinate::new(signed(chance, 100.0))),
         _ => Request::EditTool(5, ToolField::Diameter, chance.share()),
     }
 }
@@ -315,7 +315,7 @@ impl Bench {
     /// Setpoints are within travel, speed and acceleration of their axes.
     fn setpoints(&mut self) -> Result<(), String> {
         let (_, _, power, _) = self.control.states();
-        let now: Vec<f64> = self.control.setpoints().map(|(_, at)| at).collect();
+        let now: Vec<f64> = self.control.setpoints().map(|(_, at)| at.value()).collect();
         if power == Power::Off || !self.control.is_up() || self.control.is_referencing() {
             self.settling = 3;
         }

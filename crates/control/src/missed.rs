@@ -41,15 +41,16 @@ pub(crate) fn missed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use units::{Angle, Length};
+    use units::Angle;
+    use units::Coordinate;
 
     #[test]
     fn each_missed_period_has_a_reading_on_the_line_between_those_that_were_heard() {
         let period = Time::s(250e-6);
         let mut before = Feedback { time: Time::s(1.0), ..Feedback::default() };
-        before.axes[2].position = Length::mm(-3.0);
+        before.axes[2].position = Coordinate::new(-3.0);
         let mut now = Feedback { time: before.time + period * 4.0, ..before };
-        now.axes[2].position = Length::mm(-5.0);
+        now.axes[2].position = Coordinate::new(-5.0);
         now.spindles[0].angle = Angle::rev(0.4);
         let found: Vec<_> = missed(&before, &now, period).collect();
         let at = |f: &Feedback| (f.axes[2].position.value(), f.spindles[0].angle.value());

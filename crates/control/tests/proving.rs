@@ -4,6 +4,7 @@ use canon::{Axis, Position};
 use control::job::ProgramOptions;
 use control::operation::{Begun, Execution, Proving, Request};
 use control::{Control, ControlOptions};
+use units::Coordinate;
 
 const TEXT: &str = "G21 G90 G54 G94\nG1 F600 X1\nX0\nM2\n";
 
@@ -61,7 +62,7 @@ fn what_was_proved_for_other_offsets_than_those_in_force_is_not_executed() {
     let mut control = homed();
     let typed = Request::ManualDataInput("G1 F600 X1".into());
     let proving = proving(&mut control, &typed);
-    control.request(&Request::TouchOff(Axis::X, 3.0)).unwrap();
+    control.request(&Request::TouchOff(Axis::X, Coordinate::new(3.0))).unwrap();
     let refused = control.complete(proving.prove()).unwrap_err().to_string();
     assert_eq!(refused, "offsets, tools or positions have changed while it was read: ask again");
     assert!(!control.execution().is_under_way());

@@ -5,7 +5,7 @@ use control::job::ProgramOptions;
 use control::operation::{Execution, Jog, Refusal, Request};
 use control::{Control, ControlOptions, RealTimeOptions};
 use std::sync::atomic::{AtomicU32, Ordering};
-use units::Time;
+use units::{Coordinate, CoordinateSpeed, Time};
 
 /// Longer than anything here takes on a computer that has something else to do.
 const AT_MOST: Time = Time::s(60.0);
@@ -50,10 +50,10 @@ fn x(control: &Control) -> f64 {
 fn an_axis_is_jogged_by_an_increment_and_on_a_lease_that_ends_by_itself() {
     let mut control = switched_on("tapping-center");
     let before = x(&control);
-    asked(&mut control, &Request::Jog(Axis::X, Jog::Increment(3.0)));
+    asked(&mut control, &Request::Jog(Axis::X, Jog::Increment(Coordinate::new(3.0))));
     until(&mut control, |control| !control.is_moving_manually());
     assert!((x(&control) - before - 3.0).abs() < 1e-6, "{} {before}", x(&control));
-    asked(&mut control, &Request::Jog(Axis::X, Jog::Continuous(-10.0)));
+    asked(&mut control, &Request::Jog(Axis::X, Jog::Continuous(CoordinateSpeed::new(-10.0))));
     let began = control.now();
     until(&mut control, |control| !control.is_moving_manually());
     let (lasted, went) = (control.now() - began, before + 3.0 - x(&control));
@@ -76,7 +76,7 @@ fn blocks_that_are_typed_are_executed_held_and_resumed_and_judged() {
         control.period();
     }
     assert!((x(&control) - held).abs() < 1e-9);
-    let jog = Request::Jog(Axis::X, Jog::Increment(1.0));
+    let jog = Request::Jog(Axis::X, Jog::Increment(Coordinate::new(1.0)));
     assert!(matches!(control.request(&jog), Err(Refusal::State(_))));
     asked(&mut control, &Request::Resume);
     until(&mut control, |control| !control.execution().is_under_way());
@@ -154,12 +154,12 @@ fn a_servo_thread_that_breaks_down_is_an_alarm_and_whatever_waits_goes_on() {
     };
     let real_time = RealTimeOptions { around, ..RealTimeOptions::default() };
     let mut control = switched_on_by("tapping-center", real_time);
-    asked(&mut control, &Request::Jog(Axis::X, Jog::Continuous(-10.0)));
+    asked(&mut control, &Request::Jog(Axis::X, Jog::Continuous(CoordinateSpeed::new(-10.0))));
     until(&mut control, |control| !control.status().alarms.is_empty());
     let status = control.status();
     assert_eq!(control.alarms()[0].number, 412, "{status:#?}");
     assert!(!status.is_ready && control.is_at_standstill());
-    let refused = control.request(&Request::Jog(Axis::X, Jog::Increment(1.0)));
+    let refused = control.request(&Request::Jog(Axis::X, Jog::Increment(Coordinate::new(1.0))));
     assert!(matches!(refused, Err(Refusal::State(_))), "{refused:?}");
     let before = control.now();
     until(&mut control, |control| control.now() > before + Time::s(0.01));

@@ -84,12 +84,13 @@ pub(crate) fn spindle_friction(friction: &SpindleFriction, spin: Spin) -> Torque
 #[cfg(test)]
 mod tests {
     use super::*;
-    use units::{Force, Speed, Stiffness};
+    use units::CoordinateSpeed;
+    use units::{Force, Stiffness};
 
     const Z: AxisFriction = AxisFriction {
         coulomb: Force::n(150.0),
         breakaway: Force::n(150.0),
-        stribeck: Speed::mm_per_s(2.0),
+        stribeck: CoordinateSpeed::new(2.0),
         bristle_stiffness: Stiffness::n_per_mm(20_000.0),
         bristle_damping_n_s_per_m: 0.0,
         viscous_n_s_per_m: 0.0,

@@ -17,7 +17,10 @@ use plan::{
 };
 use plan::{SpindleStep, StepKind};
 use proptest::prelude::*;
-use units::{Accel, Force, Jerk, Lead, Length, Power, Speed, Spin, Stiffness, Time, Torque};
+use units::{
+    Coordinate, CoordinateAccel, CoordinateJerk, Force, Lead, Length, Power, Speed, Spin,
+    Stiffness, Time, Torque,
+};
 
 /// Acceleration of the ideal spindle, rev/s²: J = 0.010 kg·m² and 42 N·m give 42/(2π·0.010) = 668 rev/s²; planned 85 %.
 const A: f64 = 0.85 * 42.0 / (core::f64::consts::TAU * 0.010);
@@ -28,7 +31,7 @@ const BOTTOM: f64 = -140.0;
 fn ideal() -> sim::Config {
     let mut machine = machine(0);
     for (_, axis) in &mut machine.axes {
-        axis.backlash = Length::ZERO;
+        axis.backlash = Coordinate::ZERO;
     }
     let spindle = &mut machine.spindles[0];
     spindle.torque_lag = Time::ZERO;
@@ -41,9 +44,9 @@ fn ideal() -> sim::Config {
 fn limits(accel: f64) -> MachineLimits {
     let axis = AxisLimits {
         travel: None,
-        accel: Accel::mm_per_s2(accel),
-        rapid_jerk: Jerk::mm_per_s3(f64::INFINITY),
-        feed_jerk: Jerk::mm_per_s3(f64::INFINITY),
+        accel: CoordinateAccel::new(accel),
+        rapid_jerk: CoordinateJerk::new(f64::INFINITY),
+        feed_jerk: CoordinateJerk::new(f64::INFINITY),
         ..Z_LIMITS
     };
     let spindle = SpindleLimits {

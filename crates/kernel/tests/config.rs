@@ -2,7 +2,7 @@
 mod common;
 use common::{control, machine};
 use kernel::{Config, Prediction, SyncMode};
-use units::{Force, Inertia, Length, Time};
+use units::{Coordinate, Force, Inertia, Time};
 
 fn problems(change: impl FnOnce(&mut Config)) -> Vec<String> {
     let mut config = control(&machine(1));
@@ -23,7 +23,7 @@ fn every_problem_names_its_field_its_value_and_what_would_do() {
         config.period = Time::ZERO;
         let z = config.axes[2].as_mut().unwrap();
         z.position_gain = f64::NAN;
-        z.backlash = Length::mm(-1.0);
+        z.backlash = Coordinate::new(-1.0);
         z.weight = Force::n(f64::INFINITY);
         config.spindles[0].as_mut().unwrap().inertia = Inertia::ZERO;
     });

@@ -9,7 +9,7 @@ use kernel::{FaultKind, Kernel, Periodic, PhaseLoss};
 use motion::{GearStep, Superpose, Superposed, TableId};
 use plan::{Step, StepKind};
 use sim::SimulatedMachine;
-use units::{Accel, Angle, Inertia, Length, Power, Speed, Torque};
+use units::{Angle, Coordinate, CoordinateAccel, CoordinateSpeed, Inertia, Power, Torque};
 
 /// The tapping centre with a second, light spindle.
 fn two_spindles() -> sim::Config {
@@ -290,8 +290,8 @@ fn a_phase_that_is_lost_takes_the_tool_away_before_the_spindles_stop() {
     config.phase_loss = Some(PhaseLoss {
         window: Angle::deg(2.0),
         axis: Axis::X,
-        by: Length::mm(20.0),
-        most: (Speed::mm_per_s(400.0), Accel::mm_per_s2(8000.0)),
+        by: Coordinate::new(20.0),
+        most: (CoordinateSpeed::new(400.0), CoordinateAccel::new(8000.0)),
     });
     for spindle in config.spindles.iter_mut().flatten() {
         spindle.windows.following_stop = Angle::deg(90.0); // far beyond what counts as lost

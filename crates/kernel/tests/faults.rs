@@ -6,7 +6,7 @@ use common::*;
 use kernel::{Config, EventKind, FaultKind, Subject};
 use plan::StepKind;
 use sim::SimulatedMachine;
-use units::{Length, Time};
+use units::{Coordinate, Length, Time};
 
 /// A machine on which something happens from a moment on.
 struct Spoiled<F> {
@@ -223,7 +223,7 @@ fn an_axis_that_does_not_come_to_rest_is_an_alarm_after_its_wait() {
     let seen = spoiled(&config, &steps, 8000, |said| {
         // a loose reading head: 20 µm at 200 Hz, too fast for the loop to follow
         let swing = (said.time.value() * core::f64::consts::TAU * 200.0).sin();
-        said.axes[2].position += Length::um(20.0) * swing;
+        said.axes[2].position += Coordinate::linear(Length::um(20.0) * swing);
     });
     check(&seen, FaultKind::NotInPosition, Subject::Axis(Axis::Z));
 }

@@ -9,7 +9,7 @@ use kernel::{Config, FaultKind, Kernel, Subject};
 use motion::{Bounds, Limits, Move, Path, Phase, Profile};
 use plan::{Step, StepKind};
 use sim::SimulatedMachine;
-use units::{Angle, Length, Speed, Spin, Time, Torque};
+use units::{Angle, Coordinate, Length, Speed, Spin, Time, Torque};
 
 const H: f64 = PERIOD.value();
 /// Limits of each axis: mm/s, mm/s², mm/s³.
@@ -23,7 +23,7 @@ fn config() -> Config {
     let mut config =
         Config { motion: Limits { feed: bounds, rapid: bounds }, ..control(&machine(0)) };
     if let Some(z) = &mut config.axes[2] {
-        z.travel = Some((Length::mm(-100.0), Length::mm(1.0)));
+        z.travel = Some((Coordinate::new(-100.0), Coordinate::new(1.0)));
     }
     config
 }
@@ -239,7 +239,7 @@ fn an_axis_stops_before_the_end_of_its_travel_whatever_was_planned() {
 fn an_axis_that_is_not_homed_has_no_travel_and_one_outside_may_come_back() {
     let mut config = config();
     if let Some(z) = &mut config.axes[2] {
-        z.travel = Some((Length::mm(-200.0), Length::mm(-10.0)));
+        z.travel = Some((Coordinate::new(-200.0), Coordinate::new(-10.0)));
     }
     // it stands at zero, above its travel
     let steps =
@@ -326,7 +326,7 @@ fn an_encoder_that_jumps_by_half_a_millimetre_is_noticed_in_its_period_in_a_plai
     let steps = [line(Position::default(), Position::xyz(0.0, 0.0, -50.0), 20.0, true)];
     let seen = run(&config(), &steps, obeys, |said| {
         if said.time.value() > 1.0 {
-            said.axes[2].position += Length::mm(0.5);
+            said.axes[2].position += Coordinate::new(0.5);
         }
     });
     seen.check(FaultKind::ReadingImplausible, Subject::Axis(Axis::Z));
@@ -350,7 +350,7 @@ fn an_encoder_that_is_stuck_lets_the_axis_go_no_farther_than_it_brakes() {
     seen.check(FaultKind::ReadingImplausible, Subject::Axis(Axis::Z));
     // seen after 14 µm; the loop has made 25 mm/s of 15 by then, and nothing but friction brakes what is too much of it
     let z = seen.samples.last().expect("there are samples").axis(2) - stuck.expect("it was");
-    assert!(z.value() < 0.0 && z.value() > -1.5, "{z}");
+    assert!(z.value() < 0.0 && z.value() > -1.5, "{z:?}");
     assert!(!seen.samples.last().expect("there are samples").command.axes[2].enable);
 }
 
@@ -433,7 +433,7 @@ fn an_axis_follows_a_spindle_without_a_drive_no_deeper_than_three_pitches() {
                 }
             },
             move |said: &mut Feedback| {
-                if said.axes[2].position < Length::mm(-76.0) {
+                if said.axes[2].position < Coordinate::new(-76.0) {
                     gone.set(true);
                 }
                 said.spindles[0].ready &= !gone.get();

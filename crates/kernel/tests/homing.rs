@@ -11,21 +11,21 @@ use kernel::{
 use motion::{Goal, OnlineLimits, Step};
 use proptest::prelude::*;
 use sim::{HomeSwitch, IndexMarks, PowerOn, SimulatedMachine, Travel};
-use units::{Length, Stiffness};
+use units::{Coordinate, Length, Stiffness};
 
 const COUNT_MM: f64 = 50e-6;
 const STIFFNESS: Stiffness = Stiffness::n_per_mm(80_000.0);
 /// What stands along X: travel from -60 to 0, limit switches and hard stops beyond, the switch half a turn before the mark.
 const ALONG: Travel = Travel {
-    stops: Some((Length::mm(-66.0), Length::mm(6.0), STIFFNESS)),
-    limit_switches: Some((Length::mm(-63.0), Length::mm(3.0))),
+    stops: Some((Coordinate::new(-66.0), Coordinate::new(6.0), STIFFNESS)),
+    limit_switches: Some((Coordinate::new(-63.0), Coordinate::new(3.0))),
     home_switch: Some(HomeSwitch {
-        from: Length::mm(-7.0),
-        to: Length::mm(100.0),
+        from: Coordinate::new(-7.0),
+        to: Coordinate::new(100.0),
         every: None,
-        hysteresis: Length::mm(0.05),
+        hysteresis: Coordinate::new(0.05),
     }),
-    index: Some(IndexMarks { at: Length::mm(1.0), every: Length::mm(16.0) }),
+    index: Some(IndexMarks { at: Coordinate::new(1.0), every: Coordinate::new(16.0) }),
     absolute: false,
 };
 const ORDER: HomingOrder = HomingOrder {
@@ -44,7 +44,7 @@ const ORDER: HomingOrder = HomingOrder {
 
 /// The same for a reference at the other end.
 fn mirrored(along: &Travel) -> Travel {
-    let swap = |(from, to): (Length, Length)| (-to, -from);
+    let swap = |(from, to): (Coordinate, Coordinate)| (-to, -from);
     Travel {
         stops: along.stops.map(|(from, to, k)| (-to, -from, k)),
         limit_switches: along.limit_switches.map(swap),
@@ -84,8 +84,8 @@ impl Bench {
         (config.substep, config.seed) = (units::Time::s(25e-6), seed);
         let axis = &mut config.axes[0].1;
         axis.travel = *along;
-        axis.encoder = scale(Length::mm(COUNT_MM));
-        axis.start = Length::mm(start.unwrap_or(0.0));
+        axis.encoder = scale(Coordinate::new(COUNT_MM));
+        axis.start = Coordinate::new(start.unwrap_or(0.0));
         config.power_on = if start.is_some() { PowerOn::Known } else { PowerOn::Unknown };
         let mut kernel = Kernel::new(control(&config));
         kernel.forget_home(Axis::X);
@@ -115,8 +115,8 @@ impl Bench {
         let command = self.kernel.tick(&self.feedback());
         self.machine.exchange(&command);
         // by the encoder's zero at the start, so that a new name of the place is no step
-        let at = self.kernel.setpoint(Axis::X).expect("the machine has X")
-            - self.kernel.zero(Axis::X).value();
+        let setpoint = self.kernel.setpoint(Axis::X).expect("the machine has X");
+        let at = (setpoint - self.kernel.zero(Axis::X)).value();
         let h = PERIOD.value();
         let (last, speed, accel) = self.last;
         let now = (at - last) / h;
@@ -174,7 +174,7 @@ impl Bench {
         (reading - self.truth()).value()
     }
 
-    fn truth(&self) -> Length {
+    fn truth(&self) -> Coordinate {
         self.machine.truth().expect("it is simulated").axes[0]
     }
 
@@ -183,7 +183,7 @@ impl Bench {
         (fault.kind, fault.value, fault.limit)
     }
 
-    fn deviation(&self) -> Option<Length> {
+    fn deviation(&self) -> Option<Coordinate> {
         let homed = self.events.iter().rev().find_map(|event| match event {
             EventKind::Homed { deviation, .. } => Some(*deviation),
             _ => None,
@@ -213,7 +213,7 @@ fn an_axis_that_is_switched_on_anywhere_is_homed_to_a_count_of_its_encoder() {
         );
         let off = bench.off();
         assert!(off.abs() <= COUNT_MM, "from {stood} mm: {off} mm off");
-        assert!(bench.truth().abs() < Length::um(3.0), "{}", bench.truth());
+        assert!(bench.truth().abs() < Coordinate::linear(Length::um(3.0)), "{:?}", bench.truth());
         assert!(bench.deviation().is_none(), "it was not known before");
         assert!(bench.kept_limits(), "{:?}", bench.most);
         assert_eq!(bench.kernel.faults(), []);
@@ -246,9 +246,12 @@ fn an_axis_that_stands_on_its_switch_backs_off_it_first() {
 
 #[test]
 fn an_axis_beyond_a_short_cam_comes_back_from_the_limit_switch() {
-    let cam =
-        HomeSwitch { from: Length::mm(-20.0), to: Length::mm(-15.0), ..ALONG.home_switch.unwrap() };
-    let index = Some(IndexMarks { at: Length::mm(-12.0), every: Length::mm(16.0) });
+    let cam = HomeSwitch {
+        from: Coordinate::new(-20.0),
+        to: Coordinate::new(-15.0),
+        ..ALONG.home_switch.unwrap()
+    };
+    let index = Some(IndexMarks { at: Coordinate::new(-12.0), every: Coordinate::new(16.0) });
     let along = Travel { home_switch: Some(cam), index, ..ALONG };
     for start in [-40.0, -17.0, -10.0, 2.0, 4.0] {
         let mut bench = Bench::new(&along, Some(start), 1);
@@ -297,10 +300,10 @@ fn a_hard_stop_is_found_with_no_more_than_the_allowed_force() {
         let gives = (allowed + 0.005 * (8e7_f64 * 1279.0).sqrt()) / 8e4;
         assert!(bench.farthest < 66.0_f64.max(6.0 + gives), "{}", bench.farthest);
         assert!(bench.off().abs() < allowed / 8e4 + 0.002, "{} mm", bench.off());
-        assert!(bench.truth().abs() < Length::mm(0.05), "{}", bench.truth());
+        assert!(bench.truth().abs() < Coordinate::new(0.05), "{:?}", bench.truth());
         bench.move_to(-20.0);
         assert!(bench.home(&order));
-        let by = bench.deviation().expect("it was known before").in_um();
+        let by = bench.deviation().expect("it was known before").of_linear().in_um();
         assert!(by.abs() < 5.0, "{by} µm");
     }
 }
@@ -317,7 +320,11 @@ fn an_encoder_that_knows_and_an_operator_who_says_move_nothing() {
     bench.kernel.home(Axis::X, &given).unwrap();
     bench.run(0.1);
     assert!((at(&bench) - 11.0).abs() < 1e-3, "{}", at(&bench));
-    assert!((bench.truth() + Length::mm(30.0)).abs() < Length::um(1.0), "{}", bench.truth());
+    assert!(
+        (bench.truth() + Coordinate::new(30.0)).abs() < Coordinate::linear(Length::um(1.0)),
+        "{:?}",
+        bench.truth()
+    );
     assert!(bench.most[0] == 0.0, "the setpoint did not move: {:?}", bench.most);
 }
 
@@ -353,7 +360,7 @@ fn a_mark_that_does_not_come_and_one_at_the_switchs_edge_are_alarms() {
     // the limit switch comes 10 mm behind the edge, before 1.2 times 16 mm have been searched
     assert_eq!(bench.alarm().0, FaultKind::IndexNotFound);
     for at in [-6.5, 8.5] {
-        let index = Some(IndexMarks { at: Length::mm(at), every: Length::mm(16.0) });
+        let index = Some(IndexMarks { at: Coordinate::new(at), every: Coordinate::new(16.0) });
         let along = Travel { index, limit_switches: None, ..ALONG };
         let along = Travel { stops: None, ..along };
         let mut bench = Bench::new(&along, Some(-30.0), 1);
@@ -389,12 +396,16 @@ fn an_encoder_that_counts_the_wrong_way_is_found_within_millimetres() {
     bench.kernel.move_manually(Axis::X, order).unwrap();
     bench.run(1.0);
     assert_eq!(bench.alarm().0, FaultKind::MovesAgainstOrder);
-    assert!((bench.truth() + Length::mm(30.0)).abs() < Length::mm(6.0), "{}", bench.truth());
+    assert!(
+        (bench.truth() + Coordinate::new(30.0)).abs() < Coordinate::new(6.0),
+        "{:?}",
+        bench.truth()
+    );
 }
 
 #[test]
 fn limit_switches_that_are_exchanged_are_an_alarm() {
-    let cam = HomeSwitch { from: Length::mm(4.0), ..ALONG.home_switch.unwrap() };
+    let cam = HomeSwitch { from: Coordinate::new(4.0), ..ALONG.home_switch.unwrap() };
     let along = Travel { home_switch: Some(cam), ..ALONG };
     let mut bench =
         Bench::wired(&along, Some(-20.0), 1, |said| said.axes[0].limit_switches.reverse());
@@ -424,7 +435,11 @@ fn a_program_moves_no_axis_that_is_not_homed() {
     bench.kernel.push(&Step { op: 0, line: 1, kind }).unwrap();
     bench.run(0.1);
     assert_eq!(bench.alarm().0, FaultKind::NotHomed);
-    assert!((bench.truth() + Length::mm(30.0)).abs() < Length::um(5.0), "{}", bench.truth());
+    assert!(
+        (bench.truth() + Coordinate::new(30.0)).abs() < Coordinate::linear(Length::um(5.0)),
+        "{:?}",
+        bench.truth()
+    );
 }
 
 #[test]
@@ -460,15 +475,15 @@ proptest! {
     ) {
         let sense = if positive { 1.0 } else { -1.0 };
         let cam = HomeSwitch {
-            from: Length::mm(edge),
-            hysteresis: Length::mm(hysteresis),
+            from: Coordinate::new(edge),
+            hysteresis: Coordinate::new(hysteresis),
             ..ALONG.home_switch.unwrap()
         };
-        let index = Some(IndexMarks { at: Length::mm(edge + behind), every: Length::mm(16.0) });
+        let index = Some(IndexMarks { at: Coordinate::new(edge + behind), every: Coordinate::new(16.0) });
         // the mark lies before the limit switch
         let room = (edge + behind + 3.0).max(3.0);
-        let stops = Some((Length::mm(-66.0), Length::mm(room + 3.0), STIFFNESS));
-        let limit_switches = Some((Length::mm(-63.0), Length::mm(room)));
+        let stops = Some((Coordinate::new(-66.0), Coordinate::new(room + 3.0), STIFFNESS));
+        let limit_switches = Some((Coordinate::new(-63.0), Coordinate::new(room)));
         let along = Travel { home_switch: Some(cam), index, stops, limit_switches, ..ALONG };
         let along = if positive { along } else { mirrored(&along) };
         let order = HomingOrder {

@@ -3,7 +3,7 @@ mod common;
 use common::*;
 use kernel::{Config, Learning, Prediction, SyncMode};
 use plan::StepKind;
-use units::{Length, Torque};
+use units::{Coordinate, Length, Torque};
 
 const HOW: Learning = Learning { gain: 0.7, bandwidth_hz: 70.0 };
 
@@ -12,7 +12,7 @@ const HOW: Learning = Learning { gain: 0.7, bandwidth_hz: 70.0 };
 fn scattered(scale: bool, seed: u64) -> (sim::Config, Config) {
     let mut machine = machine_with_work(1, &M6, 6.0);
     if scale {
-        machine.axes[2].1.encoder = common::scale(Length::um(0.05));
+        machine.axes[2].1.encoder = common::scale(Coordinate::linear(Length::um(0.05)));
     }
     let machine = common::scattered(machine, 0.2, seed);
     let mut control = control(&machine);

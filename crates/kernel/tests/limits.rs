@@ -16,15 +16,18 @@ use plan::{
     AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
 };
 use sim::SimulatedMachine;
-use units::{Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, Time, Torque};
+use units::{
+    Angle, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Inertia, Lead, Length, Power, Speed,
+    Spin, Time, Torque,
+};
 
 const AXIS: AxisLimits = AxisLimits {
     travel: None,
-    rapid_speed: Speed::mm_per_s(400.0),
-    feed_speed: Speed::mm_per_s(200.0),
-    accel: Accel::mm_per_s2(8000.0),
-    rapid_jerk: Jerk::mm_per_s3(500e3),
-    feed_jerk: Jerk::mm_per_s3(500e3),
+    rapid_speed: CoordinateSpeed::new(400.0),
+    feed_speed: CoordinateSpeed::new(200.0),
+    accel: CoordinateAccel::new(8000.0),
+    rapid_jerk: CoordinateJerk::new(500e3),
+    feed_jerk: CoordinateJerk::new(500e3),
 };
 
 const SPINDLE: SpindleLimits = SpindleLimits {
@@ -148,7 +151,7 @@ fn run_with(ops: &[Op], orders: &[(usize, Order)]) -> Run {
     control.motion = limits().motion(1.0);
     // fades as moves at approach speed do, and no slower
     for axis in control.axes.iter_mut().flatten() {
-        axis.approach = (Speed::mm_per_s(50.0), Accel::mm_per_s2(1000.0));
+        axis.approach = (CoordinateSpeed::new(50.0), CoordinateAccel::new(1000.0));
     }
     let mut kernel = Kernel::new(control);
     for table in planner.take_tables() {

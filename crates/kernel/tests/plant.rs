@@ -3,7 +3,7 @@
 mod common;
 use canon::Position;
 use common::{control, line, machine, run};
-use units::{Angle, Length};
+use units::{Angle, Coordinate, Length};
 
 /// Where X really is against its setpoint while it goes 6 mm forth and back at 20 mm/s: mean over the middle of either way, µm.
 fn forth_and_back(machine: &sim::Config, control: &kernel::Config) -> [f64; 2] {
@@ -19,7 +19,9 @@ fn forth_and_back(machine: &sim::Config, control: &kernel::Config) -> [f64; 2] {
             w[0].report.op == op && (3.0..5.0).contains(&at)
         });
         let errors: Vec<f64> = within
-            .map(|w| (w[1].truth.unwrap().axes[0] - w[1].command.axes[0].position).in_um())
+            .map(|w| {
+                (w[1].truth.unwrap().axes[0] - w[1].command.axes[0].position).of_linear().in_um()
+            })
             .collect();
         assert!(errors.len() > 100, "op {op}: {}", errors.len());
         errors.iter().sum::<f64>() / errors.len() as f64
@@ -30,9 +32,9 @@ fn forth_and_back(machine: &sim::Config, control: &kernel::Config) -> [f64; 2] {
 /// The machine whose X has this play, and a control that believes in another one.
 fn with_play(real_um: f64, believed_um: f64) -> (sim::Config, kernel::Config) {
     let mut machine = machine(1);
-    machine.axes[0].1.backlash = Length::um(believed_um);
+    machine.axes[0].1.backlash = Coordinate::linear(Length::um(believed_um));
     let told = control(&machine);
-    machine.axes[0].1.backlash = Length::um(real_um);
+    machine.axes[0].1.backlash = Coordinate::linear(Length::um(real_um));
     (machine, told)
 }
 
@@ -62,7 +64,7 @@ fn over_seeds_thirty_micrometres_of_play_cost_up_to_six() {
         let (mut machine, told) = with_play(30.0, 30.0);
         machine.seed = seed;
         machine.axes[0].1.scatter.backlash = 0.2;
-        let real = machine.plant().0[0].1.backlash.in_um();
+        let real = machine.plant().0[0].1.backlash.of_linear().in_um();
         let [forth, back] = forth_and_back(&machine, &told);
         let lost = back - forth - compensated;
         assert!((lost - (real - 30.0)).abs() < 0.5, "seed {seed}: {lost} µm, play {real} µm");
@@ -74,7 +76,7 @@ fn over_seeds_thirty_micrometres_of_play_cost_up_to_six() {
 #[test]
 fn a_scale_that_is_off_makes_the_part_so_much_larger_and_nobody_in_the_control_sees_it() {
     let mut machine = machine(1);
-    machine.axes[0].1.encoder = common::scale(Length::um(0.05));
+    machine.axes[0].1.encoder = common::scale(Coordinate::linear(Length::um(0.05)));
     let told = control(&machine);
     let exact = forth_and_back(&machine, &told);
     machine.axes[0].1.errors.scale = Some(500e-6);

@@ -10,7 +10,7 @@ use kernel::{EventKind, Kernel, TapFigures};
 use plan::Step;
 use plan::{AxisLimits, MachineLimits, Options, Planner, Start, Tapping, ToolChange};
 use sim::SimulatedMachine;
-use units::{Accel, Angle, Lead, Length, Speed, Spin, Stiffness, Time};
+use units::{Angle, Coordinate, CoordinateAccel, Lead, Length, Speed, Spin, Stiffness, Time};
 
 /// Machine Z of the work's surface.
 const TOP: f64 = -300.0;
@@ -23,8 +23,8 @@ fn mm(value: f64) -> Length {
 
 fn limits() -> MachineLimits {
     let axis = |accel: f64, low: f64| AxisLimits {
-        travel: Some((mm(low), Length::ZERO)),
-        accel: Accel::mm_per_s2(accel),
+        travel: Some((Coordinate::new(low), Coordinate::ZERO)),
+        accel: CoordinateAccel::new(accel),
         ..Z_LIMITS
     };
     let mut axes = [None; 9];

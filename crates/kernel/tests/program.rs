@@ -42,7 +42,9 @@ fn moves_end_where_they_should_within_the_in_position_window() {
 #[test]
 fn a_feed_move_is_followed_within_10_um_all_the_way() {
     let seen = run_here(&[line(ZERO, Position::xyz(80.0, 0.0, -60.0), 100.0, true), StepKind::End]);
-    let off = |s: &bus::Sample, i: usize| (s.axis(i) - s.command.axes[i].position).in_um().abs();
+    let off = |s: &bus::Sample, i: usize| {
+        (s.axis(i) - s.command.axes[i].position).of_linear().in_um().abs()
+    };
     let worst = seen.samples.iter().skip(100).map(|s| off(s, 0).max(off(s, 2))).fold(0.0, f64::max);
     assert!(worst < 10.0, "{worst} µm");
 }

@@ -5,7 +5,7 @@ use common::*;
 use kernel::{Kernel, Prediction, SyncMode};
 use plan::Step;
 use proptest::prelude::*;
-use units::{Angle, Length, Time};
+use units::{Angle, Coordinate, Time};
 
 fn numbers(command: &bus::Command) -> bool {
     let axes = command
@@ -23,7 +23,7 @@ fn feedback(tick: usize, z: f64, angle: f64, ready: bool) -> Feedback {
     for axis in &mut said.axes {
         *axis = AxisFeedback { ready, ..AxisFeedback::default() };
     }
-    said.axes[2].position = Length::mm(z);
+    said.axes[2].position = Coordinate::new(z);
     said.spindles[0] =
         SpindleFeedback { angle: Angle::rev(angle), ready, ..SpindleFeedback::default() };
     said
@@ -43,7 +43,7 @@ proptest! {
         }
         // nothing is to stop the loops from being tried
         for axis in config.axes.iter_mut().flatten() {
-            axis.windows.following_stop = Length::mm(1e300);
+            axis.windows.following_stop = Coordinate::new(1e300);
         }
         for spindle in config.spindles.iter_mut().flatten() {
             spindle.windows.following_stop = Angle::rev(1e300);

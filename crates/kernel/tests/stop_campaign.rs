@@ -7,7 +7,7 @@ use campaign::*;
 use common::TapOrder;
 use sim::Fault;
 use sync::recovery::Way;
-use units::{Angle, Length, Time};
+use units::{Angle, Coordinate, Time};
 
 const LEFT: Work = Work { order: TapOrder { left: true, ..M8.order }, ..M8 };
 const REACTIONS: [DriveReaction; 3] =
@@ -33,7 +33,7 @@ fn drives_and_encoders_that_fail_in_a_tap_leave_it_near_its_helix() {
         (Fault::SpindleDrive(0), 20.0),
         (Fault::Slip(Angle::deg(10.0)), 20.0),
         (Fault::Dropout(Time::s(0.02)), 20.0),
-        (Fault::Jump(2, Length::mm(0.1)), 50.0),
+        (Fault::Jump(2, Coordinate::new(0.1)), 50.0),
         (Fault::Stuck(2), 300.0),
         (Fault::AxisDrive(2), 400.0),
     ];

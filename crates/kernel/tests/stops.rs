@@ -6,7 +6,7 @@ use common::*;
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryPlan};
 use sim::SimulatedMachine;
 use sync::recovery::{Direction, Mover, Point, Stored, Way};
-use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
+use units::{Accel, Angle, Coordinate, Length, Speed, Spin, SpinAccel, Time};
 
 /// A machine, its control, and what has been seen.
 struct Bench {
@@ -205,7 +205,7 @@ fn after_an_alarm_with_drives_alive_the_tap_can_be_taken_out() {
 fn recovered(spindle_rev: f64, z_mm: f64, way: Way) -> (Bench, Stored) {
     let mut model = machine(0);
     model.spindles[0].start = Angle::rev(spindle_rev);
-    model.axes.iter_mut().find(|(index, _)| *index == 2).unwrap().1.start = Length::mm(z_mm);
+    model.axes.iter_mut().find(|(index, _)| *index == 2).unwrap().1.start = Coordinate::new(z_mm);
     let kernel = Kernel::new(control(&model));
     let machine = SimulatedMachine::new(model).unwrap();
     let mut bench = Bench { machine, kernel, samples: Vec::new(), events: Vec::new() };
@@ -240,7 +240,7 @@ fn recovery_brings_back_the_axis_that_overran_and_leaves_along_the_helix() {
         });
         let figures = ended.expect("it came to its end");
         assert!(figures.helix_error_max < Length::um(5.0), "{figures:?}");
-        let at = |s: &Sample| Point { angle: s.spindle(0), place: s.axis(2) };
+        let at = |s: &Sample| Point { angle: s.spindle(0), place: s.axis(2).of_linear() };
         let engaged = bench.samples.iter().rposition(|s| stored.error(at(s)).in_um().abs() > 5.0);
         let on = engaged.expect("it began off the helix") + 1;
         assert!(bench.samples.len() - on > 4000, "most of the way is on the helix");

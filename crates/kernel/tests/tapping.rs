@@ -92,7 +92,7 @@ fn sync_error_over_threads_and_encoders() {
             machine.spindles[0].encoder.counts_per_rev = counts;
             if scale {
                 let resolution = Length::mm(50e-6);
-                machine.axes[2].1.encoder = common::scale(resolution);
+                machine.axes[2].1.encoder = common::scale(units::Coordinate::linear(resolution));
             }
             let mut control = control(&machine);
             if follow {

@@ -7,7 +7,7 @@ use kernel::{EventKind, Kernel, Order, RecordRequest, WithdrawalPlan};
 use motion::{Corner, Pass, ThreadStretch, TiedCut, WayOut};
 use plan::StepKind;
 use sim::SimulatedMachine;
-use units::{Angle, Lead, LeadGrowth, Length, Spin};
+use units::{Angle, Coordinate, Lead, LeadGrowth, Length, Spin};
 
 const LEAD: f64 = 1.5;
 const FROM: f64 = -5.0;
@@ -412,9 +412,9 @@ fn an_encoder_that_lies_in_a_thread_is_bridged_until_the_tool_is_off_it() {
     let wrongs: [(&str, Wrong); 5] = [
         ("spindle slips", |now, _| now.spindles[0].angle += Angle::deg(3.0)),
         ("spindle says nothing", |now, _| now.spindles[0].angle = Angle::rev(f64::NAN)),
-        ("Z jumps", |now, _| now.axes[2].position += Length::mm(0.1)),
+        ("Z jumps", |now, _| now.axes[2].position += Coordinate::new(0.1)),
         ("Z is stuck", |now, before| now.axes[2].position = before.axes[2].position),
-        ("Z says nothing", |now, _| now.axes[2].position = Length::mm(f64::NAN)),
+        ("Z says nothing", |now, _| now.axes[2].position = Coordinate::new(f64::NAN)),
     ];
     for (what, wrong) in wrongs {
         let mut bench = Bench::new();
@@ -433,7 +433,7 @@ fn an_encoder_that_lies_in_a_thread_is_bridged_until_the_tool_is_off_it() {
 fn an_infeed_axis_whose_reading_jumps_stops_everything_on_the_thread() {
     let mut bench = Bench::new();
     bench.until("in the thread", |b| b.at[1] < FROM - 8.0);
-    bench.wrong = Some(|now, _| now.axes[0].position += Length::mm(0.1));
+    bench.wrong = Some(|now, _| now.axes[0].position += Coordinate::new(0.1));
     let off = bench.off_until("at rest", |b| b.kernel.is_standing() && b.rpm().abs() < 0.1);
     assert!(off < 20.0 && bench.at[0].abs() < 0.05, "{off} µm, {:?}", bench.at);
     assert!(bench.kernel.way_out().is_some(), "it has still to be taken out");

@@ -6,7 +6,7 @@ use motion::Move;
 use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Start};
 use proptest::prelude::*;
-use units::{Accel, Angle, Jerk, Speed};
+use units::{Angle, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Speed};
 
 /// The one move that an op becomes.
 fn planned(limits: &MachineLimits, from: Position, kind: OpKind) -> Move {
@@ -36,12 +36,12 @@ fn assert_within_limits(m: &Move, limits: &MachineLimits) {
             let letter = Axis::ALL[k].letter();
             let (v, a) = (now.speed[k].value().abs(), now.accel[k].value().abs());
             let speed = if m.rapid { of.rapid_speed } else { of.feed_speed };
-            assert!(v <= speed.value() * (1.0 + 1e-6), "{letter}: {v} mm/s of {speed}");
-            assert!(a <= of.accel.value() * (1.0 + 1e-6), "{letter}: {a} mm/s² of {}", of.accel);
+            assert!(v <= speed.value() * (1.0 + 1e-6), "{letter}: {v} mm/s of {speed:?}");
+            assert!(a <= of.accel.value() * (1.0 + 1e-6), "{letter}: {a} mm/s² of {:?}", of.accel);
             if let Some(before) = &before {
                 let j = (now.accel[k] - before.accel[k]).abs().value() / dt;
                 let jerk = if m.rapid { of.rapid_jerk } else { of.feed_jerk };
-                assert!(j <= jerk.value() * (1.0 + 1e-6), "{letter}: {j} mm/s³ of {jerk}");
+                assert!(j <= jerk.value() * (1.0 + 1e-6), "{letter}: {j} mm/s³ of {jerk:?}");
                 // a step of the position is the mean speed, so the parts of the motion belong together
                 let moved = (now.position[k] - before.position[k]).value() / dt;
                 let mean = (now.speed[k] + before.speed[k]).value() / 2.0;
@@ -61,9 +61,9 @@ fn limits(accels: [f64; 3], feed: f64, jerk: f64) -> MachineLimits {
     for (k, accel) in accels.into_iter().enumerate() {
         let of = AxisLimits {
             travel: None,
-            feed_speed: Speed::mm_per_min(feed * (1.0 + 0.3 * k as f64)),
-            feed_jerk: Jerk::mm_per_s3(jerk),
-            accel: Accel::mm_per_s2(accel),
+            feed_speed: CoordinateSpeed::linear(Speed::mm_per_min(feed * (1.0 + 0.3 * k as f64))),
+            feed_jerk: CoordinateJerk::new(jerk),
+            accel: CoordinateAccel::new(accel),
             ..axis(0.0, 0.0, 1.0)
         };
         limits.axes[k] = Some(of);
@@ -117,9 +117,9 @@ proptest! {
         let [first, second, normal] = plane.axes();
         let on_circle = |turn: f64| {
             let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
-            Position::default().with(first, mm(radius * cos)).with(second, mm(radius * sin))
+            Position::default().with(first, Coordinate::linear(mm(radius * cos))).with(second, Coordinate::linear(mm(radius * sin)))
         };
-        let (from, to) = (on_circle(start), on_circle(start + sweep).with(normal, mm(rise)));
+        let (from, to) = (on_circle(start), on_circle(start + sweep).with(normal, Coordinate::linear(mm(rise))));
         let arc = Arc { plane, centre: [mm(0.0); 2], sweep: Angle::rev(sweep) };
         let m = planned(&limits, from, OpKind::Arc { to, arc, feed: feed(rate) });
         assert!(m.profile.peak() <= rate / 60.0 * (1.0 + 1e-9));

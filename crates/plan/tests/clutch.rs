@@ -158,7 +158,7 @@ fn a_dwell_outside_the_window_is_done_if_the_user_only_wants_to_be_warned() {
 #[test]
 fn a_stroke_that_is_no_longer_than_the_splines_is_refused() {
     let mut short = tap(10.0, 10.0, 5.0, 0.5, 1.0, 3000.0);
-    short.surface = short.start.along(Axis::Z);
+    short.surface = short.start.along(Axis::Z).of_linear();
     let found =
         findings_of(planner(CLUTCH, Unsynchronised::default()), [turn(3000.0), OpKind::Tap(short)]);
     assert!(found.contains("M0341 Error"), "{found}");

@@ -5,7 +5,10 @@ use common::{steps_of, tap, turn};
 use motion::{Profile, TapPlan};
 use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Retract, SpindleLimits, Start, StrokeRequest};
-use units::{Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, Time, Torque};
+use units::{
+    Angle, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Inertia, Lead, Length, Power, Spin,
+    Time, Torque,
+};
 
 fn tap_plans(limits: MachineLimits, tap: canon::Tap) -> Vec<TapPlan> {
     let start = Start { position: tap.start, tool: 2 };
@@ -105,9 +108,9 @@ fn a_short_stroke_is_within_3_percent_of_the_time_that_no_tap_can_beat() {
         max_speed: Spin::rpm(1e5),
     };
     let axis = AxisLimits {
-        feed_speed: Speed::mm_per_s(1e5),
-        accel: Accel::mm_per_s2(1e6),
-        feed_jerk: Jerk::mm_per_s3(f64::INFINITY),
+        feed_speed: CoordinateSpeed::new(1e5),
+        accel: CoordinateAccel::new(1e6),
+        feed_jerk: CoordinateJerk::new(f64::INFINITY),
         ..common::machine().axes[2].unwrap()
     };
     let request = StrokeRequest {

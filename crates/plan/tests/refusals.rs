@@ -3,7 +3,7 @@ mod common;
 use canon::{Arc, Feed, OpKind, Plane, Position, SpindleOrder};
 use common::{change, findings, findings_of, hole, line, mm, planner_at, rapid, tap, turn};
 use insta::assert_snapshot;
-use units::{Angle, Lead, Length, Speed, Spin, Time};
+use units::{Angle, CoordinateSpeed, Lead, Length, Speed, Spin, Time};
 
 /// Findings about a tap that stands ready over its hole.
 fn tap_findings(tool: u32, tap: canon::Tap) -> String {
@@ -165,7 +165,7 @@ fn a_tool_that_the_table_lacks() {
 fn a_lead_times_speed_that_the_axis_cannot_follow() {
     let mut slow = common::machine();
     let z = slow.axes[2].as_mut().unwrap();
-    z.feed_speed = Speed::mm_per_min(5000.0);
+    z.feed_speed = CoordinateSpeed::linear(Speed::mm_per_min(5000.0));
     let t = tap(0.0, 0.0, 2.0, -20.0, 1.25, 5500.0);
     let start = plan::Start { position: t.start, tool: 5 };
     let planner = plan::Planner::new(slow, common::tools(), common::OPTIONS, start);

@@ -5,7 +5,10 @@ use motion::{Limiting, Limiting as L};
 use plan::{AxisLimits, SpindleLimits, Stroke, StrokeRequest};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
-use units::{Accel, Angle, Inertia, Jerk, Lead, Power, Speed, Spin, Time, Torque};
+use units::{
+    Angle, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Inertia, Lead, Power, Speed, Spin,
+    Time, Torque,
+};
 
 fn request(revolutions: f64, rpm: f64, lead: f64, cut: f64) -> StrokeRequest {
     StrokeRequest {
@@ -38,11 +41,11 @@ fn ideal(accel: f64, rise: f64) -> SpindleLimits {
 fn unlimited_axis() -> AxisLimits {
     AxisLimits {
         travel: None,
-        rapid_speed: Speed::mm_per_s(1e9),
-        feed_speed: Speed::mm_per_s(1e9),
-        accel: Accel::mm_per_s2(1e12),
-        rapid_jerk: Jerk::mm_per_s3(f64::INFINITY),
-        feed_jerk: Jerk::mm_per_s3(f64::INFINITY),
+        rapid_speed: CoordinateSpeed::new(1e9),
+        feed_speed: CoordinateSpeed::new(1e9),
+        accel: CoordinateAccel::new(1e12),
+        rapid_jerk: CoordinateJerk::new(f64::INFINITY),
+        feed_jerk: CoordinateJerk::new(f64::INFINITY),
     }
 }
 
@@ -107,11 +110,11 @@ fn what_bounds_a_stroke_is_named() {
     );
     assert_eq!(limiting(request(3.0, 6000.0, 1.0, 0.0), &heavy, &z).0, L::StrokeLength);
     assert_eq!(limiting(request(99.0, 7000.0, 1.0, 0.0), &SPINDLE, &z).0, L::TappingMaximum);
-    let slow = AxisLimits { feed_speed: Speed::mm_per_min(2000.0), ..z };
+    let slow = AxisLimits { feed_speed: CoordinateSpeed::linear(Speed::mm_per_min(2000.0)), ..z };
     assert_eq!(limiting(request(30.0, 2500.0, 1.0, 0.0), &SPINDLE, &slow).0, L::FeedSpeed);
-    let lazy = AxisLimits { accel: Accel::mm_per_s2(100.0), ..z };
+    let lazy = AxisLimits { accel: CoordinateAccel::new(100.0), ..z };
     assert_eq!(limiting(request(30.0, 2500.0, 1.0, 0.0), &SPINDLE, &lazy).1, L::FeedAcceleration);
-    let soft = AxisLimits { feed_jerk: Jerk::mm_per_s3(2000.0), ..z };
+    let soft = AxisLimits { feed_jerk: CoordinateJerk::new(2000.0), ..z };
     assert_eq!(limiting(request(30.0, 2500.0, 1.0, 0.0), &SPINDLE, &soft).1, L::FeedJerk);
     let slow_torque = SpindleLimits { torque_rise: Time::s(0.2), ..SPINDLE };
     assert_eq!(limiting(request(30.0, 2500.0, 1.0, 0.0), &slow_torque, &z).1, L::SpindleJerk);
@@ -256,8 +259,8 @@ fn any_spindle() -> impl Strategy<Value = SpindleLimits> {
 fn any_axis() -> impl Strategy<Value = AxisLimits> {
     (1e3..6e4, 0.5..20.0, prop_oneof![Just(f64::INFINITY), 1e4..1e6]).prop_map(
         |(speed, accel, jerk)| AxisLimits {
-            feed_speed: Speed::mm_per_min(speed),
-            feed_jerk: Jerk::mm_per_s3(jerk),
+            feed_speed: CoordinateSpeed::linear(Speed::mm_per_min(speed)),
+            feed_jerk: CoordinateJerk::new(jerk),
             ..axis(-300.0, 0.0, accel)
         },
     )

@@ -3,7 +3,7 @@ use canon::{LengthUnit, Position, ProgramFrame};
 use report::{Alarm, Limits, Note, Recorder, Run};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeSet;
-use units::{Length, Spin, Time, Torque};
+use units::{Coordinate, Length, Spin, Time, Torque};
 use verify::{Feature, FeatureKind, Verdict};
 
 mod support;
@@ -315,7 +315,7 @@ fn an_engraving_that_never_is_straight_still_gives_a_small_page() {
         sample.report.state = if k % 5 == 0 { bus::State::Rapid } else { bus::State::Feed };
         let at = [100.0 * t.sin(), 60.0 * (1.3 * t).cos(), 5.0 * (0.1 * t).sin()];
         for (axis, value) in sample.feedback.axes.iter_mut().zip(at) {
-            axis.position = Length::mm(value);
+            axis.position = Coordinate::new(value);
         }
         recorder.sample(&sample);
     }

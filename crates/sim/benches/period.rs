@@ -6,7 +6,7 @@ use bus::{Command, Machine};
 use criterion::{Criterion, criterion_group, criterion_main};
 use sim::{Config, SimulatedMachine};
 use std::hint::black_box;
-use units::{Force, Length, Time, Torque};
+use units::{Coordinate, Force, Time, Torque};
 
 /// One period with every axis and the spindle under way.
 fn swing(machine: &mut SimulatedMachine, phase: &mut f64) {
@@ -24,7 +24,7 @@ fn swing(machine: &mut SimulatedMachine, phase: &mut f64) {
 /// A machine whose tap has entered the work and rests there.
 fn in_the_work() -> (SimulatedMachine, Command) {
     let mut config = Config { tool: 2, ..fixtures::tapping_center() };
-    config.axes[2].1.start = Length::mm(-199.999);
+    config.axes[2].1.start = Coordinate::new(-199.999);
     let mut machine = SimulatedMachine::new(config).expect("the fixture is a machine");
     let mut command = Command { tool: 2, ..Command::default() };
     command.axes[2].enable = true;

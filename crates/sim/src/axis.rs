@@ -386,7 +386,7 @@ mod tests {
 
     #[test]
     fn on_reversal_the_table_stays_behind_by_the_play() {
-        let model = AxisModel { backlash: Length::um(3.0), ..z_axis() };
+        let model = AxisModel { backlash: Coordinate::new(3e-3), ..z_axis() };
         let mut axis = axis(&model);
         axis.obey(&on(0.0));
         // the motor is led by hand, slowly; the table follows with friction only

@@ -128,6 +128,7 @@ mod tests {
     use super::*;
     use crate::fixtures::z_friction;
     use crate::oracle::friction::{steady_force, stribeck};
+    use units::Speed;
 
     const H: f64 = 25e-6;
 

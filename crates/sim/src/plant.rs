@@ -342,7 +342,7 @@ mod tests {
                 of(z.stiffness.value(), model.stiffness.value()) / 0.15,
                 of(z.friction.coulomb.value(), model.friction.coulomb.value()) / 0.2,
                 errors.lead.unwrap_or(0.0) / 2e-5,
-                errors.wobble.unwrap_or_default().0.in_um() / 3.0,
+                errors.wobble.unwrap_or_default().0.of_linear().in_um() / 3.0,
                 errors.scale.unwrap_or(0.0) / 5e-6,
             ];
             for (most, found) in most.iter_mut().zip(found) {

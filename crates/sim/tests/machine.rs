@@ -4,7 +4,7 @@ use bus::{Command, Machine};
 use fixtures::{spindle, tapping_center};
 use proptest::{prop_assert, prop_assert_eq, proptest};
 use sim::{Config, SimulatedMachine};
-use units::{Force, Length, Spin, Time, Torque};
+use units::{Coordinate, Force, Length, Spin, Time, Torque};
 
 fn machine(config: Config) -> SimulatedMachine {
     SimulatedMachine::new(config).expect("the fixture is a machine")
@@ -40,7 +40,7 @@ fn two_runs_of_the_same_inputs_are_equal_to_the_last_bit() {
         let mut config = Config { scatter: 0.03, seed: 42, ..tapping_center() };
         config.spindles[0].encoder.noise_counts = 2.0;
         config.tool = 2;
-        config.axes[2].1.start = Length::mm(-199.9); // a tenth of a millimetre over the work
+        config.axes[2].1.start = Coordinate::new(-199.9); // a tenth of a millimetre over the work
         let mut machine = machine(config);
         let mut rows = Vec::new();
         for i in 0..2000 {
@@ -88,7 +88,7 @@ fn a_delayed_command_is_obeyed_that_many_periods_later() {
 fn a_motor_encoder_and_a_scale_differ_by_play_and_stretch() {
     let mut with_scale = tapping_center();
     with_scale.axes[2].1.encoder = sim::AxisEncoder::Scale {
-        resolution: Length::um(0.05),
+        resolution: Coordinate::linear(Length::um(0.05)),
         motor_counts_per_rev: Some(1 << 20),
     };
     let (mut motor, mut scale) = (machine(tapping_center()), machine(with_scale));
@@ -98,10 +98,16 @@ fn a_motor_encoder_and_a_scale_differ_by_play_and_stretch() {
     }
     let table = scale.truth().unwrap().axes[2];
     let by_scale = table - scale.feedback().axes[2].position;
-    assert!(by_scale >= Length::ZERO && by_scale < Length::um(0.05), "{by_scale}");
+    assert!(
+        by_scale >= Coordinate::ZERO && by_scale < Coordinate::linear(Length::um(0.05)),
+        "{by_scale:?}"
+    );
     // under way the screw pulls the table: 8.1 m/s² · 150 kg and 1 kN of friction stretch it
     let ahead = motor.feedback().axes[2].position - table;
-    assert!(ahead > Length::um(5.0) && ahead < Length::um(60.0), "{ahead}");
+    assert!(
+        ahead > Coordinate::linear(Length::um(5.0)) && ahead < Coordinate::linear(Length::um(60.0)),
+        "{ahead:?}"
+    );
     let feedback = (motor.feedback().axes[2], scale.feedback().axes[2]);
     assert_eq!(
         feedback.1.motor,
@@ -199,7 +205,7 @@ proptest! {
     ) {
         let mut config = Config { tool, ..tapping_center() };
         config.axes[2].1.brake = false;
-        config.axes[2].1.start = Length::mm(if tool == 1 { -179.999 } else { -199.999 });
+        config.axes[2].1.start = Coordinate::new(if tool == 1 { -179.999 } else { -199.999 });
         let mut machine = machine(config);
         for (force, torque) in steps {
             let mut order = Command { tool, ..command(0.0, torque) };
@@ -226,7 +232,7 @@ proptest! {
             machine.exchange(&order);
             let truth = machine.truth().unwrap();
             for axis in truth.axes {
-                prop_assert!(axis.is_finite() && axis.abs() < Length::mm(1e6));
+                prop_assert!(axis.is_finite() && axis.abs() < Coordinate::new(1e6));
             }
             prop_assert!(truth.spindles[0].is_finite() && truth.spins[0].abs() < fastest);
         }
@@ -239,6 +245,6 @@ proptest! {
         for _ in 0..10 {
             machine.exchange(&command(poison, poison));
         }
-        prop_assert_eq!(machine.truth().unwrap().axes[0], Length::ZERO);
+        prop_assert_eq!(machine.truth().unwrap().axes[0], Coordinate::ZERO);
     }
 }

@@ -4,12 +4,12 @@ use bus::{Command, Coupled, DriveReaction, Feedback, Machine};
 use core::f64::consts::TAU;
 use fixtures::tapping_center;
 use sim::{Bus, RunDown, SimulatedMachine};
-use units::{Force, Lead, Speed, Spin, Time, Torque};
+use units::{CoordinateSpeed, Force, Lead, Spin, Time, Torque};
 
 /// Spindle at 1000 rpm and Z at 1.25 mm per turn, driven there by hand; in the air.
 fn moving() -> (SimulatedMachine, Command, Feedback) {
     let mut machine = SimulatedMachine::new(tapping_center()).expect("the fixture is a machine");
-    let wanted = (Spin::rpm(1000.0), Speed::mm_per_s(-1.25 * 1000.0 / 60.0));
+    let wanted = (Spin::rpm(1000.0), CoordinateSpeed::new(-1.25 * 1000.0 / 60.0));
     let (mut before, mut command) = (machine.feedback(), Command::default());
     for i in 0..4000 {
         let now = machine.feedback();
@@ -31,7 +31,7 @@ fn moving() -> (SimulatedMachine, Command, Feedback) {
         axis: 2,
         spindle: 0,
         angle: now.spindles[0].angle,
-        place: now.axes[2].position,
+        place: now.axes[2].position.of_linear(),
         lead: Lead::mm_per_rev(-1.25),
     });
     (machine, command, now)

@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 use fixtures::tapping_center;
 use sim::oracle::thread::helix;
 use sim::{Config, SimulatedMachine};
-use units::{Force, Lead, Length, Time, Torque};
+use units::{Coordinate, Force, Lead, Length, Time, Torque};
 
 const PERIOD: f64 = 250e-6;
 const KP: f64 = 80.0;
@@ -119,7 +119,7 @@ impl Servo {
 /// The fixture with Z already 2 mm over the surface for a tool of this length.
 fn over_the_work(tool_length_mm: f64) -> Config {
     let mut config = tapping_center();
-    config.axes[2].1.start = Length::mm(-300.0 + tool_length_mm + 2.0);
+    config.axes[2].1.start = Coordinate::new(-300.0 + tool_length_mm + 2.0);
     config
 }
 
@@ -127,7 +127,7 @@ fn over_the_work(tool_length_mm: f64) -> Config {
 fn widening(saw: &[Truth], lead: f64) -> f64 {
     let deviations = saw
         .iter()
-        .map(|t| (t.axes[2] + t.tool_deflection, t))
+        .map(|t| (t.axes[2].of_linear() + t.tool_deflection, t))
         .filter(|(z, _)| z.value() - 100.0 < -300.5)
         .map(|(z, t)| (z - helix(Length::ZERO, Lead::mm_per_rev(lead), t.spindles[0])).value());
     let (low, high) = deviations

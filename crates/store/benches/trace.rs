@@ -6,7 +6,7 @@ use bus::{Sample, State, Truth};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::{f64::consts::TAU, hint::black_box};
 use store::trace::{Columns, GROUP_ROWS, Writer};
-use units::{Angle, Force, Length, Spin, Time, Torque};
+use units::{Angle, Coordinate, Force, Length, Spin, Time, Torque};
 
 const ROWS: usize = 4 * GROUP_ROWS;
 
@@ -27,9 +27,10 @@ fn samples() -> Vec<Sample> {
         for axis in 0..3 {
             let wanted = if axis == 2 { -100.0 - angle } else { -250.0 + axis as f64 };
             let real = wanted + 3e-4 * next();
-            sample.command.axes[axis].position = Length::mm(wanted);
-            sample.feedback.axes[axis].position = Length::mm((real * 65_536.0).floor() / 65_536.0);
-            truth.axes[axis] = Length::mm(real);
+            sample.command.axes[axis].position = Coordinate::new(wanted);
+            sample.feedback.axes[axis].position =
+                Coordinate::new((real * 65_536.0).floor() / 65_536.0);
+            truth.axes[axis] = Coordinate::new(real);
             truth.axis_forces[axis] = Force::n(150.0 + 20.0 * next());
         }
         let real = angle + 1e-5 * next();

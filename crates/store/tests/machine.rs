@@ -4,7 +4,7 @@
 
 use proptest::prelude::*;
 use store::machine::{self, Motor, PositionFrom, Ramp};
-use units::{Accel, Force, Length, Spin, Time};
+use units::{Coordinate, CoordinateAccel, Force, Spin, Time};
 
 fn tapping_center() -> machine::MachineFile {
     machine::parse(machine::embedded("tapping-center").unwrap(), 0).unwrap()
@@ -42,13 +42,13 @@ fn the_tapping_centers_z_axis_weighs_a_ton_at_the_screw_and_has_the_force_for_15
     // (2π / 0.016 m)² × 0.0070 kg·m²; 60 N·m × 2π / 0.016 m
     assert!((z.drive.motor_mass().value() - 1079.5).abs() < 0.1, "{}", z.drive.motor_mass());
     assert!((z.drive.peak_force().value() - 23_562.0).abs() < 1.0, "{}", z.drive.peak_force());
-    assert_eq!(z.acceleration, Accel::mm_per_s2(15_000.0));
+    assert_eq!(z.acceleration, CoordinateAccel::new(15_000.0));
     assert_eq!(z.friction.static_force, Force::n(190.0));
     assert!(matches!(z.drive.motor, Motor::BallScrew { .. }));
     let PositionFrom::Motor { resolution, counts_per_rev: 1_048_576 } = z.position_from else {
         panic!("a motor encoder")
     };
-    assert!((resolution.in_um() - 16_000.0 / 1_048_576.0).abs() < 1e-12);
+    assert!((resolution.of_linear().in_um() - 16_000.0 / 1_048_576.0).abs() < 1e-12);
 }
 
 #[test]
@@ -66,9 +66,9 @@ fn the_tapping_centers_spindle_bends_its_torque_curve_at_3410_rpm() {
 fn a_tool_of_150_mm_fits_between_the_work_and_the_top_of_the_travel() {
     let file = tapping_center();
     let z = file.axis(canon::Axis::Z).unwrap();
-    let tip_at_work = file.setup.g54.along(canon::Axis::Z) + Length::mm(150.0);
-    assert!(tip_at_work + Length::mm(100.0) <= z.travel.to);
-    assert!(file.setup.g54.along(canon::Axis::Z) - Length::mm(50.0) >= z.travel.from);
+    let tip_at_work = file.setup.g54.along(canon::Axis::Z) + Coordinate::new(150.0);
+    assert!(tip_at_work + Coordinate::new(100.0) <= z.travel.to);
+    assert!(file.setup.g54.along(canon::Axis::Z) - Coordinate::new(50.0) >= z.travel.from);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use bus::{Sample, State, Truth};
 use proptest::prelude::*;
 use std::path::Path;
 use store::trace::{Columns, GROUP_ROWS, Group, Reader, Writer};
-use units::{Angle, Force, Length, Spin, Time, Torque};
+use units::{Angle, Coordinate, Force, Length, Spin, Time, Torque};
 
 fn columns() -> Columns {
     Columns { axes: vec![(0, "x".into()), (2, "z".into())], spindles: vec!["spindle".into()] }
@@ -15,9 +15,9 @@ fn sample(n: u32) -> Sample {
     let n = f64::from(n);
     let mut sample = Sample::default();
     sample.feedback.time = Time::s(n * 250e-6);
-    sample.feedback.axes[2].position = Length::mm(-0.001 * n);
+    sample.feedback.axes[2].position = Coordinate::new(-0.001 * n);
     sample.feedback.spindles[0].angle = Angle::rev(0.025 * n);
-    sample.command.axes[0].position = Length::mm(1.5);
+    sample.command.axes[0].position = Coordinate::new(1.5);
     sample.command.axes[0].force = Force::n(-20.0);
     sample.command.spindles[0].angle = Angle::rev(0.025 * n + 0.001);
     sample.command.spindles[0].torque = Torque::n_m(3.25);
@@ -97,7 +97,7 @@ fn without_a_simulator_the_truth_is_no_number_and_drives_give_what_they_are_orde
 fn with_a_simulator_the_truth_is_recorded_beside_the_encoders() {
     let mut with_truth = sample(1);
     let mut truth = Truth::default();
-    truth.axes[2] = Length::mm(-0.25);
+    truth.axes[2] = Coordinate::new(-0.25);
     truth.axis_forces[2] = Force::n(1234.5);
     truth.spins[0] = Spin::rpm(6000.0);
     truth.spindle_torques[0] = Torque::n_m(-42.0);

@@ -346,6 +346,7 @@ mod tests {
     use bus::Truth;
     use canon::Insert;
     use units::Angle;
+    use units::Coordinate;
 
     fn bar() -> TurnedBar {
         let [radius, bore, face, rear] = [10.0, 0.0, 0.0, -40.0].map(Length::mm);
@@ -382,8 +383,8 @@ mod tests {
                 let share = k as f64 / count as f64;
                 let at = |i: usize| pair[0][i] + share * (pair[1][i] - pair[0][i]);
                 let mut truth = Truth::default();
-                truth.axes[0] = Length::mm(at(0));
-                truth.axes[2] = Length::mm(at(1) + 50.0);
+                truth.axes[0] = Coordinate::new(at(0));
+                truth.axes[2] = Coordinate::new(at(1) + 50.0);
                 truth.spindles[0] = Angle::rev(turn);
                 turn += 1.0 / 60.0;
                 bar.sample(&Sample { truth: Some(truth), ..Sample::default() }, Some(tool));

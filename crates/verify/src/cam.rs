@@ -312,6 +312,7 @@ mod tests {
     use crate::Stock;
     use canon::{CamLibrary, CamProfile, ToolLibrary};
     use std::f64::consts::TAU;
+    use units::Coordinate;
 
     const CENTRE: Length = Length::mm(-250.0);
 
@@ -358,7 +359,7 @@ mod tests {
             let mut sample = Sample::default();
             sample.feedback.time = Time::s(f64::from(i) * 250e-6);
             sample.feedback.spindles[0].angle = Angle::rev(turn);
-            sample.feedback.axes[0].position = CENTRE + Length::mm(x(turn));
+            sample.feedback.axes[0].position = Coordinate::linear(CENTRE + Length::mm(x(turn)));
             track.sample(&sample);
         }
         let feature = track.finish(3, 4, &ordered, &config, Time::s(3.0));

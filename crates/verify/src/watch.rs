@@ -328,6 +328,7 @@ fn place(at: &canon::Position) -> [Length; 3] {
 mod tests {
     use super::*;
     use canon::{Position, Span};
+    use units::{Coordinate, CoordinateSpeed};
 
     /// A hole 20 mm deep, drilled at this spindle speed, rpm, where 5000 is in force.
     fn breaches(rpm: f64, to_mm: f64) -> Vec<String> {
@@ -354,7 +355,7 @@ mod tests {
         watch.op(1, &op(OpKind::Hole(hole)));
         let mut sample = Sample::default();
         (sample.report.op, sample.report.line, sample.report.state) = (2, line, State::Feed);
-        let feed = Speed::mm_per_s(50.0);
+        let feed = CoordinateSpeed::new(50.0);
         while sample.feedback.axes[2].position.value() > to_mm {
             sample.feedback.time += Time::s(1e-3);
             sample.feedback.spindles[0].angle += Spin::rpm(rpm) * Time::s(1e-3);
@@ -432,7 +433,7 @@ mod tests {
         let mut at = |spindle_mm: f64, axis_mm: f64| {
             sample.feedback.time += Time::s(1e-3);
             sample.feedback.spindles[0].angle = Angle::rev(-spindle_mm);
-            sample.feedback.axes[2].position = Length::mm(axis_mm);
+            sample.feedback.axes[2].position = Coordinate::new(axis_mm);
             watch.sample(&sample);
         };
         let steps =

@@ -3,7 +3,7 @@
 use bus::{Sample, State, Truth};
 use canon::{Feed, Hob, Op, OpKind, Position, Span, Tool, ToolKind, ToolLibrary};
 use core::f64::consts::{PI, TAU};
-use units::{Angle, Length, Speed, Time};
+use units::{Angle, Coordinate, Length, Speed, Time};
 use verify::{Config, Feature, FeatureKind, Gear, Judge, Stock};
 
 const HOB: Hob = Hob {
@@ -69,8 +69,8 @@ fn judged_at(hob: Hob, x: impl Fn(f64) -> f64, off: impl Fn(f64, f64) -> f64) ->
         sample.report.op = 1;
         sample.report.state = State::Feed;
         let mut truth = Truth::default();
-        truth.axes[0] = Length::mm(x(z));
-        truth.axes[2] = Length::mm(z);
+        truth.axes[0] = Coordinate::new(x(z));
+        truth.axes[2] = Coordinate::new(z);
         truth.spindles = [Angle::rev(turned), Angle::rev(work + off(work, z))];
         sample.truth = Some(truth);
         judge.sample(&sample);

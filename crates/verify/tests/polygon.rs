@@ -6,7 +6,7 @@ use canon::{
     Span, Tool, ToolKind, ToolLibrary,
 };
 use core::f64::consts::{PI, TAU};
-use units::{Angle, Lead, Length, Spin, Time};
+use units::{Angle, Coordinate, Lead, Length, Spin, Time};
 use verify::{Config, Feature, FeatureKind, Judge, Polygon, Stock};
 
 /// A cut as the equations have it: mm, rad, turns.
@@ -137,9 +137,9 @@ impl Cut {
             sample.report.state = State::Feed;
             let mut truth = Truth::default();
             let z = TOP + 0.3 - self.feed * work;
-            truth.axes[0] = Length::mm(place(z).linear[0].value() + dx);
-            truth.axes[1] = Length::mm(-60.0 + dy);
-            truth.axes[2] = Length::mm(z);
+            truth.axes[0] = Coordinate::new(place(z).linear[0].value() + dx);
+            truth.axes[1] = Coordinate::new(-60.0 + dy);
+            truth.axes[2] = Coordinate::new(z);
             truth.spindles =
                 [Angle::rev(work), Angle::rev(work * self.ratio.value() + self.phase + ahead)];
             sample.truth = Some(truth);

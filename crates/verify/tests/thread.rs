@@ -4,7 +4,7 @@ use canon::{Op, OpKind, ToolKind, ToolLibrary};
 use common::{Record, config, judge, judge_with, thread, tools};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
-use units::{Angle, Length};
+use units::{Angle, Coordinate, Length};
 use verify::{Config, Hand, Judge, Material};
 
 const SQRT3: f64 = 1.732_050_807_568_877_2;
@@ -432,7 +432,7 @@ proptest! {
         judge.op(3, &record.op(8));
         for (z, theta, op) in numbers {
             let mut sample = bus::Sample::default();
-            sample.feedback.axes[2].position = Length::mm(z);
+            sample.feedback.axes[2].position = Coordinate::new(z);
             sample.feedback.spindles[0].angle = Angle::rev(theta);
             sample.feedback.tool = Some(tool);
             sample.report.op = op;

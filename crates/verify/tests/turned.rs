@@ -8,7 +8,7 @@ use canon::{
     ToolLibrary,
 };
 use proptest::prelude::*;
-use units::{Angle, Lead, LeadGrowth, Length, Time};
+use units::{Angle, Coordinate, Lead, LeadGrowth, Length, Time};
 use verify::{Bar, Config, Feature, FeatureKind, Judge, TurnedThread};
 
 const PERIOD: f64 = 250e-6;
@@ -152,8 +152,8 @@ impl Case {
                     sample.feedback.time = Time::s(time);
                     sample.feedback.tool = Some(31);
                     let mut truth = Truth::default();
-                    truth.axes[0] = Length::mm(x + x_off);
-                    truth.axes[2] = Length::mm(z + z_off + TOOL_LENGTH);
+                    truth.axes[0] = Coordinate::new(x + x_off);
+                    truth.axes[2] = Coordinate::new(z + z_off + TOOL_LENGTH);
                     truth.spindles[0] =
                         Angle::rev(self.hand.sign() * (whole + turn) + order.start_angle.value());
                     sample.truth = Some(truth);

@@ -392,7 +392,7 @@ mod tests {
                 };
                 let off = |real: f64, file: f64| if file == 0.0 { 0.0 } else { real / file - 1.0 };
                 let (scatter, errors) = (file.scatter, real.errors);
-                if file.backlash > Length::ZERO {
+                if file.backlash > Coordinate::ZERO {
                     let play = off(real.backlash.value(), file.backlash.value());
                     note("play", play, scatter.backlash);
                 }
@@ -448,8 +448,10 @@ mod tests {
         let of = |axis: usize| {
             config.axes.iter().find(|(index, _)| *index == axis).expect("it is there").1.scatter
         };
-        assert!(of(0).lead_error == 0.0 && of(0).wobble == Length::ZERO && of(0).scale_error > 0.0);
-        assert!(of(2).lead_error > 0.0 && of(2).wobble > Length::ZERO);
+        assert!(
+            of(0).lead_error == 0.0 && of(0).wobble == Coordinate::ZERO && of(0).scale_error > 0.0
+        );
+        assert!(of(2).lead_error > 0.0 && of(2).wobble > Coordinate::ZERO);
     }
 
     #[test]

@@ -79,6 +79,7 @@ mod tests {
     use super::*;
     use crate::recovery::nobody;
     use store::sync_record::{Identity, Stage, Stroke};
+    use units::Coordinate;
     use units::{Length, Time};
     use wire::{Engagement, Evidence, Observed, Stop};
 
@@ -93,7 +94,7 @@ mod tests {
 
     fn welcome(last: u64, in_work: Option<u64>, z: Length) -> Welcome {
         let mut observed = Observed::default();
-        observed.feedback.axes[2].position = z;
+        observed.feedback.axes[2].position = Coordinate::linear(z);
         let in_work =
             in_work.map(|number| Engagement { number, tool: 11, ..Engagement::default() });
         Welcome {

@@ -9,7 +9,7 @@ use kernel::{EventKind, Kernel, Notice, Order, RecoveryPlan};
 use sim::{Bus, Fault, Faulty, LeftAlone, SimulatedMachine};
 use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Point, Stored, Way};
-use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
+use units::{Accel, Angle, Coordinate, Length, Speed, Spin, SpinAccel, Time};
 use verify::{FeatureKind, Judge};
 
 /// A tip that is not even so deep has cut nothing that could be certified.
@@ -37,7 +37,7 @@ impl Bench {
     pub fn new(work: &Work, reaction: DriveReaction, seed: u64) -> Self {
         let mut model = machine_with_work(1, &work.order, work.diameter_mm);
         model.axes.retain(|(index, _)| *index == 2);
-        model.axes[0].1.start = Length::mm(work.order.from_mm);
+        model.axes[0].1.start = Coordinate::new(work.order.from_mm);
         model.substep = Time::s(25e-6);
         model = scattered(model, 0.05, seed);
         for tool in &mut model.magazine {
@@ -86,14 +86,14 @@ impl Bench {
 
     fn point(&self) -> Point {
         let truth = self.truth();
-        Point { angle: truth.spindles[0], place: truth.axes[2] }
+        Point { angle: truth.spindles[0], place: truth.axes[2].of_linear() }
     }
 
     fn look(&mut self, sample: &Sample) {
         self.judge.sample(sample);
         let truth = self.truth();
         self.broken |= truth.tool_broken;
-        if let Some(stored) = self.stored.filter(|_| truth.axes[2] < self.surface) {
+        if let Some(stored) = self.stored.filter(|_| truth.axes[2].of_linear() < self.surface) {
             self.worst = self.worst.max(stored.error(self.point()).abs());
         }
     }
@@ -174,7 +174,7 @@ impl Bench {
             let truth = self.truth();
             let stands = !self.machine.is_running_down()
                 && truth.spins[0].abs() < Spin::rpm(1.0)
-                && (truth.axes[2] - before).abs() < Length::mm(2.5e-5);
+                && (truth.axes[2] - before).abs() < Coordinate::new(2.5e-5);
             before = truth.axes[2];
             still = if stands { still + 1 } else { 0 };
             if still > 200 {
@@ -185,7 +185,7 @@ impl Bench {
 
     /// The tap is in the work, or so near above it that it may touch: else nothing is to be done.
     fn is_in_work(&self) -> bool {
-        let z = self.truth().axes[2];
+        let z = self.truth().axes[2].of_linear();
         let at_start = (z - Length::mm(self.start_mm)).abs() < Length::um(20.0);
         z < self.surface + Length::mm(1.0) && !at_start
     }
@@ -207,10 +207,13 @@ impl Bench {
         if !self.is_in_work() {
             return Fate { class_at_stop, ..Fate::of(End::Nothing) };
         }
-        let inside = self.truth().axes[2] < self.surface;
-        let has_cut = self.truth().axes[2] < self.surface - HAS_CUT;
+        let inside = self.truth().axes[2].of_linear() < self.surface;
+        let has_cut = self.truth().axes[2].of_linear() < self.surface - HAS_CUT;
         let feedback = self.machine.machine().feedback();
-        let at = Point { angle: feedback.spindles[0].angle, place: feedback.axes[2].position };
+        let at = Point {
+            angle: feedback.spindles[0].angle,
+            place: feedback.axes[2].position.of_linear(),
+        };
         let way = match stored.leaving(at, &self.setting) {
             Ok(Leaving::Along) => case.way,
             Ok(Leaving::Straight) => Way::Straight,
@@ -267,7 +270,7 @@ impl Bench {
         self.until(10.0, |b| {
             b.notices.contains(&Notice::Out) || b.kernel.is_over() && !b.is_tapping()
         });
-        if self.truth().axes[2] < self.surface {
+        if self.truth().axes[2].of_linear() < self.surface {
             return Err(format!("it did not come out: {:?}", self.notices));
         }
         if self.broken { Err("the tap broke".into()) } else { Ok((in_stop, self.worst.in_um())) }

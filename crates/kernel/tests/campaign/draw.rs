@@ -8,7 +8,7 @@ use core::f64::consts::PI;
 use sim::Fault;
 use std::collections::BTreeMap;
 use sync::recovery::Way;
-use units::{Angle, Length, Stiffness, Time};
+use units::{Angle, Coordinate, Length, Stiffness, Time};
 
 /// Where in its stroke a tap was struck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -130,7 +130,9 @@ impl Dice {
             6 => Fault::Slip(Angle::deg(sign * 0.1 * 3600.0_f64.powf(self.unit()))),
             7 => Fault::Dropout(Time::s(0.25e-3 * 400.0_f64.powf(self.unit()))),
             8 => Fault::Stuck(2),
-            9 => Fault::Jump(2, Length::um(sign * 1000.0_f64.powf(self.unit()))),
+            9 => {
+                Fault::Jump(2, Coordinate::linear(Length::um(sign * 1000.0_f64.powf(self.unit()))))
+            }
             10 => Fault::Late,
             11 => Fault::Missed,
             _ => Fault::TorqueLoss(0, self.unit()),

@@ -13,8 +13,8 @@ use plan::{AxisLimits, SpindleLimits, StrokeRequest};
 use plan::{SpindleStep, Step, StepKind};
 use sim::{AxisEncoder, AxisModel, Lugre, SimulatedMachine, SpindleEncoder, SpindleModel};
 use units::{
-    Accel, Angle, Force, Inertia, Jerk, Lead, Length, Mass, Power, Speed, Spin, SpinAccel,
-    Stiffness, Time, Torque,
+    Angle, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Force, Inertia, Lead,
+    Length, Mass, Power, Speed, Spin, SpinAccel, Stiffness, Time, Torque,
 };
 
 pub const PERIOD: Time = Time::s(250e-6);
@@ -25,24 +25,24 @@ const FRICTION: Lugre = Lugre {
     viscous_n_s_per_m: 600.0,
     coulomb: Force::n(150.0),
     breakaway: Force::n(190.0),
-    stribeck: Speed::mm_per_s(2.0),
+    stribeck: CoordinateSpeed::new(2.0),
 };
 
 fn axis(table_kg: f64, weight_share: f64) -> AxisModel {
     AxisModel {
         table: Mass::kg(table_kg),
         inertia: Inertia::kg_m2(0.0070),
-        screw_lead: Length::mm(16.0),
+        screw_lead: Coordinate::new(16.0),
         peak_torque: Torque::n_m(60.0),
         force_lag: Time::ZERO,
         stiffness: Stiffness::n_per_mm(80_000.0),
         damping_ratio: 0.04,
-        backlash: Length::um(1.0),
+        backlash: Coordinate::linear(Length::um(1.0)),
         friction: FRICTION,
         weight_share,
         brake: weight_share > 0.0,
         encoder: AxisEncoder::Motor { counts_per_rev: 1 << 20 },
-        start: Length::ZERO,
+        start: Coordinate::ZERO,
         travel: sim::Travel::FREE,
         scatter: sim::AxisScatter::NONE,
         errors: sim::AxisErrors::DRAWN,
@@ -158,13 +158,13 @@ fn axis_control(model: &AxisModel) -> AxisControl {
         },
         peak_force: model.peak_force(),
         force_lag: model.force_lag,
-        approach: (Speed::mm_per_s(50.0), Accel::mm_per_s2(2000.0)),
+        approach: (CoordinateSpeed::new(50.0), CoordinateAccel::new(2000.0)),
         travel: None,
         windows: AxisWindows {
-            in_position: Length::um(5.0),
+            in_position: Coordinate::linear(Length::um(5.0)),
             settle: Time::s(5e-3),
-            following_warn: Length::um(200.0),
-            following_stop: Length::um(2000.0),
+            following_warn: Coordinate::linear(Length::um(200.0)),
+            following_stop: Coordinate::linear(Length::um(2000.0)),
         },
     }
 }
@@ -251,15 +251,15 @@ pub const SPINDLE_LIMITS: SpindleLimits = SpindleLimits {
 
 pub const Z_LIMITS: AxisLimits = AxisLimits {
     travel: None,
-    rapid_speed: Speed::mm_per_min(50_000.0),
-    feed_speed: Speed::mm_per_min(30_000.0),
-    accel: Accel::mm_per_s2(15_000.0),
-    rapid_jerk: Jerk::mm_per_s3(8e5),
-    feed_jerk: Jerk::mm_per_s3(8e5),
+    rapid_speed: CoordinateSpeed::linear(Speed::mm_per_min(50_000.0)),
+    feed_speed: CoordinateSpeed::linear(Speed::mm_per_min(30_000.0)),
+    accel: CoordinateAccel::new(15_000.0),
+    rapid_jerk: CoordinateJerk::new(8e5),
+    feed_jerk: CoordinateJerk::new(8e5),
 };
 
 /// A scale beside the motor's own encoder.
-pub fn scale(resolution: Length) -> AxisEncoder {
+pub fn scale(resolution: Coordinate) -> AxisEncoder {
     AxisEncoder::Scale { resolution, motor_counts_per_rev: Some(1 << 20) }
 }
 

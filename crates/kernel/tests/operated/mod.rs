@@ -15,7 +15,7 @@ use plan::{
 };
 use proptest::prelude::*;
 use std::collections::VecDeque;
-use units::{Accel, Jerk, Speed, Time};
+use units::{CoordinateAccel, CoordinateJerk, CoordinateSpeed, Time};
 
 /// Index of C.
 pub const C: usize = 5;
@@ -26,11 +26,11 @@ pub const ACCEL: f64 = 1000.0;
 fn limits(jerk: f64) -> MachineLimits {
     let axis = AxisLimits {
         travel: None,
-        rapid_speed: Speed::mm_per_s(SPEED),
-        feed_speed: Speed::mm_per_s(SPEED),
-        accel: Accel::mm_per_s2(ACCEL),
-        rapid_jerk: Jerk::mm_per_s3(jerk),
-        feed_jerk: Jerk::mm_per_s3(jerk),
+        rapid_speed: CoordinateSpeed::new(SPEED),
+        feed_speed: CoordinateSpeed::new(SPEED),
+        accel: CoordinateAccel::new(ACCEL),
+        rapid_jerk: CoordinateJerk::new(jerk),
+        feed_jerk: CoordinateJerk::new(jerk),
     };
     let mut axes = [None; 9];
     axes[..3].fill(Some(axis));

@@ -9,7 +9,8 @@ use plan::{
     AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
 };
 use units::{
-    Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, Stiffness, Time, Torque,
+    Angle, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Inertia, Lead, Length,
+    Power, Speed, Spin, Stiffness, Time, Torque,
 };
 
 pub fn mm(x: f64) -> Length {
@@ -32,12 +33,12 @@ pub const SPINDLE: SpindleLimits = SpindleLimits {
 
 pub fn axis(low: f64, high: f64, accel_m_per_s2: f64) -> AxisLimits {
     AxisLimits {
-        travel: Some((mm(low), mm(high))),
-        rapid_speed: Speed::mm_per_min(50_000.0),
-        feed_speed: Speed::mm_per_min(50_000.0),
-        accel: Accel::mm_per_s2(accel_m_per_s2 * 1e3),
-        rapid_jerk: Jerk::mm_per_s3(1e6),
-        feed_jerk: Jerk::mm_per_s3(5e5),
+        travel: Some((Coordinate::new(low), Coordinate::new(high))),
+        rapid_speed: CoordinateSpeed::linear(Speed::mm_per_min(50_000.0)),
+        feed_speed: CoordinateSpeed::linear(Speed::mm_per_min(50_000.0)),
+        accel: CoordinateAccel::new(accel_m_per_s2 * 1e3),
+        rapid_jerk: CoordinateJerk::new(1e6),
+        feed_jerk: CoordinateJerk::new(5e5),
     }
 }
 

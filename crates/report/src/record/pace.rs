@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn a_rotary_axis_alone_is_limited_by_its_feed_in_degrees() {
         let mut pace = Pace::default();
-        pace.limits(AxisLimits { speed: [Speed::mm_per_s(100.0); AXES], ..AxisLimits::NONE });
+        pace.limits(AxisLimits { speed: [CoordinateSpeed::new(100.0); AXES], ..AxisLimits::NONE });
         let at = |deg: f64| Position {
             rotary: [Angle::ZERO, Angle::ZERO, Angle::deg(deg)],
             ..Position::default()
@@ -291,7 +291,7 @@ mod tests {
             sample.feedback.time = Time::s(f64::from(period) * 1e-3);
             (sample.report.state, sample.report.op) = (State::Feed, 1);
             sample.command.axes[Axis::C.index()].position =
-                units::Length::mm(20e-3 * f64::from(period));
+                units::Coordinate::new(20e-3 * f64::from(period));
             pace.sample(&sample, tip);
         }
         assert!(
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn between_moves_the_curves_lie_at_zero() {
         let mut pace = Pace::default();
-        pace.limits(AxisLimits { speed: [Speed::mm_per_s(100.0); AXES], ..AxisLimits::NONE });
+        pace.limits(AxisLimits { speed: [CoordinateSpeed::new(100.0); AXES], ..AxisLimits::NONE });
         let tip = Point { at: [0.0; 3], rapid: false, lifted: false, class: 0, line: 0 };
         for period in 0..3000 {
             let mut sample = Sample::default();
@@ -315,7 +315,7 @@ mod tests {
             let dwells = (1000..2000).contains(&period);
             sample.report.state = if dwells { State::Dwell } else { State::Rapid };
             let moved = if period < 2000 { period.min(1000) } else { period - 1000 };
-            sample.command.axes[0].position = units::Length::mm(0.05 * f64::from(moved));
+            sample.command.axes[0].position = units::Coordinate::new(0.05 * f64::from(moved));
             pace.sample(&sample, tip);
         }
         let speed = pace.speed.points();

@@ -2,7 +2,7 @@
 use super::*;
 use bus::Truth;
 use canon::{Position, Span};
-use units::{Force, Lead, Spin, Torque};
+use units::{Coordinate, Force, Lead, Spin, Torque};
 
 const PERIOD: f64 = 250e-6;
 const TURNS: f64 = 12.0;
@@ -48,9 +48,9 @@ impl Tapper {
         // a right-hand tap turns clockwise (positive) inwards
         let angle = Angle::rev(7.25 + turns * self.hand);
         sample.command.spindles[0].angle = angle;
-        sample.command.axes[Axis::Z.index()].position = z;
+        sample.command.axes[Axis::Z.index()].position = Coordinate::linear(z);
         let mut truth = Truth { axis_forces: [Force::ZERO; 9], ..Truth::default() };
-        truth.axes[Axis::Z.index()] = z + off;
+        truth.axes[Axis::Z.index()] = Coordinate::linear(z + off);
         truth.spindles[0] = angle;
         truth.spins[0] = Spin::rpm(1000.0);
         sample.truth = Some(truth);

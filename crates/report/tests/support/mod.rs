@@ -10,7 +10,7 @@ use canon::{Axis, Op, OpKind, Position, Span, Tap, Tool, ToolKind, ToolLibrary};
 use report::{Alarm, Limits, Note, Origin, Recorder, Run};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use units::{Angle, Force, Lead, Length, Power, Spin, Time, Torque};
+use units::{Angle, Coordinate, Force, Lead, Length, Power, Spin, Time, Torque};
 use verify::{
     Feature, FeatureKind, Gauge, Hand, Hole, ProfilePoint, Thread, ThreadClass, Tolerances, Verdict,
 };
@@ -122,9 +122,9 @@ impl Machine {
         sample.report.line = self.line;
         let mut truth = Truth::default();
         for (axis, value) in self.at.into_iter().enumerate() {
-            sample.feedback.axes[axis].position = Length::mm(value);
-            sample.command.axes[axis].position = Length::mm(value);
-            truth.axes[axis] = Length::mm(value);
+            sample.feedback.axes[axis].position = Coordinate::new(value);
+            sample.command.axes[axis].position = Coordinate::new(value);
+            truth.axes[axis] = Coordinate::new(value);
         }
         sample.feedback.spindles[0].angle = Angle::rev(self.theta);
         sample.command.spindles[0].angle = Angle::rev(self.theta);
@@ -246,7 +246,7 @@ fn stroke(machine: &mut Machine, x: f64, y: f64, out: bool, saturated: bool, unt
         let wanted = accel * TAU * INERTIA * sense + cutting;
         let at_limit = saturated && wanted.abs() > 0.7 * limit;
         if let Some(truth) = &mut sample.truth {
-            truth.axes[2] -= Length::um(error_um(u, turns, out, saturated));
+            truth.axes[2] -= Coordinate::linear(Length::um(error_um(u, turns, out, saturated)));
             truth.spins[0] = Spin::rev_per_s(v * sense);
             let factor = if at_limit { 1.0 / 0.85 } else { 1.0 };
             truth.spindle_torques[0] = Torque::n_m((wanted * factor).clamp(-limit, limit));

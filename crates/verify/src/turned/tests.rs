@@ -4,7 +4,7 @@ use crate::{Judge, Verdict};
 use bus::Truth;
 use canon::{Op, Span, Threading, ToolLibrary};
 use std::f64::consts::TAU;
-use units::Angle;
+use units::{Angle, Coordinate};
 
 const PERIOD: f64 = 250e-6;
 const LEAD: f64 = 1.5;
@@ -48,8 +48,8 @@ fn judged(error: impl Fn(usize, f64) -> f64) -> TurnedThread {
             sample.report.op = op + 1;
             sample.feedback.time = Time::s(time);
             let mut truth = Truth::default();
-            truth.axes[0] = Length::mm(x);
-            truth.axes[2] = Length::mm(z + error(index, -z));
+            truth.axes[0] = Coordinate::new(x);
+            truth.axes[2] = Coordinate::new(z + error(index, -z));
             truth.spindles[0] = Angle::rev(whole + turn);
             sample.truth = Some(truth);
             judge.sample(&sample);
@@ -134,8 +134,8 @@ fn growing(sense: f64, error: impl Fn(f64) -> f64) -> (TurnedThread, Verdict) {
         sample.report.op = op;
         sample.feedback.time = Time::s(k as f64 * PERIOD);
         let mut truth = Truth::default();
-        truth.axes[0] = taper(z).linear[0];
-        truth.axes[2] = Length::mm(z + error(turn));
+        truth.axes[0] = taper(z).along(Axis::X);
+        truth.axes[2] = Coordinate::new(z + error(turn));
         truth.spindles[0] = Angle::rev(0.25 + sense * (7.0 + turn));
         sample.truth = Some(truth);
         judge.sample(&sample);
@@ -217,7 +217,7 @@ fn a_hold_in_the_first_pass_already_is_known_to_take_the_tool_off_the_work() {
         sample.report.op = 3;
         sample.feedback.time = Time::s(time);
         let mut truth = Truth::default();
-        (truth.axes[0], truth.axes[2]) = (Length::mm(x), Length::mm(z));
+        (truth.axes[0], truth.axes[2]) = (Coordinate::new(x), Coordinate::new(z));
         truth.spindles[0] = Angle::rev(turn);
         sample.truth = Some(truth);
         judge.sample(&sample);

@@ -84,6 +84,7 @@ mod tests {
     use crate::Stock;
     use bus::Truth;
     use canon::ToolLibrary;
+    use units::Coordinate;
     use units::{Angle, Force, Torque};
 
     #[test]
@@ -106,8 +107,8 @@ mod tests {
         let mut sample = Sample::default();
         sample.feedback.tool = Some(2);
         let mut truth = Truth { tool_broken: true, ..Truth::default() };
-        truth.axes =
-            [-48.0, -28.0, -200.0 + 118.5 - 14.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].map(Length::mm);
+        truth.axes = [-48.0, -28.0, -200.0 + 118.5 - 14.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+            .map(Coordinate::new);
         let stress = |torque: f64, force: f64| ToolBreak::Stress {
             torque: Torque::n_m(torque),
             force: Force::n(force),

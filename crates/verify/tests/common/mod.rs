@@ -9,7 +9,7 @@ use canon::{
     Axis, Flute, Holder, Hole, Op, OpKind, Position, Span, Tap, TapTool, Tool, ToolKind,
     ToolLibrary,
 };
-use units::{Angle, Force, Lead, Length, Spin, Stiffness, Time, Torque};
+use units::{Angle, Coordinate, Force, Lead, Length, Spin, Stiffness, Time, Torque};
 use verify::{Config, Feature, FeatureKind, Judge, Stock, Thread};
 
 /// Servo period of the records, s.
@@ -176,11 +176,11 @@ impl Record {
     }
 }
 
-fn axes([x, y]: [f64; 2], z: f64) -> [Length; bus::AXES] {
-    let mut axes = [Length::ZERO; bus::AXES];
-    axes[0] = Length::mm(x);
-    axes[1] = Length::mm(y);
-    axes[2] = Length::mm(z);
+fn axes([x, y]: [f64; 2], z: f64) -> [Coordinate; bus::AXES] {
+    let mut axes = [Coordinate::ZERO; bus::AXES];
+    axes[0] = Coordinate::new(x);
+    axes[1] = Coordinate::new(y);
+    axes[2] = Coordinate::new(z);
     axes
 }
 
@@ -221,7 +221,7 @@ pub fn hole_ops(line: u32, at_mm: [f64; 2], depth_mm: f64) -> [Op; 3] {
     let hole = Hole { axis: Axis::Z, at, bottom, surface, zero: surface, own_zero: None };
     let kinds = [
         OpKind::Hole(hole),
-        OpKind::Rapid { to: at.with(Axis::Z, bottom) },
+        OpKind::Rapid { to: at.with(Axis::Z, Coordinate::linear(bottom)) },
         OpKind::Rapid { to: at },
     ];
     kinds.map(|kind| Op { span: span(line), kind })

@@ -4,7 +4,7 @@ use crate::{LONGEST, VERSION};
 use bus::{AXES, Machine, SPINDLES};
 use proptest::prelude::*;
 use std::collections::VecDeque;
-use units::{Angle, Force, Lead, Length, Speed, Spin, Torque};
+use units::{Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Spin, Torque};
 
 /// A stream whose other end was written beforehand.
 #[derive(Debug, Default)]
@@ -43,12 +43,12 @@ fn observed(time: f64) -> Observed {
     let mut observed = Observed::default();
     observed.feedback.time = Time::s(time);
     observed.feedback.axes[2] = bus::AxisFeedback {
-        position: Length::mm(-151.25),
-        motor: Some(Length::mm(-151.2)),
+        position: Coordinate::new(-151.25),
+        motor: Some(Coordinate::new(-151.2)),
         ready: true,
         home_switch: true,
         limit_switches: [false, true],
-        index: Some(Length::mm(-152.0)),
+        index: Some(Coordinate::new(-152.0)),
     };
     observed.feedback.probe = true;
     observed.feedback.probe_age = Some(Time::s(0.000_1));
@@ -62,7 +62,7 @@ fn observed(time: f64) -> Observed {
     };
     observed.feedback.tool = Some(11);
     let mut truth = Truth::default();
-    truth.axes[2] = Length::mm(-151.249);
+    truth.axes[2] = Coordinate::new(-151.249);
     truth.spins[0] = Spin::rpm(1000.0);
     truth.tool_broken = true;
     truth.broken_by = Some(bus::ToolBreak::Stress {
@@ -79,8 +79,8 @@ fn command() -> Command {
     let mut command = Command { tool: 11, flood: true, ..Command::default() };
     command.axes[8] = bus::AxisCommand {
         enable: true,
-        position: Length::mm(1.5),
-        speed: Speed::mm_per_s(-20.0),
+        position: Coordinate::new(1.5),
+        speed: CoordinateSpeed::new(-20.0),
         force: Force::n(f64::INFINITY),
     };
     command.spindles[1] = bus::SpindleCommand {
@@ -238,7 +238,7 @@ fn a_machine_that_vanishes_has_no_ready_drive_and_time_goes_on() {
     assert!(simulator.lost().is_none());
     let after = simulator.exchange(&command());
     assert!(!after.axes[2].ready && !after.spindles[0].ready);
-    assert_eq!(after.axes[2].position, Length::mm(-151.25));
+    assert_eq!(after.axes[2].position, Coordinate::new(-151.25));
     assert!(after.time > Time::s(1.000_25) && simulator.lost().is_some());
 }
 
@@ -272,7 +272,7 @@ proptest! {
         let (angle, place) = (angle + 0.0, place + 0.0);
         let mut said = observed(0.0);
         said.feedback.spindles[SPINDLES - 1].angle = Angle::rev(angle);
-        said.feedback.axes[AXES - 1].position = Length::mm(place);
+        said.feedback.axes[AXES - 1].position = Coordinate::new(place);
         said.feedback.tool = Some(tool);
         let mut frame = Vec::new();
         encode(&Message::Observed(said), 9, &mut frame);

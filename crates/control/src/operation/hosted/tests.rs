@@ -4,6 +4,7 @@ use crate::job::ProgramOptions;
 use crate::operation::{Event, Jog};
 use canon::Axis;
 use std::time::Duration;
+use units::CoordinateSpeed;
 
 /// Machine time passes so much faster than on the wall.
 const PACE: f64 = 8.0;
@@ -58,7 +59,9 @@ fn a_jog_whose_client_is_gone_ends_with_its_lease() {
     let hosted = hosted();
     let client = hosted.client();
     ready(&client);
-    client.request(Request::Jog(Axis::X, Jog::Continuous(5.0))).expect("the drives are on");
+    client
+        .request(Request::Jog(Axis::X, Jog::Continuous(CoordinateSpeed::new(5.0))))
+        .expect("the drives are on");
     drop(client);
     let watches = hosted.client();
     let start = x(&watches.latest());
