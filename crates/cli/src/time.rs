@@ -170,8 +170,8 @@ fn peaks_as_text(peaks: &Peaks) -> String {
     peaks.moved().map(of).collect()
 }
 
-const fn is_rotary(letter: char) -> bool {
-    matches!(letter, 'A' | 'B' | 'C')
+fn is_rotary(letter: char) -> bool {
+    canon::Axis::from_letter(letter).is_some_and(|axis| axis.kind() == units::AxisKind::Rotary)
 }
 
 #[cfg(test)]

@@ -455,6 +455,15 @@ mod tests {
     }
 
     #[test]
+    fn the_reading_of_a_rotary_axis_jumps_by_an_angle_and_that_of_a_linear_one_by_a_length() {
+        let jump = |text: &str| faults(text).map(|items| items[0].0);
+        let expected = Fault::Jump(3, Coordinate::rotary(Angle::deg(0.5)));
+        assert_eq!(jump("feedback-jump A 0.5deg at 1s"), Ok(expected));
+        assert!(jump("feedback-jump A 0.5mm at 1s").is_err());
+        assert!(jump("feedback-jump X 0.5deg at 1s").is_err());
+    }
+
+    #[test]
     fn orders_are_read_likewise() {
         let items = orders("hold at 2.5s; resume at 4000ms; override 50% at line 30");
         assert_eq!((items[1].what, items[1].moment), (Order::Resume, Moment::Time(Time::s(4.0))));

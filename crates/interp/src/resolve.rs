@@ -214,8 +214,9 @@ impl Resolver {
         let Some(i) = (0..9).find(|i| to[*i].is_nan() || to[*i].abs() > FARTHEST) else {
             return false;
         };
-        let text =
-            format!("{} would go to {} mm: farther than any machine", Axis::ALL[i].letter(), to[i]);
+        let (axis, at) = (Axis::ALL[i], to[i]);
+        let (letter, unit) = (axis.letter(), axis.kind().unit());
+        let text = format!("{letter} would go to {at}{unit}: farther than any machine");
         self.report(Diagnostic::error("I0701", span, text));
         true
     }

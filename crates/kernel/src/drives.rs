@@ -20,7 +20,7 @@ use sync::SyncMode;
 use units::Axis;
 use units::{Length, Spin};
 
-/// Indices of the axes that moves move: all. Of A, B, C read degrees where it says millimetres.
+/// Indices of the axes that moves move: all, each in its own unit.
 pub(crate) const MOVING: core::ops::Range<usize> = 0..AXES;
 
 /// The machine's loops.

@@ -13,8 +13,7 @@ mod text;
 
 use crate::config::Subject;
 use core::fmt;
-use units::Axis;
-use units::Time;
+use units::{AxisKind, Time};
 
 /// A kind of alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -218,7 +217,7 @@ impl Fault {
     /// Unit of its value and limit: a rotary axis is off by degrees.
     pub fn unit(&self) -> &'static str {
         match (self.subject, self.kind.unit()) {
-            (Subject::Axis(Axis::A | Axis::B | Axis::C), unit) => match unit {
+            (Subject::Axis(axis), unit) if axis.kind() == AxisKind::Rotary => match unit {
                 "mm" => "°",
                 "mm/s" => "°/s",
                 "mm/s²" => "°/s²",
@@ -276,6 +275,30 @@ mod tests {
             assert!(FaultKind::ALL[..i].iter().all(|k| k.number() < kind.number()), "{kind:?}");
             for text in [kind.sentence(), kind.cause(), kind.remedy()] {
                 assert!(text.len() > 10, "{kind:?}: {text}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_alarm_of_an_axis_reads_in_the_unit_of_that_axis() {
+        let said = |kind, axis| {
+            let (subject, time) = (Subject::Axis(axis), Time::s(1.5));
+            let fault = Fault { kind, subject, value: 110.5, limit: 110.0, time, op: 0, line: 3 };
+            std::string::ToString::to_string(&fault)
+        };
+        for (kind, linear, rotary) in [
+            (FaultKind::SoftLimit, "mm", "°"),
+            (FaultKind::FollowingError, "mm", "°"),
+            (FaultKind::SetpointSpeed, "mm/s", "°/s"),
+            (FaultKind::SetpointAccel, "mm/s²", "°/s²"),
+            (FaultKind::SetpointJerk, "mm/s³", "°/s³"),
+        ] {
+            for axis in units::Axis::ALL {
+                let is_rotary = matches!(axis.letter(), 'A'..='C');
+                let unit = if is_rotary { rotary } else { linear };
+                let expected = std::format!(": 110.5000 {unit}, limit 110.0000 {unit} (line 3");
+                let text = said(kind, axis);
+                assert!(text.contains(&expected), "{text}");
             }
         }
     }

@@ -14,7 +14,7 @@ use bus::{AXES, SPINDLES};
 use motion::{Goal, OnlineLimits, OnlineState};
 use units::{Angle, Spin, Time};
 
-/// How one axis is moved by hand. Of A, B and C read degrees for millimetres.
+/// How one axis is moved by hand, in its own unit and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManualOrder {
     /// Where it shall go.

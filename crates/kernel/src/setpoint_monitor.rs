@@ -35,7 +35,7 @@
 //! | x, v, h | setpoint, its speed, period | mm, mm/s, s |
 //! | V, A, J | limits of speed, acceleration and jerk | mm/s, mm/s², mm/s³ |
 //!
-//! Of A, B and C read degrees for millimetres.
+//! Lengths are in the axis' own unit: degrees of a rotary one.
 use crate::axis::{AxisLoop, Target};
 use crate::config::Subject;
 use crate::drives::Finding;

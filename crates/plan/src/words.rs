@@ -124,7 +124,7 @@ pub(crate) fn place(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
             format!("{} of {code}{diameter}", word(frame, axis, machine))
         }
         _ => {
-            let unit = if is_rotary(axis) { "°" } else { " mm" };
+            let unit = axis.kind().unit();
             format!("{}{unit} (machine coordinate)", number(machine))
         }
     }
@@ -164,7 +164,7 @@ pub(crate) fn feed_that_works(frame: &ProgramFrame, mm_per_min: f64) -> String {
 
 /// Whether an axis turns.
 pub(crate) const fn is_rotary(axis: Axis) -> bool {
-    matches!(axis, Axis::A | Axis::B | Axis::C)
+    matches!(axis.kind(), units::AxisKind::Rotary)
 }
 
 #[cfg(test)]

@@ -175,7 +175,8 @@ fn check_axis(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<String
     let before = found.len();
     let of = format!("axis {index}");
     let mut need = Needs { of: &of, found };
-    let kind = units::Axis::ALL[index].kind();
+    // an index that no axis has is refused beside this
+    let kind = units::Axis::ALL.get(index).map_or(units::AxisKind::Linear, |axis| axis.kind());
     let (unit, speed_unit) = (kind.unit().trim_start(), kind.speed_unit().trim_start());
     need.positive("table mass", axis.table.value(), "kg");
     need.positive("inertia", axis.inertia.value(), "kg·m²");

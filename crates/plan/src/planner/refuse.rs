@@ -57,7 +57,7 @@ impl Planner {
         self.findings.merge(Cause { code: "M0301", which }, by, || {
             let is_written =
                 frame.work_offset != 0 && frame.written(axis, out.reaches).is_some();
-            let unit = if is_rotary(axis) { "°" } else { " mm" };
+            let unit = axis.kind().unit();
             let (by, travel) = if is_written && !is_rotary(axis) {
                 let travel = [out.travel.0, out.travel.1].map(|at| word(&frame, axis, at));
                 (length(&frame, by), format!("{} to {}", travel[0], travel[1]))

@@ -24,7 +24,7 @@ const GRAVITY_M_PER_S2: f64 = 9.806_65;
 /// Farthest from zero that any coordinate may be, mm.
 pub(super) const FARTHEST_MM: f64 = 100_000.0;
 
-/// One axis. Of a rotary one read degrees where it says millimetres, as in [`super::rotary`].
+/// One axis, linear or rotary; its drive and what it moves are those of a linear one, as in [`super::rotary`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Which.

@@ -66,7 +66,7 @@ impl HomingMethod {
     }
 }
 
-/// `[axes.x.homing]`; of a rotary axis read degrees for millimetres.
+/// `[axes.x.homing]`, or of a rotary axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Homing {
     /// What tells.

@@ -227,10 +227,11 @@ impl MachineFile {
             if axis.travel.from < axis.travel.to && !axis.travel.contains(offset) {
                 let (letter, travel) = (axis.letter.letter(), &axis.travel);
                 let message = format!(
-                    "work offset G54 {letter}{} lies outside the travel of {} to {} mm",
+                    "work offset G54 {letter}{} lies outside the travel of {} to {}{}",
                     offset.value(),
                     travel.from.value(),
-                    travel.to.value()
+                    travel.to.value(),
+                    axis.letter.kind().unit()
                 );
                 keys.conflict("setup", message);
             }

@@ -23,7 +23,7 @@ use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
-use units::{Angle, Time};
+use units::{Angle, AxisKind, Time};
 
 /// Writes a trace. It may move between threads; the thread that has it may push.
 pub struct Writer {
@@ -203,9 +203,9 @@ impl Steps {
     }
 }
 
-/// An axis of the bus that is A, B or C.
+/// An axis of the bus that turns.
 fn is_rotary(index: usize) -> bool {
-    (canon::Axis::A.index()..=canon::Axis::C.index()).contains(&index)
+    canon::Axis::ALL[index].kind() == AxisKind::Rotary
 }
 
 /// Jerk by third differences of setpoints at 125 µs is off by 4 steps / T³: 31 m/s³.
