@@ -46,6 +46,10 @@ fn notices(control: &mut Control) -> Vec<String> {
     std::iter::from_fn(next).filter_map(text).collect()
 }
 
+fn refused(control: &mut Control, request: &Request) -> String {
+    control.request(request).unwrap_err().to_string()
+}
+
 /// The five-axis mill with B in the place of A.
 fn with_b(folder: &std::path::Path) -> String {
     let text = store::machine::embedded("mill-5-axis").unwrap();
