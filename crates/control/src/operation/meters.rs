@@ -128,8 +128,8 @@ mod tests {
             sample.feedback.time = Time::s(t);
             sample.feedback.spindles[0].angle = Angle::rev(20.0 * t);
             sample.command.spindles[0].torque = Torque::n_m(-torque);
-            sample.command.axes[0].position = units::Length::mm(3.0 * t);
-            sample.command.axes[1].position = units::Length::mm(4.0 * t);
+            sample.command.axes[0].position = units::Coordinate::new(3.0 * t);
+            sample.command.axes[1].position = units::Coordinate::new(4.0 * t);
             meters.sample(&sample);
         }
         meters

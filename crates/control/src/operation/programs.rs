@@ -27,7 +27,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use store::output::Folder;
 use store::state::LastProgram;
-use units::Time;
+use units::{Coordinate, Time};
 
 /// Findings of a program that is accepted which are said.
 const MOST_NOTES: usize = 20;
@@ -339,7 +339,7 @@ impl UnderWay {
             | OpKind::Arc { to, .. }
             | OpKind::Spline { to, .. } => Some(*to),
             OpKind::Threading(thread) => Some(thread.to),
-            OpKind::Tap(tap) => Some(tap.start.with(tap.axis, tap.bottom)),
+            OpKind::Tap(tap) => Some(tap.start.with(tap.axis, Coordinate::linear(tap.bottom))),
             _ => None,
         }
     }

@@ -2,7 +2,7 @@
 use control::job::restart::From as Begin;
 use control::operation::{Jog, Need, Request, ToolField};
 use serde::Serialize;
-use units::{Angle, Spin};
+use units::{Angle, Coordinate, CoordinateSpeed, Spin};
 
 /// A request, and what it needs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ts_rs::TS, utoipa::ToSchema)]
@@ -38,10 +38,10 @@ fn samples() -> Vec<Request> {
         Request::EmergencyStop(true),
         Request::EmergencyStop(false),
         Request::Home(None),
-        Request::Jog(axis, Jog::Continuous(0.0)),
-        Request::Jog(axis, Jog::Increment(0.0)),
-        Request::Jog(axis, Jog::To(0.0)),
-        Request::Jog(axis, Jog::Handwheel(0.0)),
+        Request::Jog(axis, Jog::Continuous(CoordinateSpeed::ZERO)),
+        Request::Jog(axis, Jog::Increment(Coordinate::ZERO)),
+        Request::Jog(axis, Jog::To(Coordinate::ZERO)),
+        Request::Jog(axis, Jog::Handwheel(Coordinate::ZERO)),
         Request::JogStop,
         Request::TurnSpindle(0, Spin::ZERO),
         Request::OrientSpindle(0, Angle::ZERO),
@@ -63,8 +63,8 @@ fn samples() -> Vec<Request> {
         Request::FeedOverride(1.0),
         Request::RapidOverride(1.0),
         Request::SpindleOverride(1.0),
-        Request::TouchOff(axis, 0.0),
-        Request::SetWorkOffset(1, axis, 0.0),
+        Request::TouchOff(axis, Coordinate::ZERO),
+        Request::SetWorkOffset(1, axis, Coordinate::ZERO),
         Request::EditTool(1, ToolField::Length, 0.0),
     ]
 }
