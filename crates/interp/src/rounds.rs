@@ -22,12 +22,12 @@ const COMPARED: u64 = 64;
 #[derive(Default)]
 pub(crate) struct Rounds {
     jumps: u64,
-    kept: Option<Box<Kept>>,
+    kept: Option<Box<Round>>,
 }
 
 /// What decides where a program goes.
 #[derive(PartialEq)]
-struct Kept {
+struct Round {
     place: (usize, At),
     modes: Modes,
     store: Store,
@@ -46,7 +46,7 @@ impl Rounds {
         let place = it.place();
         if self.jumps.is_power_of_two() {
             let ex = &it.executor;
-            self.kept = Some(Box::new(Kept {
+            self.kept = Some(Box::new(Round {
                 place,
                 modes: uncounted(&ex.modes),
                 store: ex.store.clone(),
