@@ -456,7 +456,9 @@ mod tests {
 
     #[test]
     fn the_reading_of_a_rotary_axis_jumps_by_an_angle_and_that_of_a_linear_one_by_a_length() {
-        let jump = |text: &str| faults(text).map(|items| items[0].0);
+        let machine = store::machine::find("mill-5-axis").unwrap();
+        let jump =
+            |text: &str| told(&[text.to_owned()], &[], &machine).map(|told| told.faults[0].what);
         let expected = Fault::Jump(3, Coordinate::rotary(Angle::deg(0.5)));
         assert_eq!(jump("feedback-jump A 0.5deg at 1s"), Ok(expected));
         assert!(jump("feedback-jump A 0.5mm at 1s").is_err());
