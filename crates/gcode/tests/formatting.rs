@@ -145,3 +145,17 @@ fn every_program_at_hand_says_the_same_when_it_is_formatted() {
     }
     assert!(checked > 100, "{checked} programs");
 }
+
+#[test]
+fn a_setting_before_a_word_says_the_same_as_behind_it() {
+    let read = |text: &str| {
+        let (mut parser, mut block) = (Parser::new(text.as_bytes(), 0), Block::new());
+        assert!(parser.next(&mut block), "{text}");
+        block
+    };
+    let before = read("#<unit>=[#<a>+1] G0 X[#<back>*2] (a \"note\")");
+    let behind = read("G0 X[#<back>*2] #<unit>=[#<a>+1] (a \"note\")");
+    assert_eq!(common::content(&before), common::content(&behind));
+    let other = read("G0 X[#<back>*2] #<unit>=[#<b>+1] (a \"note\")");
+    assert_ne!(common::content(&before), common::content(&other));
+}
