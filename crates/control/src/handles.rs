@@ -276,6 +276,11 @@ impl KernelHandle {
         matches!(self, Self::There(link) if link.picture().is_flowing)
     }
 
+    /// Steps on their way that were given up are not gone yet: no others can be given up.
+    pub(crate) fn is_giving_up(&self) -> bool {
+        matches!(self, Self::There(link) if link.is_giving_up())
+    }
+
     /// [`Kernel::under_way`], and how many steps there are at that moment.
     pub fn under_way(&mut self) -> (Option<UnderWay>, usize) {
         let under_way = match self {

@@ -82,7 +82,7 @@ impl Pace {
         (queue, sent): (&mut VecDeque<Step>, &mut VecDeque<Step>),
     ) -> CameBack {
         self.pause = self.pause.saturating_sub(1);
-        if self.pause > 0 {
+        if self.pause > 0 || kernel.is_giving_up() {
             return CameBack::default();
         }
         self.pause = PAUSE;

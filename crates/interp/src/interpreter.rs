@@ -85,8 +85,13 @@ impl<'s> Interpreter<'s> {
             }
             Ok(()) => {}
         }
-        if core::mem::take(&mut it.jumped_back) && self.rounds.repeats(it, &self.front_end) {
-            it.never_ends();
+        if core::mem::take(&mut it.jumped_back)
+            && let Some(repetition) = self.rounds.repeats(it, &self.front_end)
+        {
+            it.ended = true;
+            if it.errors == 0 {
+                it.report(repetition.said(it.block.span)); // else its counting has failed, which was said
+            }
         }
     }
 

@@ -23,11 +23,13 @@ pub(crate) struct Store {
     /// Innermost last; the first belongs to the main program.
     pub(crate) local: Vec<HashMap<Box<str>, f64>>,
     pub(crate) saved: Vec<[f64; ARGUMENTS]>,
+    /// How often the machine was asked something that is kept here.
+    pub(crate) asked: u32,
 }
 
 impl Store {
     pub(crate) fn new(numbered: Parameters) -> Self {
-        Self { numbered, global: HashMap::new(), local: vec![HashMap::new()], saved: Vec::new() }
+        Self { numbered, local: vec![HashMap::new()], ..Self::default() }
     }
 
     /// A named parameter; one that begins with `_` is global.

@@ -103,6 +103,7 @@ fn input<S: Sink>(
     let comes = matches!(until, Await::Rise | Await::On) && !settings.stand_alone;
     store.numbered.set(READ, f64::from(u8::from(comes)));
     let wait = InputWait { number, digital, until, longest: Time::s(longest.max(0.0)) };
+    store.asked = store.asked.wrapping_add(1);
     out.say(&Call::Input(wait));
     Ok(())
 }

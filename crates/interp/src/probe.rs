@@ -58,6 +58,7 @@ pub(crate) fn probe<S: Sink>(
         let text = "probing needs a way along X, Y or Z: this one ends where it begins";
         return refuse("I0572", span, text);
     }
+    store.asked = store.asked.wrapping_add(1);
     out.say(&Call::Probe { to, until_contact: digit <= 3, required });
     came_to(store, &to, length >= SHORTEST && !settings.stand_alone);
     modes.at = to;

@@ -124,17 +124,6 @@ impl<'s> Program<'s> {
         (self.file, self.parsers[self.file].position())
     }
 
-    /// It has come back to where it was, as it was.
-    #[cold]
-    pub(crate) fn never_ends(&mut self) {
-        self.ended = true;
-        if self.errors > 0 {
-            return; // its counting has failed, which was said
-        }
-        let text = "this loop never ends: nothing that it asks or counts changes in its rounds";
-        self.report(error("I0803", self.block.span, text));
-    }
-
     pub(crate) fn jump(&mut self, at: At) {
         self.jumped_back |= at.0 <= self.parsers[self.file].position().0;
         self.parsers[self.file].seek(at.0, at.1);

@@ -12,6 +12,7 @@ use crate::{
     executor::Context, front_end::FrontEnd, modes::Modes, names::Store, outline::At,
     program::Program, tools::Tools,
 };
+use diag::{Diagnostic, Span};
 
 /// Jumps back before the first state is kept.
 const FIRST: u64 = 1024;
@@ -30,18 +31,45 @@ pub(crate) struct Rounds {
 struct Round {
     place: (usize, At),
     modes: Modes,
+    /// How often the machine had been asked something.
+    asked: u32,
     store: Store,
     tools: Tools,
     contexts: Vec<Context>,
     front_end: FrontEnd,
 }
 
+/// What is known of a loop that has come back to a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Repetition {
+    /// It never ends.
+    Endless,
+    /// It asks the machine something, and ends by an answer.
+    UntilAnswered,
+}
+
+impl Repetition {
+    /// What is said of the loop, at the block that leads back.
+    pub(crate) fn said(self, span: Span) -> Diagnostic {
+        match self {
+            Self::Endless => {
+                let text = "this loop never ends: nothing that it counts changes in its rounds";
+                Diagnostic::error("I0803", span, text)
+            }
+            Self::UntilAnswered => {
+                let text = "when this loop ends is known when the program runs: what follows it is not looked at before";
+                Diagnostic::note("I0714", span, text)
+            }
+        }
+    }
+}
+
 impl Rounds {
-    /// The program has jumped back; whether it was here before, in the same state.
-    pub(crate) fn repeats(&mut self, it: &Program<'_>, front_end: &FrontEnd) -> bool {
+    /// The program has jumped back; what is known if it was here before, in the same state.
+    pub(crate) fn repeats(&mut self, it: &Program<'_>, front_end: &FrontEnd) -> Option<Repetition> {
         self.jumps += 1;
         if self.jumps < FIRST {
-            return false;
+            return None;
         }
         let place = it.place();
         if self.jumps.is_power_of_two() {
@@ -49,22 +77,30 @@ impl Rounds {
             self.kept = Some(Box::new(Round {
                 place,
                 modes: uncounted(&ex.modes),
+                asked: ex.store.asked,
                 store: ex.store.clone(),
                 tools: ex.tools.clone(),
                 contexts: ex.contexts.clone(),
                 front_end: front_end.clone(),
             }));
-            return false;
+            return None;
         }
         let since = self.jumps - (1 << self.jumps.ilog2());
-        let Some(kept) = self.kept.as_deref().filter(|_| since <= COMPARED) else { return false };
+        let kept = self.kept.as_deref_mut().filter(|_| since <= COMPARED)?;
         let ex = &it.executor;
-        kept.place == place
+        kept.store.asked = ex.store.asked; // how often it has asked decides nothing
+        let is_same = kept.place == place
             && kept.modes == uncounted(&ex.modes)
             && kept.contexts == ex.contexts
             && kept.store == ex.store
             && kept.tools == ex.tools
-            && kept.front_end == *front_end
+            && kept.front_end == *front_end;
+        let repetition = if kept.asked == ex.store.asked {
+            Repetition::Endless
+        } else {
+            Repetition::UntilAnswered
+        };
+        is_same.then_some(repetition)
     }
 }
 

@@ -12,7 +12,7 @@ fn found(dialect: Dialect, program: &str) -> Vec<String> {
     told.map(|d| format!("{}@{}", d.code, d.span.line)).collect()
 }
 
-/// The last one names its line among the first kind of language, the others among the second.
+/// It is said at the block that leads back: of two loops within each other, at the outer one.
 #[test]
 fn a_loop_in_which_nothing_changes_is_refused_at_once() {
     let fanuc = [
@@ -21,19 +21,35 @@ fn a_loop_in_which_nothing_changes_is_refused_at_once() {
             9,
         ),
         ("O1\nG0 X0\nN10 G0 X1.\nG0 X2.\nGOTO 10\nM30\n", 5),
-        ("O1\nDO1\n#1=0\nWHILE [#1 LT 3] DO2\n#1=#1+1\nEND2\nEND1\nM30\n", 6),
+        ("O1\nDO1\n#1=0\nWHILE [#1 LT 3] DO2\n#1=#1+1\nEND2\nEND1\nM30\n", 7),
     ];
     for (program, line) in fanuc {
-        let found = found(Dialect::Fanuc, program);
-        assert!(found.len() == 1 && found[0].starts_with("I0803@"), "{found:?} {line} {program}");
+        assert_eq!(found(Dialect::Fanuc, program), [format!("I0803@{line}")], "{program}");
     }
     let o_words = [
-        "o1 while [1]\nG0 X1\nG0 X0\no1 endwhile\nM2\n",
-        "o1 do\nG91 G0 X0\no1 while [#1 EQ 0]\nM2\n",
+        ("o1 while [1]\nG0 X1\nG0 X0\no1 endwhile\nM2\n", 4),
+        ("o1 do\nG91 G0 X0\no1 while [#1 EQ 0]\nM2\n", 3),
     ];
-    for program in o_words {
-        let found = found(Dialect::LinuxCnc, program);
-        assert!(found.len() == 1 && found[0].starts_with("I0803@"), "{found:?} {program}");
+    for (program, line) in o_words {
+        assert_eq!(found(Dialect::LinuxCnc, program), [format!("I0803@{line}")], "{program}");
+    }
+}
+
+/// It is not refused, and it is said from where on nothing was looked at.
+#[test]
+fn a_loop_that_ends_by_an_answer_of_the_machine_is_left_to_the_run() {
+    let loops = [
+        "o1 while [#5399 EQ 0]\nM66 P0 L0\no1 endwhile\nG0 X1\nM2\n",
+        "F100\no1 do\nG91 G38.3 X0.1\nG0 X-0.1\no1 while [#5070 EQ 1]\nM2\n",
+    ];
+    for program in loops {
+        let setup = Setup { missing_tools: MissingTools::StandIn, ..Setup::default() };
+        let mut ops = Ops::new(program.as_bytes(), &setup);
+        ops.by_ref().for_each(drop);
+        let found = ops.diagnostics();
+        assert!(!found.iter().any(diag::Diagnostic::is_error), "{found:?}");
+        let last = found.iter().filter(|d| d.message.contains("when this loop ends is known"));
+        assert_eq!(last.count(), 1, "{found:?}");
     }
 }
 

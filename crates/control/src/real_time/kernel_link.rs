@@ -91,9 +91,14 @@ impl KernelLink {
         self.picture.steps + (self.sent - self.taken - given_up) as usize
     }
 
+    /// Steps on their way that were given up are not gone yet.
+    pub(crate) const fn is_giving_up(&self) -> bool {
+        self.taken < self.given_up.1
+    }
+
     /// [`Kernel::give_up`](kernel::Kernel::give_up), of all that were sent.
     pub(crate) fn give_up(&mut self, steps: usize, at: Option<f64>) -> bool {
-        if self.taken < self.given_up.1 {
+        if self.is_giving_up() {
             return false; // one after the other
         }
         let given_up = (self.sent - (steps as u64).min(self.sent), self.sent);
