@@ -126,8 +126,8 @@ export class PathScene {
     if (!path || !Number.isFinite(path.least[0])) return;
     const middle = new Vector3(...[0, 1, 2].map((axis) => ((this.#least[axis] ?? 0) + (this.#most[axis] ?? 0)) / 2));
     const from = { top: [0, 0, 1], front: [0, -1, 0], side: [1, 0, 0], iso: [-0.6, -1, 0.8] }[name];
-    const direction = this.isLathe ? [0, -1, 0] : from;
-    // A lathe has Z horizontal and X upward.
+    // A lathe is seen with its chuck on the left: Z to the right, X upward.
+    const direction = this.isLathe ? [0, 1, 0] : from;
     const [x, y, z] = this.isLathe ? [1, 0, 0] : name === 'top' ? [0, 1, 0] : [0, 0, 1];
     this.#camera.up.set(x ?? 0, y ?? 0, z ?? 0);
     this.#camera.position.copy(middle).add(new Vector3(...direction).multiplyScalar(1000));
