@@ -5,12 +5,12 @@ import { defineConfig, type Plugin } from 'vite';
 // `npm run dev` shows the page against a server that runs already.
 const server = process.env.LEADSCREW_URL ?? 'http://127.0.0.1:8383';
 
-/** What the first picture needs is asked for at once, not only when the script that uses it has been read. */
+/** What the first picture needs is asked for at once, not only when the script that uses it has been read; in one order in each build. */
 const early: Plugin = {
   name: 'early',
   transformIndexHtml: {
     order: 'post',
-    handler: (_html, { bundle }) => Object.keys(bundle ?? {}).flatMap((file) => {
+    handler: (_html, { bundle }) => Object.keys(bundle ?? {}).sort().flatMap((file) => {
       const link = (attributes: Record<string, string | boolean>) => ({ tag: 'link', attrs: { ...attributes, crossorigin: true, href: `/${file}` }, injectTo: 'head' as const });
       if (/\/scene-.*\.js$/.test(file)) return [link({ rel: 'modulepreload' })];
       if (/roboto-latin-(400|500)-.*\.woff2$/.test(file)) return [link({ rel: 'preload', as: 'font', type: 'font/woff2' })];
