@@ -21,6 +21,7 @@ impl Numbers {
 
 const REQUESTS: [&str; 12] = [
     r#"{"request":"jog_increment","axis":"X","by_mm":10}"#,
+    r#"{"request":"jog_increment","axis":"X","by_deg":10}"#,
     r#"{"request":"jog_continuous","axis":"Z","mm_per_min":-300}"#,
     r#"{"request":"home","axis":"Z"}"#,
     r#"{"request":"turn_spindle","spindle":0,"rpm":500}"#,

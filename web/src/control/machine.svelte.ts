@@ -13,6 +13,16 @@ class MachineFacts {
     return this.facts?.axes.find((axis) => axis.letter === letter);
   }
 
+  /** A coordinate of an axis as a request names it: `by_mm` of a linear axis, `by_deg` of a rotary one. */
+  named(what: 'by' | 'at', letter: string, value: number): Record<string, number> {
+    return { [`${what}_${this.axis(letter)?.unit ?? 'mm'}`]: value };
+  }
+
+  /** A speed of an axis as a request names it: `mm_per_min` or `deg_per_min`. */
+  perMin(letter: string, value: number): Record<string, number> {
+    return { [`${this.axis(letter)?.unit ?? 'mm'}_per_min`]: value };
+  }
+
   range(what: 'feed' | 'rapid' | 'spindle'): { least: number; most: number } {
     const overrides = this.facts?.overrides;
     if (!overrides) return { least: what === 'spindle' ? 50 : 0, most: what === 'spindle' ? 120 : what === 'feed' ? 200 : 100 };

@@ -7,6 +7,7 @@ mod machine;
 mod needs;
 mod request;
 mod runs;
+mod values;
 
 pub(crate) use answers::{
     AcceptedBody, EventBody, EventsBody, OperatorBody, RefusalBody, SessionBody,

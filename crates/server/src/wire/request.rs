@@ -1,17 +1,18 @@
 //! Requests as a client writes them, and what the control is asked for.
+use super::values::{axis_named, of_axis, share, system, wrong};
 use crate::folder::Folder;
-use canon::Axis;
 use control::job::restart::From as Begin;
-use control::operation::hosted::{RefusalData, RefusalKind};
+use control::operation::hosted::RefusalData;
 use control::operation::{Jog, Request, ToolField};
 use serde::Deserialize;
 use store::machine::MachineFile;
-use units::{Angle, Coordinate, CoordinateSpeed, Spin};
+use units::{Angle, CoordinateSpeed, Spin};
 
 /// Longest text of blocks that are typed.
 const LONGEST_BLOCKS: usize = 16 * 1024;
 
-/// A request: `{"request":"jog_increment","axis":"X","by_mm":10}`. Of A, B and C degrees stand for millimetres.
+/// A request: `{"request":"jog_increment","axis":"X","by_mm":10}`, of an axis that turns
+/// `{"request":"jog_increment","axis":"A","by_deg":10}`.
 #[derive(Clone, Debug, PartialEq, Deserialize, ts_rs::TS, utoipa::ToSchema)]
 #[serde(tag = "request", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum RequestBody {
@@ -26,13 +27,45 @@ pub(crate) enum RequestBody {
         axis: Option<String>,
     },
     /// Jog on and on: a lease of 200 ms, to be renewed every 100 ms or sooner.
-    JogContinuous { axis: String, mm_per_min: f64 },
+    JogContinuous {
+        axis: String,
+        #[serde(default)]
+        #[ts(optional)]
+        mm_per_min: Option<f64>,
+        #[serde(default)]
+        #[ts(optional)]
+        deg_per_min: Option<f64>,
+    },
     /// Jog by so much.
-    JogIncrement { axis: String, by_mm: f64 },
+    JogIncrement {
+        axis: String,
+        #[serde(default)]
+        #[ts(optional)]
+        by_mm: Option<f64>,
+        #[serde(default)]
+        #[ts(optional)]
+        by_deg: Option<f64>,
+    },
     /// Jog to a machine coordinate.
-    JogTo { axis: String, to_mm: f64 },
+    JogTo {
+        axis: String,
+        #[serde(default)]
+        #[ts(optional)]
+        to_mm: Option<f64>,
+        #[serde(default)]
+        #[ts(optional)]
+        to_deg: Option<f64>,
+    },
     /// Turn the handwheel: from where it has sent the axis so far.
-    Handwheel { axis: String, by_mm: f64 },
+    Handwheel {
+        axis: String,
+        #[serde(default)]
+        #[ts(optional)]
+        by_mm: Option<f64>,
+        #[serde(default)]
+        #[ts(optional)]
+        by_deg: Option<f64>,
+    },
     /// Bring to rest what is moved by hand.
     JogStop {},
     /// Turn a spindle by hand: a lease like a jog.
@@ -86,9 +119,26 @@ pub(crate) enum RequestBody {
     /// Percent of the programmed spindle speed.
     SpindleOverride { percent: f64 },
     /// The tool's tip is at this coordinate of the work offset in force.
-    TouchOff { axis: String, at_mm: f64 },
+    TouchOff {
+        axis: String,
+        #[serde(default)]
+        #[ts(optional)]
+        at_mm: Option<f64>,
+        #[serde(default)]
+        #[ts(optional)]
+        at_deg: Option<f64>,
+    },
     /// Set the zero of a work offset, `G54` to `G59.3`, in machine coordinates.
-    SetWorkOffset { work_offset: String, axis: String, at_mm: f64 },
+    SetWorkOffset {
+        work_offset: String,
+        axis: String,
+        #[serde(default)]
+        #[ts(optional)]
+        at_mm: Option<f64>,
+        #[serde(default)]
+        #[ts(optional)]
+        at_deg: Option<f64>,
+    },
     /// Set what the control believes of a tool.
     EditTool { tool: u32, field: ToolFieldName, value_mm: f64 },
 }
@@ -133,11 +183,6 @@ pub(crate) enum OperatorOrder {
     Release {},
 }
 
-/// The request cannot be what was meant.
-fn wrong(reason: String) -> RefusalData {
-    RefusalData { kind: RefusalKind::Request, reason, remedy: None, findings: Vec::new() }
-}
-
 impl RequestBody {
     /// It stops or holds something: allowed to every session of the role operator.
     pub(crate) const fn is_stop(&self) -> bool {
@@ -161,20 +206,24 @@ impl RequestBody {
             Self::Power { on } => Request::Power(on),
             Self::EmergencyStop { on } => Request::EmergencyStop(on),
             Self::Home { axis } => {
-                Request::Home(axis.map(|letter| self::axis(&letter, machine)).transpose()?)
+                Request::Home(axis.map(|letter| axis_named(&letter, machine)).transpose()?)
             }
-            Self::JogContinuous { axis, mm_per_min } => Request::Jog(
-                self::axis(&axis, machine)?,
-                Jog::Continuous(CoordinateSpeed::per_min(mm_per_min)),
-            ),
-            Self::JogIncrement { axis, by_mm } => {
-                Request::Jog(self::axis(&axis, machine)?, Jog::Increment(Coordinate::new(by_mm)))
+            Self::JogContinuous { axis, mm_per_min, deg_per_min } => {
+                let named = ("mm_per_min", mm_per_min, "deg_per_min", deg_per_min);
+                let (axis, per_min) = of_axis(&axis, machine, named)?;
+                Request::Jog(axis, Jog::Continuous(CoordinateSpeed::per_min(per_min.value())))
             }
-            Self::JogTo { axis, to_mm } => {
-                Request::Jog(self::axis(&axis, machine)?, Jog::To(Coordinate::new(to_mm)))
+            Self::JogIncrement { axis, by_mm, by_deg } => {
+                let (axis, by) = of_axis(&axis, machine, ("by_mm", by_mm, "by_deg", by_deg))?;
+                Request::Jog(axis, Jog::Increment(by))
             }
-            Self::Handwheel { axis, by_mm } => {
-                Request::Jog(self::axis(&axis, machine)?, Jog::Handwheel(Coordinate::new(by_mm)))
+            Self::JogTo { axis, to_mm, to_deg } => {
+                let (axis, to) = of_axis(&axis, machine, ("to_mm", to_mm, "to_deg", to_deg))?;
+                Request::Jog(axis, Jog::To(to))
+            }
+            Self::Handwheel { axis, by_mm, by_deg } => {
+                let (axis, by) = of_axis(&axis, machine, ("by_mm", by_mm, "by_deg", by_deg))?;
+                Request::Jog(axis, Jog::Handwheel(by))
             }
             Self::JogStop {} => Request::JogStop,
             Self::TurnSpindle { spindle, rpm } => {
@@ -224,12 +273,13 @@ impl RequestBody {
                 overrides.spindle_least_share,
                 overrides.spindle_most_share,
             )?),
-            Self::TouchOff { axis, at_mm } => {
-                Request::TouchOff(self::axis(&axis, machine)?, Coordinate::new(at_mm))
+            Self::TouchOff { axis, at_mm, at_deg } => {
+                let (axis, at) = of_axis(&axis, machine, ("at_mm", at_mm, "at_deg", at_deg))?;
+                Request::TouchOff(axis, at)
             }
-            Self::SetWorkOffset { work_offset, axis, at_mm } => {
-                let at = Coordinate::new(at_mm);
-                Request::SetWorkOffset(system(&work_offset)?, self::axis(&axis, machine)?, at)
+            Self::SetWorkOffset { work_offset, axis, at_mm, at_deg } => {
+                let (axis, at) = of_axis(&axis, machine, ("at_mm", at_mm, "at_deg", at_deg))?;
+                Request::SetWorkOffset(system(&work_offset)?, axis, at)
             }
             Self::EditTool { tool, field, value_mm } => {
                 let field = match field {
@@ -242,58 +292,4 @@ impl RequestBody {
             }
         })
     }
-}
-
-fn axis(text: &str, machine: &MachineFile) -> Result<Axis, RefusalData> {
-    let mut letters = text.chars();
-    let found = match (letters.next(), letters.next()) {
-        (Some(letter), None) => Axis::from_letter(letter.to_ascii_uppercase()),
-        _ => None,
-    };
-    found.filter(|axis| machine.axis(*axis).is_some()).ok_or_else(|| {
-        let has: Vec<String> =
-            machine.axes.iter().flatten().map(|axis| axis.letter.letter().to_string()).collect();
-        wrong(format!(
-            "there is no axis \"{}\": {} has {}",
-            short(text),
-            machine.name,
-            has.join(", ")
-        ))
-    })
-}
-
-/// Of what a client has sent, no more than is read.
-fn short(text: &str) -> String {
-    text.chars().take(40).collect()
-}
-
-fn share(what: &str, percent: f64, least: f64, most: f64) -> Result<f64, RefusalData> {
-    let share = percent / 100.0;
-    if (least..=most).contains(&share) {
-        return Ok(share);
-    }
-    let (least, most) = (least * 100.0, most * 100.0);
-    Err(wrong(format!("the {what} goes from {least:.0} to {most:.0} percent, found {percent}")))
-}
-
-/// `G54` to `G59`, `G59.1` to `G59.3`: 1 to 9.
-fn system(name: &str) -> Result<u8, RefusalData> {
-    let number = match name.to_ascii_uppercase().as_str() {
-        "G54" => 1,
-        "G55" => 2,
-        "G56" => 3,
-        "G57" => 4,
-        "G58" => 5,
-        "G59" => 6,
-        "G59.1" => 7,
-        "G59.2" => 8,
-        "G59.3" => 9,
-        _ => {
-            return Err(wrong(format!(
-                "work offsets are G54 to G59 and G59.1 to G59.3, found \"{}\"",
-                short(name)
-            )));
-        }
-    };
-    Ok(number)
 }

@@ -33,20 +33,26 @@ impl Served {
     }
 
     pub fn with(pace: f64, token_file: Option<PathBuf>) -> Self {
-        Self::of(pace, token_file, None, None)
+        Self::of("tapping-center", pace, token_file, None, None)
     }
 
     /// With a state folder, in which so many runs are kept.
     pub fn keeping(pace: f64, state: &Path, most: usize) -> Self {
         let kept = KeptRuns { most, ..KeptRuns::default() };
-        Self::of(pace, None, None, Some((state.to_owned(), kept)))
+        Self::of("tapping-center", pace, None, None, Some((state.to_owned(), kept)))
     }
 
     pub fn secured(certificate: Certificate) -> Self {
-        Self::of(1.0, None, Some(certificate), None)
+        Self::of("tapping-center", 1.0, None, Some(certificate), None)
+    }
+
+    /// Another machine than the tapping center.
+    pub fn on(machine: &str, pace: f64) -> Self {
+        Self::of(machine, pace, None, None, None)
     }
 
     fn of(
+        machine: &str,
         pace: f64,
         token_file: Option<PathBuf>,
         certificate: Option<Certificate>,
@@ -56,7 +62,7 @@ impl Served {
         let folder = TempDir::new().unwrap();
         std::fs::copy(shop("plate-12xM6.ngc"), folder.path().join("plate.ngc")).unwrap();
         let control = ControlOptions {
-            program: ProgramOptions::on("tapping-center"),
+            program: ProgramOptions::on(machine),
             seed: None,
             state,
             clamped: canon::Position::default(),
