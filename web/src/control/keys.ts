@@ -13,10 +13,10 @@ import { keyTexts } from '../texts/en';
 interface KeyAction { keys: string; says: string; act: () => void }
 
 /** Asks, or says why it cannot be asked now. */
-function ask(key: string, fields: Record<string, unknown> = {}, need = key): void {
-  const why = whyNot(need, control.status, control.isLinked);
+function ask(kind: string): void {
+  const why = whyNot(kind, control.status, control.isLinked);
   if (why) messages.say('reason', why);
-  else void request(key, fields);
+  else void request(kind);
 }
 
 function goOn(): void {
@@ -26,7 +26,9 @@ function goOn(): void {
 
 function power(): void {
   const on = control.status?.power !== 'ON';
-  ask('power', { on }, on ? 'power_on' : 'power_off');
+  const why = whyNot('power', control.status, control.isLinked, on);
+  if (why) messages.say('reason', why);
+  else void request('power', { on });
 }
 
 function escape(): void {
@@ -74,7 +76,7 @@ export function listen(openKeys: () => void): void {
     if (jogged && route.page === 'machine' && manual.pane === 'jog' && !(event.target as HTMLElement).closest?.('.scroll, .lines, canvas')) {
       event.preventDefault();
       if (event.repeat || !control.status?.axes.some((axis) => axis.letter === jogged[0])) return;
-      const why = whyNot('jog', control.status, control.isLinked);
+      const why = whyNot('jog_continuous', control.status, control.isLinked);
       if (why) messages.say('reason', why);
       else jog(jogged.charAt(0), jogged.charAt(1));
       return;

@@ -1,20 +1,4 @@
 // All that the page says, in English. A translation is another file of this shape.
-export const needs = {
-  link: 'no connection to the control: wait until it is there again',
-  emergencyStopArmed: 'the emergency stop is triggered: release it, then reset',
-  emergencyStopTriggered: 'the emergency stop is not triggered',
-  noAlarm: 'an alarm has stopped the machine: mend its cause, then reset',
-  powerOn: 'the drives are not on: power on, and wait until they are ready',
-  homed: (axis: string) => `${axis} is not homed: home it first`,
-  noProgramUnderWay: 'a program is under way: wait for its end, or stop it',
-  programUnderWay: 'no program is under way: start one first',
-  programHeld: 'the program is not held: hold it first',
-  programWaits: 'nothing waits for a confirmation',
-  programLoaded: 'no program is loaded: load one first',
-  toolInWork: 'no tool is held in its thread',
-  noToolInWork: 'a tool is in its thread: take it out first',
-};
-
 export const executions: Record<string, string> = {
   READY: 'Ready', ACTIVE: 'Active', WAIT: 'Waits', FEED_HOLD: 'Feed hold', INTERRUPTED: 'Held after a block',
   OPTIONAL_STOP: 'Optional stop', PROGRAM_STOPPED: 'Program stop', PROGRAM_COMPLETED: 'Completed', STOPPED: 'Stopped',
@@ -42,6 +26,7 @@ export const t = {
   reset: 'Reset',
   connecting: 'Connecting to the control',
   lost: 'No connection to the control',
+  noLink: 'no connection to the control: wait until it is there again',
   lastSeen: (age: string) => `what is shown was so ${age} ago`,
   noAnswer: 'The control does not answer: nothing was asked of it.',
   holdLonger: 'Hold the key for 0.6 s.',
