@@ -19,7 +19,7 @@ impl Numbers {
     }
 }
 
-const REQUESTS: [&str; 12] = [
+const REQUESTS: [&str; 13] = [
     r#"{"request":"jog_increment","axis":"X","by_mm":10}"#,
     r#"{"request":"jog_increment","axis":"X","by_deg":10}"#,
     r#"{"request":"jog_continuous","axis":"Z","mm_per_min":-300}"#,
