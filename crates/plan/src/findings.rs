@@ -9,6 +9,7 @@ use alloc::{
     string::String,
     vec::Vec,
 };
+use canon::Axis;
 use diag::{Diagnostic, Span};
 
 /// Findings of one code that are kept.
@@ -59,6 +60,15 @@ impl Findings {
         }
     }
 
+    /// A move of an axis that the machine lacks.
+    pub(crate) fn add_missing_axis(&mut self, span: Span, axis: Axis) {
+        let cause = Cause { code: "M0305", which: [axis.index() as u32, 0, 0] };
+        let text = format!("the machine has no {} axis, and the program moves it", axis.letter());
+        let error =
+            || (Diagnostic::error(cause.code, span, text.as_str()), [text.clone(), String::new()]);
+        self.merge(cause, 0.0, error);
+    }
+
     /// Add a move that is wrong by so much for this cause: the worst is said, and how many there are. `finding` makes what is
     /// said of it: severity, place and help; then what is wrong, and what works.
     pub(crate) fn merge(
@@ -104,6 +114,7 @@ impl Findings {
             let [wrong, works] = merged.said;
             let many = match merged.moves {
                 1 => String::new(),
+                n if merged.worst == 0.0 => format!(", the first of {n} such moves"),
                 n => format!(", in line {}, the worst of {n} such moves", merged.line),
             };
             self.kept[merged.at].message = format!("{wrong}{many}{works}");

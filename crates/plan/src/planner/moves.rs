@@ -246,9 +246,7 @@ impl Planner {
         match along(path, &self.limits, rapid, wanted) {
             Ok(bound) => Some(bound),
             Err(axis) => {
-                let text =
-                    format!("the machine has no {} axis, and the program moves it", axis.letter());
-                self.findings.add(Diagnostic::error("M0305", job.span, text));
+                self.findings.add_missing_axis(job.span, axis);
                 // what follows does not begin where the motion planned so far ends
                 self.only_judges = true;
                 None

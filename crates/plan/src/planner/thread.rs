@@ -185,10 +185,7 @@ impl Planner {
             for i in (0..THREADING_AXES).filter(|&i| at.from[i] != at.to[i]) {
                 axes[i] = self.limits.axes[i];
                 let Some(limits) = axes[i] else {
-                    let letter = Axis::ALL[i].letter();
-                    let text =
-                        format!("the machine has no {letter} axis, and the program moves it");
-                    self.findings.add(Diagnostic::error("M0305", waiting.span, text));
+                    self.findings.add_missing_axis(waiting.span, Axis::ALL[i]);
                     continue;
                 };
                 let slope = at.first[i].abs().max(at.last[i].abs());
