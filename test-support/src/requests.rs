@@ -80,6 +80,7 @@ pub fn sequence(seed: u64, program: &Path, tally: &mut Tally) -> Result<(), Stri
         program: ProgramOptions::on("tapping-center"),
         seed: Some(seed),
         state: None,
+        simulator: None,
         clamped: Position::default(),
         real_time: None,
     };

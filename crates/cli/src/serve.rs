@@ -24,6 +24,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         program: args.source.options(),
         seed: args.seed,
         state: args.state.clone(),
+        simulator: args.simulator.clone(),
         clamped: args.clamped.as_deref().map(console::clamped).transpose()?.unwrap_or_default(),
         real_time: args.real_time.then(RealTimeOptions::default),
     };

@@ -8,6 +8,7 @@ use crate::job::preflight::planner;
 use crate::job::restart::Restart;
 use crate::observers::{Observing, ToolUseCount, TraceThread, Workpiece};
 use crate::outcome::{EndedRun, Outcome, unobserved};
+use crate::services::RecordWriter;
 use crate::stall::StallGuard;
 use crate::{Executor, Feeder, KernelHandle, Observers, RealTimeFigures, Services};
 use bus::{Sample, State};
@@ -16,6 +17,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use units::Time;
 use verify::Feature;
+use wire::Engagement;
 
 /// Servo periods between two looks of the progress bar.
 const PROGRESS_EVERY: u64 = 4096;
@@ -228,6 +230,17 @@ impl Running {
         if let Some(observers) = self.observers.here() {
             (observers.recorder, observers.trace) = (recorder, Some(trace));
         }
+    }
+
+    /// Before the first period: keep the sync record.
+    pub fn keep_sync_record(&mut self, writer: RecordWriter, executor: &mut Executor) {
+        self.services.record_writer = Some(writer);
+        executor.kernel.keep_records();
+    }
+
+    /// Of the sync record's writer: number of the machine's last engagement, and the tool in its work.
+    pub fn engaged(&self) -> Option<(u64, Option<Engagement>)> {
+        self.services.record_writer.as_ref().map(RecordWriter::engaged)
     }
 
     /// Before the first period: count what each tool cuts; this one is in the spindle.

@@ -11,6 +11,7 @@ fn powered(state: &Path, seed: u64) -> Control {
         program: ProgramOptions::on("bench-xyz"),
         seed: Some(seed),
         state: Some(state.to_owned()),
+        simulator: None,
         clamped: Position::default(),
         real_time: None,
     };

@@ -11,6 +11,7 @@ fn powered(machine: &str) -> Control {
         program: ProgramOptions::on(machine),
         seed: Some(1),
         state: None,
+        simulator: None,
         clamped: Position::default(),
         real_time: None,
     };

@@ -13,6 +13,7 @@ fn homed() -> Control {
         program: ProgramOptions::on("bench-xyz"),
         seed: Some(1),
         state: None,
+        simulator: None,
         clamped: Position::default(),
         real_time: None,
     };

@@ -19,6 +19,7 @@ fn switched_on_by(machine: &str, real_time: RealTimeOptions) -> Control {
         program: ProgramOptions::on(machine),
         seed: Some(1),
         state: None,
+        simulator: None,
         clamped: Position::default(),
         real_time: Some(real_time),
     };

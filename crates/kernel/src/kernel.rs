@@ -219,7 +219,7 @@ impl Kernel {
             self.raise(finding, feedback);
         }
         let mut command = match self.mode {
-            Mode::Disabled => Command { tool: self.drives.tool, ..Command::default() },
+            Mode::Disabled => self.leave(feedback),
             Mode::New | Mode::Starting(_) => self.start(feedback),
             Mode::Running => self.run(feedback),
             Mode::Halted => self.halt(feedback),
@@ -231,6 +231,12 @@ impl Kernel {
         }
         self.summarise();
         command
+    }
+
+    /// Everything is off: the changer keeps the tool that the machine has, whatever was ordered before.
+    fn leave(&mut self, feedback: &Feedback) -> Command {
+        self.drives.tool = feedback.tool.unwrap_or(self.drives.tool);
+        Command { tool: self.drives.tool, ..Command::default() }
     }
 
     /// Wait for the drives; hold every axis where it stands.

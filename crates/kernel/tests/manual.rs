@@ -165,3 +165,17 @@ fn a_spindle_turns_by_hand_until_its_lease_is_over_and_is_oriented() {
     assert_eq!(bench.kernel.turn_manually(1, Spin::rpm(10.0), soon), Err(ManualRefusal::NoAxis));
     assert_eq!(bench.kernel.faults(), []);
 }
+
+#[test]
+fn a_control_that_is_off_leaves_the_tool_in_the_spindle_that_it_finds_there() {
+    let mut config = machine(1);
+    let (tool, length, kind) = (7, units::Length::mm(120.0), sim::ToolKind::Other);
+    config.magazine.push(sim::Tool { number: tool, length, kind });
+    config.tool = tool;
+    let mut kernel = Kernel::new(control(&config));
+    let machine = SimulatedMachine::new(config).expect("the test's machine can be built");
+    assert!(kernel.switch_off());
+    let mut bench = Bench { machine, kernel };
+    bench.run(0.1);
+    assert_eq!(bench.machine.feedback().tool, Some(tool));
+}

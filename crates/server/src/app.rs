@@ -78,6 +78,9 @@ impl App {
             if let Some(program) = &mut status.program {
                 program.name = self.folder.shown(&program.name);
             }
+            if let Some(left) = &mut status.left_in_work {
+                left.program = left.program.take().map(|name| self.folder.shown(&name));
+            }
             // numbers, strings and names alone
             let fields = match serde_json::to_value(&status) {
                 Ok(Value::Object(fields)) => fields,

@@ -9,8 +9,8 @@ use crate::wire::{
 use control::RealTimeFigures;
 use control::operation::hosted::FindingData;
 use control::operation::{
-    AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
-    Switches, WaitingStatus,
+    AxisStatus, FeatureCount, LeftInWork, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
+    Status, Switches, WaitingStatus,
 };
 use ts_rs::{Config, TS};
 
@@ -41,6 +41,7 @@ pub fn typescript() -> String {
         NeedStatus,
         WaitingStatus,
         ProgramStatus,
+        LeftInWork,
         FeatureCount,
         RequestBody,
         ToolFieldName,

@@ -79,6 +79,10 @@ sync_error_um: number | null,
  */
 is_tool_in_work: boolean, 
 /**
+ * What is known of it, where a control before this one has left it there.
+ */
+left_in_work?: LeftInWork, 
+/**
  * Features of the workpiece.
  */
 features: FeatureCount, 
@@ -263,6 +267,56 @@ left_s: number,
  * How long what is planned, and waits to be executed, will take, s; what has no planned time counts nothing.
  */
 ahead_s: number, };
+
+export type LeftInWork = { 
+/**
+ * The tool, by the record.
+ */
+tool: number | null, 
+/**
+ * The program that led it there …
+ */
+program: string | null, 
+/**
+ * … the line …
+ */
+line: number | null, 
+/**
+ * … and which of its holes and threads it is, counted from 1.
+ */
+hole: number | null, 
+/**
+ * How far the tip of a tap stands below the surface, mm; below zero it is above.
+ */
+depth_mm: number | null, 
+/**
+ * How far the program led it, mm below the surface.
+ */
+programmed_depth_mm: number | null, 
+/**
+ * How far it stands off its thread, µm …
+ */
+off_thread_um: number | null, 
+/**
+ * … and what that is certain to.
+ */
+within_um: number | null, 
+/**
+ * On what the certainty rests, or why there is none.
+ */
+certain_by: string | null, 
+/**
+ * What moves first, in a sentence.
+ */
+moves_first: string | null, 
+/**
+ * Why it may be broken.
+ */
+not_known_whole: string | null, 
+/**
+ * Why no recovery takes it out; `null`: `recover` does.
+ */
+refused: string | null, };
 
 export type FeatureCount = { 
 /**

@@ -10,9 +10,9 @@ export interface WayOut {
   request: 'retract' | 'recover';
 }
 
-/** With its drives and without an alarm the control backs the tool out; else it recovers from what the encoders show. */
+/** What a control before this one has left is recovered by its record. With its drives and without an alarm the control backs the tool out; else it recovers from what the encoders show. */
 export function wayOut(status: Status): WayOut {
-  const hasDrives = status.power === 'ON' && status.is_ready && status.alarms.length === 0;
+  const hasDrives = !status.left_in_work && status.power === 'ON' && status.is_ready && status.alarms.length === 0;
   return { first: status.emergency_stop === 'TRIGGERED' ? 'release' : null, request: hasDrives ? 'retract' : 'recover' };
 }
 

@@ -262,12 +262,25 @@ export const programTexts = {
   editor: 'Text of the program',
 };
 
+export const beginTexts = {
+  title: 'Begin the next start at',
+  at: { hole: 'Hole', line: 'Line', tool: 'Tool' },
+  number: 'Number',
+  search: 'Search',
+  noNumber: 'a hole, line or tool has a whole number, 1 or more',
+};
+
 export const recoveryTexts = {
   title: 'A tool stands in its thread',
   where: 'Where',
   below: (mm: string) => `, ${mm} mm below the surface`,
   howSure: 'How sure',
   within: (um: string) => `within ${um} µm of its thread`,
+  left: (tool: number | null, hole: number | null, program: string | null, line: number | null) =>
+    tool === null ? 'What a control before this one has led into the work is not known.' : `Tool ${tool}, left in hole ${hole} of ${program} (line ${line}) when the control was lost.`,
+  known: (um: string, within: string) => `${um} µm off its thread, known within ${within} µm`,
+  lookAtIt: (why: string) => `${why}. See that it is whole before you go on.`,
+  nothingMoves: 'Nothing: this tool is not taken out by the control.',
   unsure: 'its distance from the thread is not known: the encoders are read before anything moves',
   movesFirst: 'What moves first',
   first: {

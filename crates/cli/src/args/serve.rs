@@ -18,6 +18,10 @@ pub(crate) struct ServeArgs {
     /// Folder of programs: clients list, read, write and load what lies in it, and nothing else
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub(crate) programs: PathBuf,
+    /// Control the machine simulator that listens here, a Unix socket, instead of a machine within this process: it outlives the
+    /// control, and a tool that was left in its work is known when the control begins again
+    #[arg(long, value_name = "PATH", requires = "state", conflicts_with_all = ["seed", "clamped"])]
+    pub(crate) simulator: Option<PathBuf>,
     /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,

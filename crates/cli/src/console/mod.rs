@@ -42,6 +42,7 @@ pub(crate) fn command(args: &ControlArgs, quiet: bool) -> Result<Ending, Refused
         program: args.source.options(),
         seed: args.seed,
         state: args.state.clone(),
+        simulator: None,
         real_time: args.real_time.then(control::RealTimeOptions::default),
         clamped: args.clamped.as_deref().map(clamped).transpose()?.unwrap_or_default(),
     };

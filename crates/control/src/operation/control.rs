@@ -7,6 +7,7 @@ use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
 use super::meters::Meters;
+use super::outside::{self, Outside};
 use super::programs::{Loaded, UnderWay};
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
@@ -35,6 +36,8 @@ pub struct ControlOptions {
     pub seed: Option<u64>,
     /// Folder in which offsets, tools, alarms and the last program are kept; `None`: nothing is.
     pub state: Option<PathBuf>,
+    /// Socket of a machine simulator in another process, which outlives the control; `None`: one is simulated within this one.
+    pub simulator: Option<PathBuf>,
     /// How far from where the machine's file says the simulated stock is clamped.
     pub clamped: Position,
     /// By the clock, with kernel and machine in a servo thread; `None`: as periods are called for.
@@ -75,6 +78,8 @@ pub struct Control {
     /// The program that was loaded last, and how far it came.
     pub(super) last_program: Option<LastProgram>,
     pub(super) kept: Kept,
+    /// A machine in another process, and what it and the sync record keep of a tool in its work.
+    pub(super) outside: Option<Outside>,
     pub(super) meters: Meters,
     /// Folder in which programs are recorded.
     pub(super) runs: Option<PathBuf>,
@@ -100,18 +105,26 @@ impl Control {
     pub fn new(options: ControlOptions) -> Result<Self, Refused> {
         let base = Session::load(&options.program, Path::new("-"), b"")?;
         let machine = &base.machine;
-        let (kept, state, found) = Kept::open(options.state.as_deref(), &machine.name)?;
+        let (kept, state, mut found) = Kept::open(options.state.as_deref(), &machine.name)?;
         let seed = options.seed.unwrap_or(u64::from(machine.simulation.seed));
         let material = machine.setup.stock.material;
         let mut zero = machine.setup.g54;
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             zero = zero.with(axis, zero.along(axis) + options.clamped.along(axis));
         }
-        let mut simulated = config::simulator(machine, &base.tools, material, seed, &zero);
-        simulated.power_on = sim::PowerOn::Unknown;
-        let alone = config::left_alone(machine, &simulated);
-        let plant = plant::simulated(machine, simulated)?;
-        let plant = Plant::Inside(Box::new(Faulty::new(plant, &[], seed).left_alone(alone)));
+        let (plant, outside) = if let Some(socket) = &options.simulator {
+            let is_real_time = options.real_time.is_some();
+            let (plant, outside, said) = outside::connect(socket, machine, &kept, is_real_time)?;
+            found.extend(said);
+            (plant, Some(outside))
+        } else {
+            let mut simulated = config::simulator(machine, &base.tools, material, seed, &zero);
+            simulated.power_on = sim::PowerOn::Unknown;
+            let alone = config::left_alone(machine, &simulated);
+            let plant = plant::simulated(machine, simulated)?;
+            let plant = Faulty::new(plant, &[], seed).left_alone(alone);
+            (Plant::Inside(Box::new(plant)), None)
+        };
         let mut kernel = Kernel::new(kernel::Config {
             pause: Pause::Wait,
             ..config::control(machine, None, config::plain_drive(machine).is_some())
@@ -144,6 +157,7 @@ impl Control {
             handwheel: [None; AXES],
             last_program: None,
             kept,
+            outside,
             meters: Meters::default(),
             runs: None,
             ended: None,
@@ -345,9 +359,12 @@ impl Control {
             self.go_on_without_program();
         }
         self.take_alarms();
+        self.follow_machine();
         let is_ready = self.executor.kernel.is_ready();
         if is_ready && !self.drives_were_ready {
-            self.take_homed();
+            if !self.is_tool_left() {
+                self.take_homed();
+            }
             self.events.push(Event::DrivesReady);
         }
         self.drives_were_ready = is_ready;

@@ -5,6 +5,7 @@ use super::manual::refused_by_kernel;
 use super::request::{Accepted, Refusal};
 use super::state::{EmergencyStop, ExecutionEvent, Mode, Power};
 use crate::config;
+use crate::recovery::WayOut;
 use crate::stops::RecoverySettings;
 use canon::Axis;
 use kernel::{Order, WithdrawalPlan};
@@ -14,6 +15,7 @@ impl Control {
     pub(super) fn switch_power(&mut self, on: bool) -> Result<Accepted, Refusal> {
         if on != (self.power == Power::On) {
             if on {
+                self.nothing_is_left()?;
                 self.executor.kernel.switch_on();
                 self.power = Power::On;
             } else {
@@ -40,6 +42,9 @@ impl Control {
 
     /// Of the simulated machine's chain: a test of it. The real one is hardware.
     pub(super) fn press_emergency_stop(&mut self, pressed: bool) -> Result<Accepted, Refusal> {
+        if self.outside.is_some() {
+            return self.stop_instead(pressed);
+        }
         let already = self.emergency_stop() == EmergencyStop::Triggered;
         if pressed && !already {
             self.executor.machine.strike(Fault::EmergencyStop);
@@ -135,6 +140,9 @@ impl Control {
     /// A tap, or another tool that is tied to a spindle, is in the work.
     pub(super) fn is_tap_in_thread(&self) -> bool {
         let kernel = &self.executor.kernel;
+        if self.is_tool_left() {
+            return true;
+        }
         let is_tap = kernel.engaged().is_some() && (kernel.is_off() || kernel.is_in_thread());
         is_tap || self.under_way.is_none() && kernel.way_out().is_some()
     }
@@ -159,11 +167,26 @@ impl Control {
         if self.emergency_stop() == EmergencyStop::Triggered {
             return Err(Refusal::because("the emergency stop is triggered: release it first"));
         }
+        let way_out = self.way_out_of_left()?;
         let kernel = &mut self.executor.kernel;
         if kernel.can_back_out() {
             return Err(Refusal::because("the control can back the tap out itself: retract"));
         }
+        match way_out {
+            Some(WayOut::Along(plan)) => kernel.recover(plan),
+            Some(WayOut::Off(plan)) => kernel.withdraw(plan),
+            None => self.recover_own()?,
+        }
+        self.is_recovering = true;
+        self.power = Power::On;
+        self.told_faults = 0;
+        Ok(Accepted::default())
+    }
+
+    /// The way out of what this control has led into the work.
+    fn recover_own(&mut self) -> Result<(), Refusal> {
         let settings = RecoverySettings::new(&self.base);
+        let kernel = &mut self.executor.kernel;
         if let Some(stored) = kernel.engaged() {
             let surface = kernel.surface().unwrap_or(stored.start().place);
             self.executor.machine.mend();
@@ -179,10 +202,7 @@ impl Control {
             let legs = [Some((way_out.infeed, way_out.clear)), None];
             kernel.withdraw(WithdrawalPlan { legs });
         }
-        self.is_recovering = true;
-        self.power = Power::On;
-        self.told_faults = 0;
-        Ok(Accepted::default())
+        Ok(())
     }
 
     /// A recovery is over: by its end, or by an alarm.
@@ -192,6 +212,7 @@ impl Control {
         }
         self.executor.kernel.go_on();
         self.executor.kernel.clear();
+        self.left_is_out();
         for alarm in &mut self.alarms {
             alarm.is_cleared = true;
         }
@@ -206,6 +227,7 @@ impl Control {
         if !self.executor.kernel.is_standing() {
             return Err(Refusal::because("wait until everything stands"));
         }
+        self.forget_left()?;
         self.executor.kernel.switch_on();
         self.executor.kernel.switch_off();
         (self.power, self.told_faults) = (Power::Off, 0);

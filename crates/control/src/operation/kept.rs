@@ -38,6 +38,11 @@ impl Kept {
         Ok((Self { folder: Some(folder), homed }, state, said))
     }
 
+    /// The folder, if there is one.
+    pub(super) const fn folder(&self) -> Option<&StateFolder> {
+        self.folder.as_ref()
+    }
+
     /// Save something, if there is a folder.
     fn save(
         &mut self,
@@ -135,7 +140,7 @@ impl Control {
         if !self.has_absolute_encoder(axis) || self.kept.folder.is_none() {
             return;
         }
-        let (letter, epoch) = (axis.letter(), self.seed);
+        let (letter, epoch) = (axis.letter(), self.epoch());
         let zero = self.executor.kernel.zero(axis).value();
         let mut homed = self.kept.homed.clone();
         homed.axis.retain(|kept| kept.axis != letter);
@@ -150,7 +155,7 @@ impl Control {
     pub(super) fn take_homed(&mut self) {
         for homing in config::homing(&self.base.machine) {
             let axis = homing.axis;
-            let Some(kept) = self.kept.homed.of(axis.letter(), self.seed).cloned() else {
+            let Some(kept) = self.kept.homed.of(axis.letter(), self.epoch()).cloned() else {
                 continue;
             };
             if !self.has_absolute_encoder(axis) || self.executor.kernel.is_homed(axis) {

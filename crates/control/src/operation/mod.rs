@@ -20,6 +20,7 @@
 //! | `proving` | texts interpreted and planned apart from the control, which goes on meanwhile |
 //! | `kept` | what outlives the control, in its state folder |
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
+//! | `outside` | a machine in another process: its sync record, a tool that a control before has left |
 //! | `ended` | a program that has ended, for report, certificate and history |
 //! | `meters`, `timeline` | measured speed and load; planned ends of operations, for the time left |
 //! | `signals`, `tool_path` | what a scope shows; what a picture of the program is drawn from |
@@ -35,6 +36,7 @@ mod kept;
 mod manual;
 mod meters;
 mod offsets;
+mod outside;
 mod programs;
 mod proving;
 mod questions;
@@ -49,6 +51,7 @@ pub use control::{Control, ControlOptions};
 pub use ended::EndedProgram;
 pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
+pub use outside::LeftInWork;
 pub use programs::LoadedProgram;
 pub use proving::{Begun, Proven, Proving};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};

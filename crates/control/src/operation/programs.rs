@@ -165,10 +165,14 @@ impl Control {
             options,
             planned: proved.known.planned,
         };
+        let writer = self.record_writer(&session, (&name, &text), restart.as_ref())?;
         let first = self.next_op;
         let workpiece = self.workpiece.clone();
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());
+        if let Some(writer) = writer {
+            running.keep_sync_record(writer, &mut self.executor);
+        }
         let folder = match mode {
             Mode::Automatic => self.begin_record(&session, &name, &mut running),
             Mode::ManualDataInput | Mode::Manual => None,
@@ -243,6 +247,7 @@ impl Control {
         let report = self.executor.kernel.report();
         let has_ended = report.state == State::Ended;
         let given_up = (!has_ended).then(|| under_way.left_at(report.op));
+        self.take_engagement(under_way.running.engaged());
         let mut ended = under_way.running.end();
         self.workpiece = ended.workpiece();
         self.next_op = ended.next_operation();

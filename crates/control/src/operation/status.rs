@@ -162,6 +162,10 @@ pub struct Status {
     pub sync_error_um: Option<f64>,
     /// A tool that is tied to a spindle is in the work.
     pub is_tool_in_work: bool,
+    /// What is known of it, where a control before this one has left it there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub left_in_work: Option<super::LeftInWork>,
     /// Features of the workpiece.
     pub features: FeatureCount,
     /// Alarms that no reset has cleared.
@@ -213,6 +217,7 @@ impl Control {
             program: self.program_status(report.line),
             sync_error_um: report.sync_error.map(Length::in_um),
             is_tool_in_work: self.is_tap_in_thread(),
+            left_in_work: self.left_in_work(),
             features: self.counted(),
             alarms: self.uncleared(),
             unmet: self.unmet(),

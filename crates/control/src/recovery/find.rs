@@ -212,19 +212,17 @@ fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Len
     (bound, format!("{how}: {:.3} mm from the thread at most", bound.value()))
 }
 
-/// Take it out.
-pub(super) fn drive_out(
-    plant: &mut Plant,
+/// The way out, as a kernel takes it whose axes have the encoders' own zeros.
+pub(super) fn plan(
     file: &MachineFile,
     stroke: &Stroke,
     findings: &Findings,
-) -> Result<RecoveryFigures, String> {
+) -> Result<RecoveryPlan, String> {
     let letter = canon::Axis::ALL[usize::from(stroke.axis)];
     let Some(axis) = file.axis(letter) else {
         return Err(format!("the machine's file has no axis {}", letter.letter()));
     };
-    let mut kernel = Kernel::new(config::control(file, None, false));
-    kernel.recover(RecoveryPlan {
+    Ok(RecoveryPlan {
         axis: letter,
         spindle: stroke.spindle,
         stored: findings.stored,
@@ -232,7 +230,18 @@ pub(super) fn drive_out(
         way: findings.way,
         spin: OUT,
         feed: (axis.approach.speed.of_linear() / 10.0, axis.approach.acceleration.of_linear()),
-    });
+    })
+}
+
+/// Take it out.
+pub(super) fn drive_out(
+    plant: &mut Plant,
+    file: &MachineFile,
+    stroke: &Stroke,
+    findings: &Findings,
+) -> Result<RecoveryFigures, String> {
+    let mut kernel = Kernel::new(config::control(file, None, false));
+    kernel.recover(plan(file, stroke, findings)?);
     let mut figures = None;
     super::obey(&mut kernel, plant, &mut |event| {
         if let EventKind::RecoveryEnded(ended) = event {

@@ -13,9 +13,11 @@
 mod bound;
 mod find;
 pub mod in_work;
+mod left;
 mod withdraw;
 
 pub use find::Findings;
+pub(crate) use left::{LeftTool, WayOut, left};
 pub use withdraw::{Leg, Off, Withdrawal, along_pass, pass};
 
 use crate::executor::period;

@@ -192,6 +192,8 @@ impl RecordWriter {
     /// with each command: from when the record is on the disk until the tool is out.
     pub fn serve(&mut self, kernel: &mut KernelHandle, feedback: &Feedback) -> Option<Engagement> {
         let now = feedback.time;
+        let zero = |axis: u8| kernel.zero(canon::Axis::ALL[usize::from(axis)]).of_linear();
+        let zeros: [Length; bus::AXES] = std::array::from_fn(|axis| zero(axis as u8));
         while let Some(request) = kernel.next_record_request() {
             let (record, number) = match (request, &self.last) {
                 (RecordRequest::Inward(number, tap), _) => (self.record(&tap), Some(number)),
@@ -209,7 +211,7 @@ impl RecordWriter {
             }
             self.last = Some(record.clone());
             // a thread that has ended has said why
-            let _ = self.orders.send((record, number));
+            let _ = self.orders.send((as_encoders_read(record, &zeros), number));
         }
         self.acknowledge(kernel, now);
         if let Some(engagement) = &mut self.engagement {
@@ -326,6 +328,11 @@ impl RecordWriter {
         }
     }
 
+    /// Number of the machine's last engagement, and the tool that the machine is told to be in its work.
+    pub const fn engaged(&self) -> (u64, Option<Engagement>) {
+        (self.engaged, self.engagement)
+    }
+
     /// Wait until everything is on the disk; why something is not.
     pub fn finish(self) -> Option<String> {
         drop(self.orders);
@@ -340,6 +347,19 @@ impl RecordWriter {
         }
         problem
     }
+}
+
+/// Places as the machine's own encoders read them: a control after this one knows them before anything is homed.
+fn as_encoders_read(mut record: SyncRecord, zeros: &[Length; bus::AXES]) -> SyncRecord {
+    let stroke = &mut record.stroke;
+    let zero = zeros[usize::from(stroke.axis)];
+    for place in [&mut stroke.z0, &mut stroke.start, &mut stroke.bottom, &mut stroke.surface] {
+        *place -= zero;
+    }
+    if let Some(retreat) = &mut stroke.retreat {
+        retreat.clear -= zeros[usize::from(retreat.axis)];
+    }
+    record
 }
 
 /// The gear that an operation engages.

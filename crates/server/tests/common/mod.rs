@@ -1,6 +1,7 @@
 //! A control that is served on a free port, and a client of it.
 #![allow(dead_code, unreachable_pub, clippy::needless_pass_by_value, clippy::unwrap_used)] // each test takes what it needs
 
+use control::RealTimeOptions;
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
 use serde_json::{Value, json};
@@ -26,6 +27,36 @@ pub fn shop(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../programs").join(name)
 }
 
+/// How it is served; what is usual stands in it.
+pub struct How {
+    pub machine: &'static str,
+    /// Machine time that passes in a second on the wall.
+    pub pace: f64,
+    pub address: &'static str,
+    pub token_file: Option<PathBuf>,
+    pub certificate: Option<Certificate>,
+    pub state: Option<PathBuf>,
+    pub kept: KeptRuns,
+    pub simulator: Option<PathBuf>,
+    pub real_time: Option<RealTimeOptions>,
+}
+
+impl Default for How {
+    fn default() -> Self {
+        Self {
+            machine: "tapping-center",
+            pace: 1.0,
+            address: "127.0.0.1:0",
+            token_file: None,
+            certificate: None,
+            state: None,
+            kept: KeptRuns::default(),
+            simulator: None,
+            real_time: None,
+        }
+    }
+}
+
 impl Served {
     /// Machine time passes so much faster than on the wall.
     pub fn at_pace(pace: f64) -> Self {
@@ -33,50 +64,50 @@ impl Served {
     }
 
     pub fn with(pace: f64, token_file: Option<PathBuf>) -> Self {
-        Self::of("tapping-center", pace, token_file, None, None)
+        Self::of(How { pace, token_file, ..How::default() })
     }
 
     /// With a state folder, in which so many runs are kept.
     pub fn keeping(pace: f64, state: &Path, most: usize) -> Self {
         let kept = KeptRuns { most, ..KeptRuns::default() };
-        Self::of("tapping-center", pace, None, None, Some((state.to_owned(), kept)))
+        Self::of(How { pace, state: Some(state.to_owned()), kept, ..How::default() })
     }
 
     pub fn secured(certificate: Certificate) -> Self {
-        Self::of("tapping-center", 1.0, None, Some(certificate), None)
+        Self::of(How { certificate: Some(certificate), ..How::default() })
     }
 
     /// Another machine than the tapping center.
-    pub fn on(machine: &str, pace: f64) -> Self {
-        Self::of(machine, pace, None, None, None)
+    pub fn on(machine: &'static str, pace: f64) -> Self {
+        Self::of(How { machine, pace, ..How::default() })
     }
 
-    fn of(
-        machine: &str,
-        pace: f64,
-        token_file: Option<PathBuf>,
-        certificate: Option<Certificate>,
-        keeping: Option<(PathBuf, KeptRuns)>,
-    ) -> Self {
-        let (state, kept_runs) = keeping.unzip();
+    /// Of a machine simulator that listens at this socket.
+    pub fn outside(pace: f64, state: &Path, simulator: &Path) -> Self {
+        let (state, simulator) = (Some(state.to_owned()), Some(simulator.to_owned()));
+        Self::of(How { pace, state, simulator, ..How::default() })
+    }
+
+    pub fn of(how: How) -> Self {
         let folder = TempDir::new().unwrap();
         std::fs::copy(shop("plate-12xM6.ngc"), folder.path().join("plate.ngc")).unwrap();
         let control = ControlOptions {
-            program: ProgramOptions::on(machine),
+            program: ProgramOptions::on(how.machine),
             seed: None,
-            state,
+            state: how.state,
+            simulator: how.simulator,
             clamped: canon::Position::default(),
-            real_time: None,
+            real_time: how.real_time,
         };
         let server = Server::start(ServerOptions {
             control,
-            pace,
-            address: "127.0.0.1:0".parse().unwrap(),
+            pace: how.pace,
+            address: how.address.parse().unwrap(),
             programs: folder.path().to_owned(),
-            token_file,
-            certificate,
+            token_file: how.token_file,
+            certificate: how.certificate,
             names: Vec::new(),
-            kept_runs: kept_runs.unwrap_or_default(),
+            kept_runs: how.kept,
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()

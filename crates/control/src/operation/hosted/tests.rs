@@ -14,6 +14,7 @@ fn hosted() -> Hosted {
         program: ProgramOptions::on("tapping-center"),
         seed: None,
         state: None,
+        simulator: None,
         clamped: canon::Position::default(),
         real_time: None,
     };

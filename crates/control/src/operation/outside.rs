@@ -1,0 +1,341 @@
+//! A machine in another process, which outlives the control: the sync record that is kept of it, and a tool that a control before
+//! this one has left in its work.
+//!
+//! ```text
+//!   switched on: machine keeps, record says, encoders show ──► nothing is in the work │ left: nothing but recovery moves
+//!   program:     record on the disk ──► machine is told of the tool ──► … ──► tool is out ──► machine is told ──► record says so
+//! ```
+//!
+//! Places in the record are those that the machine's encoders read: the axes of a control that begins are not homed.
+use super::control::Control;
+use super::kept::Kept;
+use super::request::{Accepted, Refusal};
+use super::state::Need;
+use crate::Refused;
+use crate::job::Session;
+use crate::job::restart::Restart;
+use crate::plant::{self, Plant};
+use crate::recovery::{self, LeftTool, WayOut};
+use crate::services::{RecordWriter, sync_record};
+use std::path::Path;
+use store::machine::MachineFile;
+use store::sync_record::slots::{Slots, StateFolder};
+use store::sync_record::{Identity, Stage, SyncRecord, Untrusted};
+use units::{Length, Time};
+use wire::{Engagement, Hello, Remote, Welcome};
+
+/// When the machine has certainly been told that a tool is out, the record says so, too.
+const TOLD: Time = Time::s(0.010);
+
+/// See the module's header.
+pub(super) struct Outside {
+    welcome: Welcome,
+    identity: Identity,
+    /// The tool that the machine is told to be in its work.
+    engagement: Option<Engagement>,
+    left: Option<LeftTool>,
+    /// The tool is out: when the record says so.
+    is_out: Option<Time>,
+    has_told_loss: bool,
+}
+
+/// A tool that a control before this one has left in the work: what is known of it, and what is not.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
+pub struct LeftInWork {
+    /// The tool, by the record.
+    pub tool: Option<u32>,
+    /// The program that led it there …
+    pub program: Option<String>,
+    /// … the line …
+    pub line: Option<u32>,
+    /// … and which of its holes and threads it is, counted from 1.
+    pub hole: Option<u32>,
+    /// How far the tip of a tap stands below the surface, mm; below zero it is above.
+    pub depth_mm: Option<f64>,
+    /// How far the program led it, mm below the surface.
+    pub programmed_depth_mm: Option<f64>,
+    /// How far it stands off its thread, µm …
+    pub off_thread_um: Option<f64>,
+    /// … and what that is certain to.
+    pub within_um: Option<f64>,
+    /// On what the certainty rests, or why there is none.
+    pub certain_by: Option<String>,
+    /// What moves first, in a sentence.
+    pub moves_first: Option<String>,
+    /// Why it may be broken.
+    pub not_known_whole: Option<String>,
+    /// Why no recovery takes it out; `null`: `recover` does.
+    pub refused: Option<String>,
+}
+
+/// Connect to a machine; what the operator should know of it.
+pub(super) fn connect(
+    socket: &Path,
+    machine: &MachineFile,
+    kept: &Kept,
+    is_real_time: bool,
+) -> Result<(Plant, Outside, Vec<String>), Refused> {
+    let Some(folder) = kept.folder() else {
+        return Err(Refused::because(
+            "a machine simulator in another process takes a state folder: name one with --state",
+        ));
+    };
+    let hello = Hello { name: "the control".into(), machine: machine.name.clone() };
+    let mut remote =
+        Remote::connect(plant::connect(socket)?, hello).map_err(|e| plant::gone(socket, &e))?;
+    let welcome = remote.welcome().clone();
+    if welcome.real_time && !is_real_time {
+        return Err(Refused::because(
+            "this machine simulator keeps real time, and so must its control: --real-time",
+        ));
+    }
+    let identity = plant::identity(&welcome);
+    let engagement = welcome.evidence.in_work;
+    remote.engage(engagement);
+    let plant = Plant::Outside(Box::new(remote));
+    let mut outside =
+        Outside { welcome, identity, engagement, left: None, is_out: None, has_told_loss: false };
+    let mut said = Vec::new();
+    match outside.read(folder) {
+        Ok(record) => {
+            outside.look(record.clone(), folder.path(), machine);
+            if outside.left.is_none() && record.is_some_and(|record| record.stage.is_in_work()) {
+                outside.is_out = Some(Time::ZERO); // machine or encoders show it
+            }
+        }
+        Err(why) => outside.left = Some(LeftTool::Unmoved(None, why.to_string())),
+    }
+    if let Some(left) = &outside.left {
+        said.push(match left.record() {
+            Some(record) => {
+                let (tool, place) = (record.stroke.tool, &record.place);
+                format!(
+                    "tool {tool} stands in the work: it was left at line {} of {}",
+                    place.line, place.program
+                )
+            }
+            None => "a tool may stand in the work".to_owned(),
+        });
+    }
+    Ok((plant, outside, said))
+}
+
+impl Outside {
+    fn read(&self, folder: &store::state::StateFolder) -> Result<Option<SyncRecord>, Untrusted> {
+        Slots::open(StateFolder::of(folder), &self.identity).map(|(_, kept)| kept.record)
+    }
+
+    fn look(&mut self, record: Option<SyncRecord>, folder: &Path, machine: &MachineFile) {
+        let folder = folder.display().to_string();
+        self.left = recovery::left(record, &self.welcome, &folder, machine);
+    }
+}
+
+impl Control {
+    /// Of what was kept of the machine's encoders, this holds.
+    pub(super) fn epoch(&self) -> u64 {
+        self.outside.as_ref().map_or(self.seed, |outside| outside.identity.epoch)
+    }
+
+    /// A control before this one has left a tool in the work, or may have.
+    pub(super) fn is_tool_left(&self) -> bool {
+        self.outside.as_ref().is_some_and(|outside| outside.left.is_some())
+    }
+
+    /// Nothing but a recovery moves where one is.
+    pub(super) fn nothing_is_left(&self) -> Result<(), Refusal> {
+        if self.is_tool_left() { Err(Refusal::State(Need::NoTapInThread)) } else { Ok(()) }
+    }
+
+    /// What is known of it.
+    pub(super) fn left_in_work(&self) -> Option<LeftInWork> {
+        let left = self.outside.as_ref()?.left.as_ref()?;
+        let record = left.record();
+        let (mut off, mut within, mut certain_by, mut whole) = (None, None, None, None);
+        let mut refused = None;
+        match left {
+            LeftTool::OnThread(_, findings) => {
+                match &findings.bound {
+                    Ok((bound, why)) => {
+                        off = Some(findings.stored.error(findings.at));
+                        (within, certain_by) = (Some(*bound), Some(why.clone()));
+                    }
+                    Err(why) => certain_by = Some((*why).to_owned()),
+                }
+                whole.clone_from(&findings.not_known_whole);
+            }
+            LeftTool::OffWork(_, way) => match &way.off {
+                Ok(found) => off = Some(found.length),
+                Err(why) => certain_by = Some((*why).to_owned()),
+            },
+            LeftTool::Unmoved(_, why) => refused = Some(why.clone()),
+        }
+        let below = |place: Length, record: &SyncRecord| {
+            let stroke = &record.stroke;
+            let is_down = stroke.bottom < stroke.start;
+            let below = if is_down { stroke.surface - place } else { place - stroke.surface };
+            below.value()
+        };
+        let tap = record.filter(|record| record.stroke.retreat.is_none());
+        let feedback = self.executor.machine.feedback();
+        let stands = |record: &SyncRecord| {
+            feedback.axes[usize::from(record.stroke.axis)].position.of_linear()
+        };
+        Some(LeftInWork {
+            tool: record.map(|record| record.stroke.tool),
+            program: record.map(|record| record.place.program.clone()),
+            line: record.map(|record| record.place.line),
+            hole: record.map(|record| record.place.hole),
+            depth_mm: tap.map(|record| below(stands(record), record)),
+            programmed_depth_mm: tap.map(|record| below(record.stroke.bottom, record)),
+            off_thread_um: off.map(Length::in_um),
+            within_um: within.map(Length::in_um),
+            certain_by,
+            moves_first: left.moves_first(),
+            not_known_whole: whole,
+            refused,
+        })
+    }
+
+    /// How it is taken out, by record and encoders as they are now; `None`: no tool was left.
+    pub(super) fn way_out_of_left(&mut self) -> Result<Option<WayOut>, Refusal> {
+        let (Some(outside), Some(folder)) = (&mut self.outside, self.kept.folder()) else {
+            return Ok(None);
+        };
+        if outside.left.is_none() {
+            return Ok(None);
+        }
+        let machine = &self.base.machine;
+        if outside.left.as_ref().is_some_and(|left| left.record().is_some()) {
+            // somebody may have turned it meanwhile
+            outside.welcome.observed.feedback = self.executor.machine.feedback();
+            if let Ok(record) = outside.read(folder) {
+                outside.look(record, folder.path(), machine);
+            }
+        }
+        match &outside.left {
+            Some(left) => left.way_out(machine).map(Some).map_err(Refusal::because),
+            None => Err(Refusal::because("the encoders show the tool outside of the work")),
+        }
+    }
+
+    /// A recovery has taken it out.
+    pub(super) fn left_is_out(&mut self) {
+        let Some(outside) = &mut self.outside else { return };
+        // machine and record are told next
+        let left = outside.left.take();
+        if let Some(place) = left.as_ref().and_then(LeftTool::record).map(|record| &record.place) {
+            self.events.notice(format!(
+                "to go on: load {}, and search hole {}: its thread is cut again in the same groove",
+                place.program, place.hole
+            ));
+        }
+        self.take_homed();
+    }
+
+    /// Somebody has seen that no tool is in the work: record and machine forget it.
+    pub(super) fn forget_left(&mut self) -> Result<(), Refusal> {
+        let (Some(outside), Some(folder)) = (&mut self.outside, self.kept.folder()) else {
+            return Ok(());
+        };
+        Slots::discard(StateFolder::of(folder), &recovery::nobody(&outside.identity)).map_err(
+            |why| Refusal::because(format!("the sync record cannot be discarded: {why}")),
+        )?;
+        outside.left = None;
+        Ok(())
+    }
+
+    /// A period is over: machine and record hear that a tool is out, and the operator that the machine is gone.
+    pub(super) fn follow_machine(&mut self) {
+        if self.outside.is_none() {
+            return;
+        }
+        let kernel = &self.executor.kernel;
+        let stands = kernel.is_off() || kernel.is_standing();
+        let is_out = self.under_way.is_none() && !self.is_recovering && stands;
+        let is_out = is_out && !self.is_tap_in_thread();
+        let (now, lost) = (self.now(), self.executor.machine.lost());
+        let Some(outside) = &mut self.outside else { return };
+        if is_out && outside.engagement.is_some() {
+            outside.engagement = None;
+            self.executor.machine.engage(None);
+            outside.is_out = Some(now + TOLD);
+        }
+        if let Some(why) = lost.filter(|_| !outside.has_told_loss) {
+            outside.has_told_loss = true;
+            self.events.notice(format!("the machine simulator is gone: {why}"));
+        }
+        if outside.is_out.is_some_and(|due| now >= due) {
+            outside.is_out = None;
+            self.record_is_out();
+        }
+    }
+
+    /// The record says that the tool is out.
+    fn record_is_out(&mut self) {
+        let (Some(outside), Some(folder)) = (&self.outside, self.kept.folder()) else { return };
+        let Ok((mut slots, found)) = Slots::open(StateFolder::of(folder), &outside.identity) else {
+            return; // it is not to be trusted: a start says so
+        };
+        let in_work = found.record.filter(|record| record.stage.is_in_work());
+        let Some(record) = in_work else { return };
+        if let Err(why) = slots.write(&SyncRecord { stage: Stage::Recovered, ..record }) {
+            self.events.notice(format!(
+                "the tool is out, but the sync record cannot be written: {why}; free the disk"
+            ));
+        }
+    }
+
+    /// What keeps the sync record of a program that begins.
+    pub(super) fn record_writer(
+        &self,
+        session: &Session,
+        (name, text): (&str, &[u8]),
+        restart: Option<&Restart>,
+    ) -> Result<Option<RecordWriter>, Refusal> {
+        let (Some(outside), Some(folder)) = (&self.outside, self.kept.folder()) else {
+            return Ok(None);
+        };
+        let (slots, found) = Slots::open(StateFolder::of(folder), &outside.identity)
+            .map_err(|why| Refusal::because(why.to_string()))?;
+        let checksum = crc32fast::hash(text);
+        let of_this = |record: &SyncRecord| {
+            record.stage == Stage::Recovered && record.place.checksum == checksum
+        };
+        let recovered = found.record.filter(|record| restart.is_some() && of_this(record));
+        let known = (
+            restart.map_or(0, |restart| restart.holes),
+            recovered.map(|record| record.place.hole),
+            outside.welcome.evidence.last,
+        );
+        let program = sync_record::Program { name, text, command: Vec::new() };
+        let top = session.work_zero().linear[2] + session.machine.setup.stock.to[2];
+        let identity = outside.identity.clone();
+        let is_real_time = outside.welcome.real_time || self.options.real_time.is_some();
+        RecordWriter::start(slots, identity, program, &session.tools, is_real_time, known, top)
+            .map(Some)
+            .map_err(|why| Refusal::because(why.to_string()))
+    }
+
+    /// What a program that is over has told the machine of tools in its work.
+    pub(super) fn take_engagement(&mut self, engaged: Option<(u64, Option<Engagement>)>) {
+        if let (Some(outside), Some((number, engagement))) = (&mut self.outside, engaged) {
+            outside.welcome.evidence.last = number;
+            outside.engagement = engagement;
+        }
+    }
+
+    /// The chain of a machine in another process is not within reach: what moves is brought to rest instead, and that is said.
+    pub(super) fn stop_instead(&mut self, pressed: bool) -> Result<Accepted, Refusal> {
+        if !pressed {
+            return Ok(Accepted::default());
+        }
+        let mut accepted = if self.under_way.is_some() { self.give_up() } else { self.stop_jog() }?;
+        accepted.notes.push(
+            "the emergency stop chain of this machine is its own: the control has brought what moves to rest instead"
+                .into(),
+        );
+        Ok(accepted)
+    }
+}

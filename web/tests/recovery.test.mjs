@@ -1,0 +1,89 @@
+// The control is killed with a tap in its thread. The machine lives on; what the next control knows of it, the page shows on the
+// whole screen, and one key takes the tap out.
+import assert from 'node:assert/strict';
+import { execFileSync, spawn } from 'node:child_process';
+import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { browser, open, press, program, ready, Server, until } from './helpers.mjs';
+
+const shots = process.env.SHOTS;
+let folder; let socket; let machine; let server; let on; let page;
+const told = () => JSON.parse(execFileSync(program, ['simulator', '--status', socket], { encoding: 'utf8' }));
+before(async () => {
+  if (shots) mkdirSync(shots, { recursive: true });
+  folder = mkdtempSync(join(tmpdir(), 'leadscrew-machine-'));
+  socket = join(folder, 'machine.socket');
+  machine = spawn(program, ['simulator', '--listen', socket], { stdio: ['ignore', 'pipe', 'pipe'] });
+  await new Promise((listens, ended) => {
+    machine.stdout.once('data', listens);
+    machine.stderr.once('data', listens);
+    machine.once('exit', ended);
+  });
+  server = await Server.start(['--simulator', socket]);
+  on = await browser();
+  page = await open(on, server);
+  await ready(page, server);
+});
+after(async () => {
+  await on?.close();
+  await server?.stop();
+  machine?.kill();
+  if (folder) rmSync(folder, { recursive: true, force: true });
+});
+
+test('killed in a tap, it begins again, says what is known on the whole screen, and one key takes the tap out', { timeout: 180_000 }, async () => {
+  await page.goto(`${server.url}/#program`);
+  await page.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();
+  await press(page, 'Load');
+  await until('it is loaded', async () => (await server.status()).program?.name === 'plate-12xM6.ngc');
+  await press(page, 'Start');
+  await until('a tap is deep in its thread', async () => {
+    const status = await server.status();
+    return status.activity === 'tap-in' && status.axes[2].work < -8;
+  }, 120_000);
+  await server.kill();
+  const stopped = told();
+  assert.equal(stopped.tap_in_thread, true);
+  assert.equal(stopped.tool_in_work, 3);
+
+  await server.again();
+  await page.getByRole('heading', { name: 'A tool stands in its thread' }).waitFor({ timeout: 20_000 });
+  const { left_in_work: left } = await server.status();
+  const text = await page.locator('.recovery').innerText();
+  assert.match(text, new RegExp(`Tool 3, left in hole ${left.hole} of .*plate-12xM6\\.ngc \\(line ${left.line}\\)`));
+  assert.match(text, /µm off its thread, known within [\d.]+ µm/);
+  assert.match(text, /follows it along the thread/);
+  assert.ok(Math.abs(left.off_thread_um - stopped.off_helix_um) <= left.within_um, JSON.stringify({ left, stopped }));
+  // it takes the whole screen, on every page, and nothing else can be asked for but the emergency stop
+  const size = await page.locator('.recovery').boundingBox();
+  assert.ok(size.width > 1100 && size.height > 500, JSON.stringify(size));
+  if (shots) await page.screenshot({ path: join(shots, 'recovery.png') });
+
+  await press(page, 'Take it out along the thread');
+  await until('the tap is out', async () => !(await server.status()).is_tool_in_work, 60_000);
+  await page.getByRole('heading', { name: 'A tool stands in its thread' }).waitFor({ state: 'detached' });
+  await until('the record says so', async () => (await server.get('events?after=0')).events.some((event) => event.text === 'the tool is out of the work'));
+
+  // from its hole on to the end
+  await page.goto(`${server.url}/#machine`);
+  await press(page, 'Home all');
+  await until('all axes are homed', async () => (await server.status()).axes.every((axis) => axis.is_homed), 60_000);
+  await page.goto(`${server.url}/#program`);
+  await page.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();
+  await press(page, 'Load');
+  await until('it is loaded', async () => (await server.status()).program?.name === 'plate-12xM6.ngc');
+  await page.getByLabel('Number').fill(String(left.hole));
+  await press(page, 'Search');
+  await press(page, 'Start');
+  await until('the end', async () => (await server.status()).execution === 'PROGRAM_COMPLETED', 120_000);
+  const features = await server.get('features');
+  assert.equal(features.length, 36 - left.hole + 1);
+  assert.deepEqual(features.filter((feature) => feature.verdict !== 'good'), []);
+  assert.deepEqual(page.faults, []);
+  await server.stop();
+  const last = told();
+  assert.equal(last.tool_broken, false);
+  assert.equal(last.tool_in_work, null);
+});
