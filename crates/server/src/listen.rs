@@ -98,6 +98,7 @@ impl Server {
         let published = Box::new(move || told.send_modify(|count| *count += 1));
         let hosted = Hosted::start(control, HostOptions { pace, published, recording })
             .map_err(|refused| Refused(refused.sentence()))?;
+        recorder.tell(hosted.client());
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(THREADS)
             .max_blocking_threads(THREADS)

@@ -4,6 +4,7 @@ mod common;
 
 use common::Served;
 use serde_json::{Value, json};
+use std::path::Path;
 use std::time::Duration;
 
 /// A spot of 3 mm: short, and judged.
@@ -94,4 +95,66 @@ fn runs_are_chosen_by_program_verdict_and_time_and_the_oldest_give_way() {
         assert_eq!(status, 404, "{wrong}");
     }
     assert_eq!(served.get("/runs?colour=red").0, 400);
+}
+
+/// Sentences that the control has said.
+fn notices(served: &Served) -> Vec<String> {
+    let events = served.get("/events").1;
+    let notices = events["events"].as_array().unwrap().iter();
+    let notices = notices.filter(|event| event["event"] == "notice");
+    notices.map(|notice| notice["text"].as_str().unwrap().to_owned()).collect()
+}
+
+/// The notice with these words, when it comes.
+fn notice(served: &Served, words: [&str; 3]) -> String {
+    for _ in 0..2000 {
+        let mut notices = notices(served).into_iter();
+        if let Some(found) = notices.find(|text| words.iter().all(|word| text.contains(word))) {
+            return found;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("{words:?} is not among {:?}", notices(served));
+}
+
+/// A server whose control is ready and that has the spot as a program.
+fn ready(state: &Path) -> Served {
+    let served = Served::keeping(40.0, state, 9);
+    served.power_on();
+    served.home();
+    assert_eq!(served.put("/programs/spot.ngc", SPOT.as_bytes()).0, 200);
+    served
+}
+
+/// A device that takes nothing stands where the report is to be written: the same error as that of a full disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_for_which_the_disk_has_no_space_is_said_and_the_next_one_is_kept() {
+    let state = tempfile::tempdir().unwrap();
+    let served = ready(state.path());
+    served.accepted(json!({ "request": "load", "program": "spot.ngc" }));
+    served.accepted(json!({ "request": "start" }));
+    let folders = std::fs::read_dir(state.path().join("runs")).unwrap();
+    let folders: Vec<_> = folders.map(|entry| entry.unwrap().path()).collect();
+    let [folder] = &folders[..] else { panic!("one run is being written: {folders:?}") };
+    std::os::unix::fs::symlink("/dev/full", folder.join("report.html")).unwrap();
+    served.until("the end", |status| status["execution"] == "PROGRAM_COMPLETED");
+    let said = notice(&served, ["spot.ngc", "is not kept", "report.html"]);
+    assert!(said.to_lowercase().contains("no space"), "{said}");
+    assert!(!folder.exists(), "what is not whole is gone");
+    served.execute("spot.ngc");
+    assert_eq!(runs(&served, "", 1)[0]["program"], "spot.ngc");
+}
+
+#[test]
+fn a_program_runs_where_the_folder_of_runs_cannot_be_written_and_that_is_said() {
+    let state = tempfile::tempdir().unwrap();
+    let served = ready(state.path());
+    let folder = state.path().join("runs");
+    std::fs::remove_dir(&folder).unwrap();
+    std::fs::write(&folder, "a file in its place").unwrap();
+    served.execute("spot.ngc");
+    notice(&served, ["this run is not recorded", "cannot create the folder", "runs"]);
+    assert_eq!(served.status()["alarms"], json!([]));
+    runs(&served, "", 0);
 }

@@ -120,6 +120,8 @@ pub struct Watch {
     periods: u64,
     breaches: Vec<Breach>,
     count: u64,
+    /// Periods, periods in which something was wrong, and breaches before the program that is under way.
+    before_program: (u64, u64, usize),
 }
 
 impl Watch {
@@ -139,7 +141,24 @@ impl Watch {
             periods: 0,
             breaches: Vec::new(),
             count: 0,
+            before_program: (0, 0, 0),
         }
+    }
+
+    /// Another program begins on the same workpiece: what goes on from before is a breach of it, too.
+    pub fn begin_program(&mut self) {
+        self.before_program = (self.periods, self.count, self.breaches.len());
+        self.open = None;
+    }
+
+    /// What was seen since the last program began.
+    #[must_use]
+    pub fn of_program(mut self) -> Self {
+        let (periods, count, breaches) = std::mem::take(&mut self.before_program);
+        self.periods -= periods;
+        self.count -= count;
+        self.breaches.drain(..breaches);
+        self
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -214,7 +233,7 @@ impl Watch {
             self.count += 1;
         }
         if let Some(what) = found.as_ref().filter(|what| self.open.as_ref() != Some(*what))
-            && self.breaches.len() < MOST
+            && self.breaches.len() - self.before_program.2 < MOST
         {
             let (line, time) = (sample.report.line, sample.feedback.time);
             self.breaches.push(Breach { what: what.clone(), line, time });
@@ -341,6 +360,11 @@ mod tests {
     }
 
     fn breaches_of(order: SpindleOrder, line: u32, rpm: f64, to_mm: f64) -> Vec<String> {
+        let watch = watched(order, line, rpm, to_mm);
+        watch.breaches().iter().map(|breach| breach.what.clone()).collect()
+    }
+
+    fn watched(order: SpindleOrder, line: u32, rpm: f64, to_mm: f64) -> Watch {
         let mut watch = Watch::new(Config::new(canon::ToolLibrary::new([])));
         let op = |kind| Op { kind, span: Span::default() };
         watch.op(0, &op(OpKind::Spindle { spindle: 0, order }));
@@ -362,7 +386,23 @@ mod tests {
             sample.feedback.axes[2].position -= feed * Time::s(1e-3);
             watch.sample(&sample);
         }
-        watch.breaches().iter().map(|breach| breach.what.clone()).collect()
+        watch
+    }
+
+    #[test]
+    fn a_program_has_its_own_breaches_and_none_of_the_program_before_it() {
+        let ordered = SpindleOrder::Turn(Spin::rpm(5000.0));
+        let mut watch = watched(ordered, 0, 3000.0, -20.0);
+        assert_eq!(watch.breaches().len(), 1);
+        let first = watch.clone().of_program();
+        assert_eq!((first.breaches().len(), first.violations()), (1, watch.violations()));
+        watch.begin_program();
+        let good = Sample::default();
+        watch.sample(&good);
+        assert_eq!(watch.breaches().len(), 1, "the work has seen it");
+        let second = watch.of_program();
+        assert_eq!((second.periods(), second.violations()), (1, 0));
+        assert!(second.breaches().is_empty());
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub struct EndedProgram {
     pub session: Session,
     /// What was known of it.
     pub proved: Proved,
-    /// What came of it: features are its own, not those of programs before it.
+    /// What came of it: features and violated safety checks are its own, not those of programs before it.
     pub outcome: Outcome,
     /// What has stopped it.
     pub alarms: Vec<Alarm>,
@@ -37,9 +37,10 @@ pub struct EndedProgram {
 }
 
 impl EndedProgram {
-    /// Without what was cut before its first operation.
+    /// Without what was cut, and seen, before its first operation.
     pub(super) fn alone(mut self, first: u32) -> Self {
         self.outcome.features.retain(|feature| feature.op >= first);
+        self.outcome.watch = self.outcome.watch.of_program();
         let alarm = |fault| Alarm::of(fault, Some(self.name.clone()));
         self.alarms = self.outcome.faults.iter().map(alarm).collect();
         self

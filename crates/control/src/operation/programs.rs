@@ -167,7 +167,8 @@ impl Control {
         };
         let writer = self.record_writer(&session, (&name, &text), restart.as_ref())?;
         let first = self.next_op;
-        let workpiece = self.workpiece.clone();
+        let mut workpiece = self.workpiece.clone();
+        workpiece.watch.begin_program();
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());
         if let Some(writer) = writer {
@@ -287,7 +288,7 @@ impl Control {
                     self.ended = Some(ended.alone(first));
                 }
             }
-            Err(why) => self.events.notice(why.to_string()),
+            Err(why) => self.events.notice(format!("this run is not kept: {why}")),
         }
         let is_stopped_by_alarm = !self.executor.kernel.faults().is_empty();
         if !is_stopped_by_alarm {

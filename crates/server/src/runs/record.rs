@@ -8,9 +8,10 @@ use super::{CERTIFICATE, REPORT, RUN, Runs, TRACE};
 use crate::wire::{AlarmBody, FeatureBody, RunBody, RunDetailBody};
 use control::clock::unix_ms;
 use control::operation::EndedProgram;
-use control::operation::hosted::ProgramRecording;
+use control::operation::hosted::{Client, ProgramRecording};
 use leadscrew::Finished;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 use store::certificate::Verdict;
 use store::output::Folder;
@@ -21,7 +22,11 @@ const MOST_WAITING: usize = 8;
 /// The thread that writes; when it is dropped it has written what it was given.
 pub(crate) struct Recorder {
     thread: Option<JoinHandle<()>>,
+    told: Told,
 }
+
+/// Who is told what the disk has not taken; the control starts after the thread that writes.
+type Told = Arc<OnceLock<Client>>;
 
 impl Recorder {
     /// Start it, if anything is to be kept. `shown` makes of a program's path what clients see of it.
@@ -32,15 +37,22 @@ impl Recorder {
         runs: &Runs,
         shown: impl Fn(&str) -> String + Send + 'static,
     ) -> Result<(Self, Option<ProgramRecording>), String> {
-        let Some(folder) = runs.folder() else { return Ok((Self { thread: None }, None)) };
+        let told = Told::default();
+        let Some(folder) = runs.folder() else { return Ok((Self { thread: None, told }, None)) };
         let (sender, receiver) = sync_channel(MOST_WAITING);
         let own = runs.clone();
         let thread = std::thread::Builder::new().name("runs".into());
-        let thread = thread.spawn(move || write_all(&own, &shown, &receiver));
+        let tells = Arc::clone(&told);
+        let thread = thread.spawn(move || write_all(&own, &shown, &tells, &receiver));
         let thread = thread.map_err(|e| format!("cannot start a thread: {e}"))?;
         let ended = Box::new(move |ended| give(&sender, ended));
         let recording = ProgramRecording { folder: folder.to_owned(), ended };
-        Ok((Self { thread: Some(thread) }, Some(recording)))
+        Ok((Self { thread: Some(thread), told }, Some(recording)))
+    }
+
+    /// From now on this control's clients are told what is not kept, and why.
+    pub(crate) fn tell(&self, client: Client) {
+        let _ = self.told.set(client); // it is told of one control
     }
 }
 
@@ -59,11 +71,21 @@ fn give(sender: &SyncSender<EndedProgram>, ended: EndedProgram) -> Result<(), St
     })
 }
 
-fn write_all(runs: &Runs, shown: &dyn Fn(&str) -> String, ended: &Receiver<EndedProgram>) {
+fn write_all(
+    runs: &Runs,
+    shown: &dyn Fn(&str) -> String,
+    told: &OnceLock<Client>,
+    ended: &Receiver<EndedProgram>,
+) {
     for mut program in ended {
         program.name = shown(&program.name);
+        let name = program.name.clone();
         // the disk is full or gone: the folder vanishes, and the next one is tried
-        let _ = write(program);
+        if let Err(why) = write(program)
+            && let Some(client) = told.get()
+        {
+            client.notice(format!("the run of {name} is not kept: {why}"));
+        }
         runs.make_room();
     }
 }

@@ -26,6 +26,7 @@ pub use refusal::{FindingData, RefusalData, RefusalKind};
 
 use super::control::{Control, ControlOptions};
 use super::ended::EndedProgram;
+use super::event::Event;
 use super::request::{Accepted, Request};
 use super::signals::Signals;
 use crate::Refused;
@@ -35,6 +36,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel}
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use store::machine::MachineFile;
+use units::Time;
 
 /// Requests that wait for the control; one more is refused.
 const MOST_JOBS: usize = 64;
@@ -174,6 +176,12 @@ impl Client {
     /// What has happened after an event, oldest first; how many are no longer kept; the last one that there is.
     pub fn events_after(&self, id: u64) -> (Vec<Journaled>, u64, u64) {
         held(&self.shared.journal).after(id)
+    }
+
+    /// Something that who leads or watches the control should know, said by what works beside it.
+    pub fn notice(&self, text: impl Into<String>) {
+        let time = Time::s(self.latest().status.time_s);
+        held(&self.shared.journal).push(time, Event::Notice(text.into()));
     }
 
     /// Record signals, as long as the answer is kept.
