@@ -17,7 +17,8 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
             TokenRole::Viewer => Role::Viewer,
             TokenRole::Operator => Role::Operator,
         };
-        let made = Tokens::add(file, &args.token_name, role).map_err(Refused::because)?;
+        let made =
+            Tokens::add(file, &args.token_name, role, args.valid_for).map_err(Refused::because)?;
         return say::out(&format!("{}\n", made.token));
     }
     let control = ControlOptions {

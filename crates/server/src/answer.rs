@@ -61,7 +61,7 @@ impl From<RefusalData> for ApiError {
 impl From<Denied> for ApiError {
     fn from(denied: Denied) -> Self {
         let status = match denied {
-            Denied::Unknown => StatusCode::UNAUTHORIZED,
+            Denied::Unknown | Denied::Expired => StatusCode::UNAUTHORIZED,
             Denied::Viewer => StatusCode::FORBIDDEN,
             Denied::Held(_) | Denied::NotHolder => StatusCode::CONFLICT,
             Denied::Full => StatusCode::SERVICE_UNAVAILABLE,

@@ -6,7 +6,8 @@
 //! something, must be the same.
 use crate::answer::ApiError;
 use crate::app::App;
-use crate::rights::Role;
+use crate::rights::{Denied, Role};
+use crate::tokens::{Known, NoToken};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
@@ -99,23 +100,26 @@ fn identify(app: &App, headers: &HeaderMap, address: Option<&str>) -> Result<Who
         app.rights().seen(session, now)?;
         return Ok(Who { session: session.to_owned() });
     }
-    let (name, role) = match &app.tokens {
-        None => (LOCAL.to_owned(), Role::Operator),
+    let Known { name, role, left } = match &app.tokens {
+        None => Known { name: LOCAL.to_owned(), role: Role::Operator, left: None },
         Some(tokens) => {
             let bearer = text(headers, header::AUTHORIZATION.as_str());
             let token = bearer.and_then(|value| value.strip_prefix("Bearer "));
-            tokens.find(token.unwrap_or_default()).ok_or_else(no_token)?
+            tokens.find(token.unwrap_or_default()).map_err(no_token)?
         }
     };
     // its id cannot be one that was drawn: those have no blank
     let session = format!("of {name}");
-    app.rights().open(&session, &name, role, now)?;
+    app.rights().open(&session, &name, (role, left), now)?;
     app.rights().seen(&session, now)?;
     Ok(Who { session })
 }
 
 /// Without a token nothing is told.
-pub(crate) fn no_token() -> ApiError {
+pub(crate) fn no_token(why: NoToken) -> ApiError {
+    if why == NoToken::Expired {
+        return Denied::Expired.into();
+    }
     ApiError::new(StatusCode::UNAUTHORIZED, "a token is needed, and this is none")
         .with_remedy("send it as Authorization: Bearer, or open a session with it")
 }

@@ -9,6 +9,8 @@
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::folder::LARGEST_PROGRAM;
+use crate::guard::Who;
+use axum::Extension;
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -33,11 +35,14 @@ const SENT: Duration = Duration::from_secs(10);
 const TAKEN: Duration = Duration::from_secs(30);
 /// Room in the queue is looked for so often.
 const LOOK: Duration = Duration::from_millis(5);
+/// Whether a token is over is looked at so often.
+const EXPIRY: Duration = Duration::from_secs(1);
 /// How programs are named.
 const SCHEME: &str = "program:/";
 
 pub(crate) async fn open(
     State(app): State<Arc<App>>,
+    Extension(who): Extension<Who>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
     let Ok(upgrade) = upgrade else {
@@ -50,8 +55,11 @@ pub(crate) async fn open(
     };
     let upgrade = upgrade.max_message_size(LARGEST_MESSAGE).max_frame_size(LARGEST_MESSAGE);
     upgrade.on_upgrade(move |socket| async move {
-        if let Some((to_server, from_server)) = start(app) {
-            talk(socket, &to_server, from_server).await;
+        if let Some((to_server, from_server)) = start(Arc::clone(&app)) {
+            tokio::select! {
+                () = talk(socket, &to_server, from_server) => {}
+                () = expired(&app, &who) => {}
+            }
         }
         drop(permit);
     })
@@ -82,6 +90,13 @@ fn write(from_server: &Receiver<lsp_server::Message>, frames: &mpsc::Sender<Stri
         if frames.blocking_send(value.to_string()).is_err() {
             return;
         }
+    }
+}
+
+/// Until the token of a session is over.
+async fn expired(app: &App, who: &Who) {
+    while !app.rights().has_expired(&who.session, control::clock::now()) {
+        tokio::time::sleep(EXPIRY).await;
     }
 }
 

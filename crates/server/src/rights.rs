@@ -21,6 +21,10 @@ const FORGOTTEN: Duration = Duration::from_hours(1);
 /// Longest name of a session.
 const LONGEST_NAME: usize = 40;
 
+/// What helps where a token has expired.
+pub(crate) const NEW_TOKEN: &str =
+    "make another one with leadscrew serve --new-token FILE, and start the server again";
+
 /// What a session may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
@@ -45,6 +49,8 @@ impl Role {
 pub(crate) enum Denied {
     /// The session or the token is not known.
     Unknown,
+    /// The token that the session was opened with is over.
+    Expired,
     /// The role does not allow it.
     Viewer,
     /// Another session commands.
@@ -61,6 +67,7 @@ impl core::fmt::Display for Denied {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Unknown => f.write_str("the session is not known"),
+            Self::Expired => f.write_str("the token has expired"),
             Self::Viewer => f.write_str("a viewer may not command the machine"),
             Self::Held(name) => write!(f, "{name} commands the machine"),
             Self::NotHolder => f.write_str("this session does not command the machine"),
@@ -75,6 +82,7 @@ impl Denied {
     pub(crate) const fn remedy(&self) -> Option<&'static str> {
         match self {
             Self::Unknown => Some("open a session with POST /api/v1/session"),
+            Self::Expired => Some(NEW_TOKEN),
             Self::Held(_) => Some("ask for the right to command"),
             _ => None,
         }
@@ -87,6 +95,14 @@ struct Session {
     role: Role,
     sockets: usize,
     seen: Instant,
+    /// Its token is over then; `None`: never, or there is none.
+    until: Option<Instant>,
+}
+
+impl Session {
+    fn has_expired(&self, now: Instant) -> bool {
+        self.until.is_some_and(|until| now >= until)
+    }
 }
 
 /// Sessions, and the right to command.
@@ -98,7 +114,7 @@ pub(crate) struct Rights {
 }
 
 impl Rights {
-    /// A new session with this id.
+    /// A new session with this id; `left`: its token lasts so long.
     ///
     /// # Errors
     /// There are too many, or its name is none.
@@ -106,7 +122,7 @@ impl Rights {
         &mut self,
         id: &str,
         name: &str,
-        role: Role,
+        (role, left): (Role, Option<Duration>),
         now: Instant,
     ) -> Result<(), Denied> {
         let name = name.trim();
@@ -125,7 +141,8 @@ impl Rights {
             let oldest = oldest.min_by_key(|(_, session)| session.seen).map(|(key, _)| key.clone());
             self.sessions.remove(&oldest.ok_or(Denied::Full)?);
         }
-        let session = Session { name: name.to_owned(), role, sockets: 0, seen: now };
+        let until = left.and_then(|left| now.checked_add(left));
+        let session = Session { name: name.to_owned(), role, sockets: 0, seen: now, until };
         self.sessions.entry(id.to_owned()).or_insert(session);
         Ok(())
     }
@@ -136,8 +153,16 @@ impl Rights {
     /// It is not known.
     pub(crate) fn seen(&mut self, id: &str, now: Instant) -> Result<(String, Role), Denied> {
         let session = self.sessions.get_mut(id).ok_or(Denied::Unknown)?;
+        if session.has_expired(now) {
+            return Err(Denied::Expired);
+        }
         session.seen = now;
         Ok((session.name.clone(), session.role))
+    }
+
+    /// Its token is over.
+    pub(crate) fn has_expired(&self, id: &str, now: Instant) -> bool {
+        self.sessions.get(id).is_some_and(|session| session.has_expired(now))
     }
 
     /// A socket of it is opened (true) or gone.
@@ -153,7 +178,9 @@ impl Rights {
     fn settle(&mut self, now: Instant) {
         let is_gone = |id: &String| {
             let session = self.sessions.get(id);
-            session.is_none_or(|s| s.sockets == 0 && now - s.seen >= HANDS_OVER)
+            session.is_none_or(|s| {
+                s.has_expired(now) || (s.sockets == 0 && now - s.seen >= HANDS_OVER)
+            })
         };
         if self.asked.as_ref().is_some_and(|(id, _)| is_gone(id)) {
             self.asked = None;
@@ -261,7 +288,7 @@ mod tests {
     fn of_two(now: Instant) -> Rights {
         let mut rights = Rights::default();
         for id in ["a", "b"] {
-            rights.open(id, &format!("desk {id}"), Role::Operator, now).expect("room");
+            rights.open(id, &format!("desk {id}"), (Role::Operator, None), now).expect("room");
             rights.socket(id, true, now);
         }
         rights
@@ -275,6 +302,22 @@ mod tests {
         assert_eq!(rights.may_command("b", false, now), Err(Denied::Held("desk a".into())));
         assert_eq!(rights.may_command("b", true, now), Ok(()));
         assert!(rights.commands("a", now), "a stop by another one takes nothing away");
+    }
+
+    #[test]
+    fn a_session_ends_with_its_token_and_gives_the_right_back() {
+        let now = control::clock::now();
+        let mut rights = of_two(now);
+        let minute = Duration::from_mins(1);
+        rights.open("t", "tablet", (Role::Operator, Some(minute)), now).expect("room");
+        rights.socket("t", true, now);
+        assert_eq!(rights.may_command("t", false, now), Ok(()));
+        assert!(!rights.has_expired("t", now));
+        let over = now + minute;
+        assert!(rights.has_expired("t", over));
+        assert_eq!(rights.may_command("t", false, over), Err(Denied::Expired));
+        assert_eq!(rights.may_command("t", true, over), Err(Denied::Expired));
+        assert_eq!(rights.may_command("a", false, over), Ok(()), "the right is free");
     }
 
     #[test]
@@ -310,7 +353,7 @@ mod tests {
     fn a_viewer_commands_nothing_not_even_a_stop() {
         let now = control::clock::now();
         let mut rights = Rights::default();
-        rights.open("v", "wall", Role::Viewer, now).expect("room");
+        rights.open("v", "wall", (Role::Viewer, None), now).expect("room");
         assert_eq!(rights.may_command("v", true, now), Err(Denied::Viewer));
         assert_eq!(rights.order("v", OperatorOrder::Ask {}, now), Err(Denied::Viewer));
     }

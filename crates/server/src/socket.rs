@@ -109,6 +109,9 @@ impl Talk {
                 },
                 changed = pictures.changed() => {
                     changed.map_err(|_| Gone)?; // the control has ended
+                    if self.app.rights().has_expired(&self.who.session, now()) {
+                        return Err(Gone);
+                    }
                     self.tell_all().await?;
                 }
             }

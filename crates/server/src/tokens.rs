@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::io::Write as _;
 use std::path::Path;
+use std::time::Duration;
 
 /// Largest file.
 const LARGEST: u64 = 64 << 10;
@@ -22,6 +23,42 @@ struct Token {
     name: String,
     role: String,
     sha256: String,
+    /// Seconds since 1970 at which it ends; one of a file from before ends never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    valid_until_unix_s: Option<u64>,
+}
+
+impl Token {
+    /// So long from now on; `None`: for ever.
+    fn left(&self, unix_s: u64) -> Option<Duration> {
+        self.valid_until_unix_s.map(|until| Duration::from_secs(until.saturating_sub(unix_s)))
+    }
+
+    fn has_expired(&self, unix_s: u64) -> bool {
+        self.left(unix_s).is_some_and(|left| left.is_zero())
+    }
+}
+
+/// What a token says of who sends it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Known {
+    pub(crate) name: String,
+    pub(crate) role: Role,
+    /// It ends after so long; `None`: never.
+    pub(crate) left: Option<Duration>,
+}
+
+/// Why a token allows nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoToken {
+    /// There is none, or it is not known.
+    Unknown,
+    /// Its time is over.
+    Expired,
+}
+
+fn unix_s() -> u64 {
+    control::clock::unix_ms() / 1000
 }
 
 #[derive(Default, Serialize, Deserialize)]
@@ -71,12 +108,19 @@ impl Tokens {
         Ok(Self { tokens: file.token })
     }
 
-    /// Add a token to a file, which is made if it is not there.
+    /// Add a token to a file, which is made if it is not there; one of that name that has expired gives way.
     ///
     /// # Errors
     /// The file is none, or cannot be written.
-    pub fn add(path: &Path, name: &str, role: Role) -> Result<NewToken, String> {
+    pub fn add(
+        path: &Path,
+        name: &str,
+        role: Role,
+        valid_for: Duration,
+    ) -> Result<NewToken, String> {
+        let now = unix_s();
         let mut file = if path.exists() { read(path)? } else { File::default() };
+        file.token.retain(|token| token.name != name || !token.has_expired(now));
         if file.token.iter().any(|token| token.name == name) {
             return Err(format!("{} has a token named \"{name}\" already", path.display()));
         }
@@ -85,6 +129,7 @@ impl Tokens {
             name: name.to_owned(),
             role: role.name().to_owned(),
             sha256: hash(&token),
+            valid_until_unix_s: Some(now.saturating_add(valid_for.as_secs())),
         });
         let text = toml::to_string(&file).map_err(|e| e.to_string())?;
         write(path, &text).map_err(|e| format!("cannot write {}: {e}", path.display()))?;
@@ -92,10 +137,18 @@ impl Tokens {
     }
 
     /// Whose token it is, and what it allows.
-    pub(crate) fn find(&self, token: &str) -> Option<(String, Role)> {
-        let sought = hash(token);
-        let found = self.tokens.iter().find(|known| known.sha256 == sought)?;
-        Some((found.name.clone(), role_of(&found.role)?))
+    ///
+    /// # Errors
+    /// It is not known, or its time is over.
+    pub(crate) fn find(&self, token: &str) -> Result<Known, NoToken> {
+        let (sought, now) = (hash(token), unix_s());
+        let found = self.tokens.iter().find(|known| known.sha256 == sought);
+        let found = found.ok_or(NoToken::Unknown)?;
+        if found.has_expired(now) {
+            return Err(NoToken::Expired);
+        }
+        let role = role_of(&found.role).ok_or(NoToken::Unknown)?;
+        Ok(Known { name: found.name.clone(), role, left: found.left(now) })
     }
 }
 
@@ -135,16 +188,36 @@ mod tests {
     fn a_token_is_found_by_itself_alone_and_stands_in_no_file() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("tokens.toml");
-        let first = Tokens::add(&path, "desk-1", Role::Operator).expect("made");
-        let second = Tokens::add(&path, "wall", Role::Viewer).expect("made");
-        assert!(Tokens::add(&path, "wall", Role::Viewer).is_err(), "a name is one token's");
+        let day = Duration::from_hours(24);
+        let first = Tokens::add(&path, "desk-1", Role::Operator, day).expect("made");
+        let second = Tokens::add(&path, "wall", Role::Viewer, day).expect("made");
+        assert!(Tokens::add(&path, "wall", Role::Viewer, day).is_err(), "a name is one token's");
         let text = std::fs::read_to_string(&path).expect("read");
         assert!(!text.contains(&first.token) && !text.contains(&second.token));
         let tokens = Tokens::read(&path).expect("read");
-        assert_eq!(tokens.find(&first.token), Some(("desk-1".into(), Role::Operator)));
-        assert_eq!(tokens.find(&second.token), Some(("wall".into(), Role::Viewer)));
+        let found = |token: &str| tokens.find(token).map(|known| (known.name, known.role));
+        assert_eq!(found(&first.token), Ok(("desk-1".into(), Role::Operator)));
+        assert_eq!(found(&second.token), Ok(("wall".into(), Role::Viewer)));
         for none in ["", "x", &first.token[1..]] {
-            assert_eq!(tokens.find(none), None);
+            assert_eq!(found(none), Err(NoToken::Unknown));
         }
+    }
+
+    #[test]
+    fn a_token_ends_and_its_name_is_free_then_and_one_without_an_end_stays() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("tokens.toml");
+        let ended = Tokens::add(&path, "wall", Role::Viewer, Duration::ZERO).expect("made");
+        let find = |token: &NewToken| Tokens::read(&path).expect("read").find(&token.token);
+        assert_eq!(find(&ended), Err(NoToken::Expired));
+        let hour = Duration::from_hours(1);
+        let next = Tokens::add(&path, "wall", Role::Viewer, hour).expect("the name is free");
+        let left = find(&next).expect("it is valid").left.expect("it ends");
+        assert!(left <= hour && left > Duration::from_mins(30), "{left:?}");
+        assert_eq!(find(&ended), Err(NoToken::Unknown));
+        let text = std::fs::read_to_string(&path).expect("read");
+        let kept = text.lines().filter(|line| !line.starts_with("valid_until"));
+        std::fs::write(&path, kept.collect::<Vec<_>>().join("\n")).expect("written");
+        assert_eq!(find(&next).expect("as files from before are read").left, None);
     }
 }

@@ -6,6 +6,8 @@ use common::{Served, machine};
 use serde_json::json;
 use std::time::Duration;
 
+const DAY: Duration = Duration::from_hours(24);
+
 #[test]
 fn a_morning_in_the_shop_is_led_by_requests() {
     let served = Served::at_pace(40.0);
@@ -239,8 +241,8 @@ fn a_page_from_elsewhere_and_a_server_of_another_name_are_refused() {
 fn with_a_file_of_tokens_only_who_has_one_is_answered_and_a_viewer_commands_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("tokens.toml");
-    let desk = server::Tokens::add(&path, "desk-1", server::Role::Operator).unwrap();
-    let wall = server::Tokens::add(&path, "wall", server::Role::Viewer).unwrap();
+    let desk = server::Tokens::add(&path, "desk-1", server::Role::Operator, DAY).unwrap();
+    let wall = server::Tokens::add(&path, "wall", server::Role::Viewer, DAY).unwrap();
     let served = Served::with(1.0, Some(path));
     assert_eq!(served.get("/status").0, 401);
     let bearer = |token: &str| format!("Bearer {token}");

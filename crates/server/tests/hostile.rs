@@ -4,6 +4,7 @@ mod common;
 
 use common::{Served, machine};
 use serde_json::json;
+use server::{Role, Tokens};
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::time::Duration;
@@ -166,4 +167,78 @@ fn a_client_that_does_not_read_holds_up_nobody() {
     for _ in 0..50 {
         other.next("delta");
     }
+}
+
+/// What a token allows ends with it, in the middle of whatever its owner does.
+#[test]
+fn who_has_a_token_that_has_expired_is_told_so_and_moves_nothing() {
+    const VALID: Duration = Duration::from_secs(15);
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("tokens.toml");
+    let made = Tokens::add(&path, "desk", Role::Operator, VALID).unwrap();
+    let stays = Tokens::add(&path, "wall", Role::Viewer, VALID * 1000).unwrap();
+    let served = Served::with(1.0, Some(path));
+    let (status, opened) = served.post("/session", &json!({ "name": "desk", "token": made.token }));
+    assert_eq!(status, 200, "{opened}");
+    let session = opened["session"].as_str().unwrap();
+    let power = br#"{"request":"power","on":true}"#;
+    let own = [("x-leadscrew-session", session)];
+    assert_eq!(served.post_with("/request", power, &own).0, 200);
+    let mut sockets =
+        ["/ws", "/lsp"].map(|at| served.socket_at(at, &format!("?session={session}")));
+    sockets[0].next("status");
+    // both are closed when it is over, though nothing is asked
+    for socket in &mut sockets {
+        while socket.socket.read().is_ok() {}
+    }
+    let bearer = format!("Bearer {}", made.token);
+    let jog = br#"{"request":"jog_continuous","axis":"X","mm_per_min":600}"#;
+    let wall = format!("Bearer {}", stays.token);
+    let seen = || served.get_with("/status", &[("authorization", &wall)]).1;
+    let before = machine(&seen(), "X");
+    for header in [own[0], ("authorization", bearer.as_str())] {
+        let (status, answer) = served.post_with("/request", jog, &[header]);
+        assert_eq!((status, &answer["reason"]), (401, &json!("the token has expired")), "{answer}");
+        assert!(answer["remedy"].as_str().unwrap().contains("--new-token"), "{answer}");
+    }
+    let again = json!({ "name": "desk", "token": made.token });
+    let (status, answer) = served.post("/session", &again);
+    assert_eq!((status, &answer["reason"]), (401, &json!("the token has expired")), "{answer}");
+    std::thread::sleep(Duration::from_millis(100));
+    assert_eq!(machine(&seen(), "X"), before);
+}
+
+/// A jog is renewed by who holds its lease alone: what was sent before, and is sent again by another one, moves nothing.
+#[test]
+fn a_jog_that_is_replayed_by_a_session_that_does_not_command_moves_nothing() {
+    let served = Served::at_pace(1.0);
+    let open = |name: &str| {
+        let (status, opened) = served.post("/session", &json!({ "name": name }));
+        assert_eq!(status, 200, "{opened}");
+        opened["session"].as_str().unwrap().to_owned()
+    };
+    let (desk, other) = (open("desk"), open("other"));
+    let _holds = served.socket(&format!("?session={desk}"));
+    let post = |session: &str, body: &[u8]| {
+        served.post_with("/request", body, &[("x-leadscrew-session", session)]).0
+    };
+    assert_eq!(post(&desk, br#"{"request":"power","on":true}"#), 200);
+    served.until("ready", |status| status["is_ready"] == true);
+    let jog = br#"{"request":"jog_continuous","axis":"X","mm_per_min":300}"#;
+    let start = machine(&served.status(), "X");
+    assert_eq!(post(&desk, jog), 200);
+    served.until("it moves", |status| (machine(status, "X") - start).abs() > 0.1);
+    // the lease is not renewed by its owner any more: the others' renewals are refused, and the axis stops
+    let stop = served.until("it rests", |status| {
+        assert_eq!(post(&other, jog), 409);
+        assert_eq!(post("0123456789abcdef0123456789abcdef", jog), 401);
+        let at = machine(status, "X");
+        std::thread::sleep(Duration::from_millis(100));
+        machine(&served.status(), "X") == at && (at - start).abs() > 0.1
+    });
+    let rests = machine(&stop, "X");
+    for _ in 0..20 {
+        assert_eq!(post(&other, jog), 409);
+    }
+    assert_eq!(machine(&served.status(), "X"), rests);
 }

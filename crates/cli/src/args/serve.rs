@@ -3,6 +3,7 @@ use super::ProgramArgs;
 use clap::{Args, ValueEnum};
 use std::net::IpAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// `leadscrew serve`.
 #[derive(Args, Debug, Clone)]
@@ -64,6 +65,32 @@ pub(crate) struct ServeArgs {
     /// What the token that is made allows
     #[arg(long, value_enum, requires = "new_token", default_value_t = TokenRole::Operator)]
     pub(crate) token_role: TokenRole,
+    /// How long the token that is made is valid: a number with s, h, d or w, at most 520w
+    #[arg(long, value_name = "TIME", requires = "new_token", default_value = "30d", value_parser = valid_for)]
+    pub(crate) valid_for: Duration,
+}
+
+/// Longest time of a token, about ten years.
+const LONGEST_VALID: Duration = Duration::from_hours(520 * 7 * 24);
+
+/// A time as it is typed.
+fn valid_for(text: &str) -> Result<Duration, String> {
+    let wrong = || {
+        format!(
+            "\"{text}\" is no time: expected a number from 1 with s, h, d or w, at most 520w, as in 30d"
+        )
+    };
+    let unit = text.chars().last().ok_or_else(wrong)?;
+    let seconds = match unit {
+        's' => 1,
+        'h' => 3600,
+        'd' => 24 * 3600,
+        'w' => 7 * 24 * 3600,
+        _ => return Err(wrong()),
+    };
+    let count: u64 = text[..text.len() - unit.len_utf8()].parse().map_err(|_| wrong())?;
+    let time = Duration::from_secs(count.saturating_mul(seconds));
+    if time.is_zero() || time > LONGEST_VALID { Err(wrong()) } else { Ok(time) }
 }
 
 /// What a token allows.
@@ -73,4 +100,21 @@ pub(crate) enum TokenRole {
     Viewer,
     /// To see and to command
     Operator,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_of_a_token_has_a_unit_and_a_limit() {
+        assert_eq!(valid_for("30d"), Ok(Duration::from_hours(30 * 24)));
+        assert_eq!(valid_for("8h"), Ok(Duration::from_hours(8)));
+        assert_eq!(valid_for("520w"), Ok(LONGEST_VALID));
+        for wrong in
+            ["", "d", "30", "0d", "-1d", "521w", "30dd", "99999999999999999999w", "1\u{e9}"]
+        {
+            assert!(valid_for(wrong).is_err_and(|why| why.contains("30d")), "{wrong}");
+        }
+    }
 }

@@ -15,14 +15,17 @@ use std::sync::Arc;
 
 pub(super) async fn open(State(app): State<Arc<App>>, body: Body) -> Result<Response, ApiError> {
     let SessionOrder { name, token } = object(body).await?;
-    let role = match &app.tokens {
-        None => Role::Operator,
-        Some(tokens) => tokens.find(token.as_deref().unwrap_or_default()).ok_or_else(no_token)?.1,
+    let (role, left) = match &app.tokens {
+        None => (Role::Operator, None),
+        Some(tokens) => {
+            let known = tokens.find(token.as_deref().unwrap_or_default()).map_err(no_token)?;
+            (known.role, known.left)
+        }
     };
     let session =
         random::<16>().map_err(|why| ApiError::new(StatusCode::INTERNAL_SERVER_ERROR, why))?;
     let mut rights = app.rights();
-    rights.open(&session, &name, role, now())?;
+    rights.open(&session, &name, (role, left), now())?;
     let commands = rights.commands(&session, now());
     let name = name.trim().to_owned();
     Ok(json(&SessionBody { session, name, role: role.name(), commands }))
