@@ -22,11 +22,11 @@ const MOST_WAITING: usize = 8;
 /// The thread that writes; when it is dropped it has written what it was given.
 pub(crate) struct Recorder {
     thread: Option<JoinHandle<()>>,
-    told: Told,
+    told: ToldClient,
 }
 
 /// Who is told what the disk has not taken; the control starts after the thread that writes.
-type Told = Arc<OnceLock<Client>>;
+type ToldClient = Arc<OnceLock<Client>>;
 
 impl Recorder {
     /// Start it, if anything is to be kept. `shown` makes of a program's path what clients see of it.
@@ -37,7 +37,7 @@ impl Recorder {
         runs: &Runs,
         shown: impl Fn(&str) -> String + Send + 'static,
     ) -> Result<(Self, Option<ProgramRecording>), String> {
-        let told = Told::default();
+        let told = ToldClient::default();
         let Some(folder) = runs.folder() else { return Ok((Self { thread: None, told }, None)) };
         let (sender, receiver) = sync_channel(MOST_WAITING);
         let own = runs.clone();

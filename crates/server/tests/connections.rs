@@ -1,0 +1,48 @@
+//! Many connections at once, in a process of its own, so that its memory is that of this server and its clients.
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used)] // a test may panic
+mod common;
+
+use common::Served;
+use serde_json::json;
+use std::io::Write as _;
+use std::net::TcpStream;
+
+/// Memory that this process has in use, bytes.
+fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() << 10
+}
+
+/// The client's ends are in this process, too; none of them costs it more than a few kB.
+#[test]
+fn a_thousand_connections_at_once_leave_the_operator_his_status_and_take_little_memory() {
+    const MOST_GROWTH: u64 = 64 << 20;
+    let served = Served::at_pace(1.0);
+    let mut operator = served.socket("");
+    operator.next("status");
+    let before = resident();
+    let open: Vec<TcpStream> = (0..1000)
+        .filter_map(|_| {
+            let mut stream = TcpStream::connect(served.server.address()).ok()?;
+            // one that is refused may be closed already
+            let _ = stream.write_all(b"GET /api/v1/status HTTP/1.1\r\nHost: ");
+            Some(stream)
+        })
+        .collect();
+    assert!(open.len() > 500, "{} were opened", open.len());
+    let mut seq = operator.next("delta")["seq"].as_u64().unwrap();
+    for _ in 0..100 {
+        let next = operator.next("delta")["seq"].as_u64().unwrap();
+        assert_eq!(next, seq + 1, "none is missing");
+        seq = next;
+    }
+    operator.send(
+        &json!({ "type": "request", "id": 7, "request": { "request": "power", "on": true } }),
+    );
+    assert_eq!(operator.next("answer")["accepted"], true);
+    let grown = resident().saturating_sub(before);
+    assert!(grown < MOST_GROWTH, "{} connections took {grown} bytes", open.len());
+    drop(open);
+}
