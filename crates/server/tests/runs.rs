@@ -21,7 +21,10 @@ fn runs(served: &Served, query: &str, count: usize) -> Vec<Value> {
         }
         std::thread::sleep(Duration::from_millis(10));
     }
-    panic!("there are not {count} runs: {}", served.get("/runs").1);
+    let list = served.get("/runs").1;
+    let listed = list["runs"].as_array().unwrap().iter();
+    let details = listed.map(|run| served.get(&format!("/runs/{}", run["id"].as_str().unwrap())).1);
+    panic!("there are not {count} runs: {:?}", details.collect::<Vec<_>>());
 }
 
 #[test]
@@ -85,8 +88,11 @@ fn runs_are_chosen_by_program_verdict_and_time_and_the_oldest_give_way() {
     assert_eq!(names(&all), ["c.ngc", "b.ngc"], "the latest first");
     assert_eq!(all[0]["program_sha256"], all[1]["program_sha256"]);
     assert_eq!(names(&runs(&served, "?program=B.", 1)), ["b.ngc"]);
-    assert_eq!(runs(&served, &format!("?verdict={}", all[0]["verdict"].as_str().unwrap()), 2), all);
-    runs(&served, "?verdict=failed", 0);
+    // where a spot is cut again hardly anything resists the tool: its verdict is either of two
+    for verdict in ["good", "failed", "not_judged"] {
+        let so: Vec<_> = all.iter().filter(|run| run["verdict"] == verdict).cloned().collect();
+        assert_eq!(runs(&served, &format!("?verdict={verdict}"), so.len()), so);
+    }
     let ended = all[0]["ended_unix_ms"].as_u64().unwrap();
     assert_eq!(names(&runs(&served, &format!("?from_unix_ms={ended}"), 1)), ["c.ngc"]);
     assert_eq!(names(&runs(&served, &format!("?to_unix_ms={ended}"), 1)), ["b.ngc"]);
