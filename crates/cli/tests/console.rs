@@ -143,3 +143,26 @@ fn hold_in_a_tap_retract_and_the_remaining_program_leave_good_threads() {
     assert!(out.contains("locked by a synchronised cut"), "{out}");
     assert!(out.contains("STOPPED"), "{out}");
 }
+
+#[test]
+fn the_position_of_the_last_program_counts_what_this_run_has_cut_and_not_the_runs_before() {
+    let home = tempfile::tempdir().unwrap();
+    let part = home.path().join("part.ngc");
+    std::fs::write(
+        &part,
+        "G21 G90 G54\nT1 M6\nG43 H1\nS1000 M3\nG81 X0 Y0 Z-1 R5 F100\nG80\nG0 Z50\nM2\n",
+    )
+    .unwrap();
+    let state = home.path().join("state");
+    let run = "start\nwait completed within 60 s\n";
+    let script = format!("{MORNING}load {}\n{run}{run}", part.display());
+    let (_, errors, code) = said(&led(&["--state", state.to_str().unwrap()], &script));
+    assert_eq!(code, 0, "{errors}");
+    let kept = std::fs::read_to_string(state.join("program.toml")).unwrap();
+    let number = |name: &str| -> u32 {
+        let line = kept.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(" = "));
+        line.unwrap().parse().unwrap()
+    };
+    assert_eq!(number("feature"), 1, "{kept}");
+    assert!((1..20).contains(&number("operation")), "{kept}");
+}

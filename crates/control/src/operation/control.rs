@@ -446,7 +446,8 @@ impl Control {
                 self.events.push(Event::Feature(super::status::said_of(feature)));
             }
             self.told_features = judged;
-            self.note_progress(judged as u32, false);
+            let (first, cut) = (under_way.first, under_way.running.judged_so_far().to_vec());
+            self.note_progress(first, &cut, false);
             if let Err(why) = self.keep_program() {
                 self.events.notice(why.to_string());
             }

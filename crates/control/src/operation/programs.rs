@@ -28,6 +28,7 @@ use std::sync::Arc;
 use store::output::Folder;
 use store::state::LastProgram;
 use units::{Coordinate, Time};
+use verify::Feature;
 
 /// Findings of a program that is accepted which are said.
 const MOST_NOTES: usize = 20;
@@ -198,12 +199,14 @@ impl Control {
         Ok(())
     }
 
-    /// How far the program that is loaded has come.
-    pub(super) fn note_progress(&mut self, features: u32, is_completed: bool) {
+    /// How far the program that is loaded has come: its operations count from `first`, and what was cut before that is
+    /// another program's, or an earlier run's.
+    pub(super) fn note_progress(&mut self, first: u32, cut: &[Feature], is_completed: bool) {
         let report = self.executor.kernel.report();
         if let Some(last) = &mut self.last_program {
-            (last.line, last.operation) = (report.line, report.op);
-            (last.feature, last.is_completed) = (features, is_completed);
+            (last.line, last.operation) = (report.line, report.op.saturating_sub(first));
+            last.feature = cut.iter().filter(|feature| feature.op >= first).count() as u32;
+            last.is_completed = is_completed;
         }
     }
 
@@ -259,8 +262,8 @@ impl Control {
         take_left(self, left.unwrap_or_else(|| under_way.proved.operations.left().clone()));
         use_up(&mut self.data.tools, &ended.take_tool_use());
         if !is_typed {
-            let features = self.workpiece.judge.features().len();
-            self.note_progress(features as u32, has_ended);
+            let cut = self.workpiece.judge.features().to_vec();
+            self.note_progress(under_way.first, &cut, has_ended);
         }
         self.keep_all();
         if !has_ended {

@@ -51,9 +51,9 @@ pub struct LastProgram {
     pub sha256: String,
     /// Line of the block that was being executed.
     pub line: u32,
-    /// Index of that operation.
+    /// Index of that operation in the program.
     pub operation: u32,
-    /// Holes and threads that were begun.
+    /// Its holes and threads that were begun in its last run.
     pub feature: u32,
     /// It had come to its end.
     pub is_completed: bool,
