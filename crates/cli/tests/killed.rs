@@ -52,10 +52,11 @@ fn killed_after(life: Duration, folder: &Path, from: Count) -> Count {
     let mut stdin = control.stdin.take().unwrap();
     let told = script(from);
     // a control that is dead takes no more of it
-    let teller = std::thread::spawn(move || drop(stdin.write_all(told.as_bytes())));
+    let thread = std::thread::Builder::new;
+    let teller = thread().spawn(move || drop(stdin.write_all(told.as_bytes()))).unwrap();
     let said = BufReader::new(control.stdout.take().unwrap());
-    let listener =
-        std::thread::spawn(move || said.lines().map_while(Result::ok).collect::<Vec<_>>());
+    let listen = move || said.lines().map_while(Result::ok).collect::<Vec<_>>();
+    let listener = thread().spawn(listen).unwrap();
     std::thread::sleep(life);
     control.kill().unwrap();
     control.wait().unwrap();

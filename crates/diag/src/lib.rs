@@ -5,6 +5,7 @@
 //! once, as carets, JSON or SARIF, without the finder knowing which.
 #![no_std]
 extern crate alloc;
+use alloc::boxed::Box;
 use alloc::{string::String, vec::Vec};
 
 /// A stretch of source text. Lines count from 1; offsets are bytes from the start of the file.
@@ -48,6 +49,29 @@ pub struct Label {
     pub text: String,
 }
 
+/// A word of a block, with the number that works.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RemedyWord {
+    /// Its letter.
+    pub letter: char,
+    /// The number that works, as the program writes it.
+    pub number: String,
+    /// The number that does not: only a word that says it is meant. `None`: the word stays in force, so that it may stand in a
+    /// block before, and be written into this one.
+    pub instead_of: Option<String>,
+    /// The code that is in force where this word is meant, such as `G94`; empty: any.
+    pub with: &'static str,
+}
+
+/// What a finding says of the number that works, for a program that writes it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remedy {
+    /// The block that is changed.
+    pub span: Span,
+    /// Its words that change together.
+    pub words: Vec<RemedyWord>,
+}
+
 /// One finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -63,6 +87,8 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// Why it matters and what to do, when the message alone does not say so.
     pub help: Option<String>,
+    /// The words that make it go, where that is known.
+    pub remedy: Option<Box<Remedy>>,
 }
 
 impl Diagnostic {
@@ -82,7 +108,7 @@ impl Diagnostic {
     }
 
     fn new(severity: Severity, code: &'static str, span: Span, message: String) -> Self {
-        Self { code, severity, message, span, labels: Vec::new(), help: None }
+        Self { code, severity, message, span, labels: Vec::new(), help: None, remedy: None }
     }
 
     /// The same finding, with what to do about it.
@@ -96,6 +122,13 @@ impl Diagnostic {
     #[must_use]
     pub fn with_label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into() });
+        self
+    }
+
+    /// The same finding, with the words that make it go, written into the block that it is about.
+    #[must_use]
+    pub fn with_remedy(mut self, words: Vec<RemedyWord>) -> Self {
+        self.remedy = Some(Box::new(Remedy { span: self.span, words }));
         self
     }
 

@@ -1,7 +1,7 @@
 //! What an editor's programs meet: the machine, the tools and the files beside them, for the language server.
-use canon::ToolLibrary;
 use control::job::options::ProgramOptions;
 use control::job::{Session, preflight, subprograms};
+use control::operation::Found;
 use diag::Diagnostic;
 use std::path::{Path, PathBuf};
 use std::sync::{
@@ -16,8 +16,8 @@ pub trait Surroundings {
     fn path(&self, uri: &str) -> PathBuf;
     /// The URI of a file; `None`: the editor is not shown it.
     fn uri(&self, path: &Path) -> Option<String>;
-    /// The tools, where a control has them as they are by now; `None`: those of the files.
-    fn tools(&self) -> Option<ToolLibrary> {
+    /// What a program meets on a control as it is by now; `None`: what the files say.
+    fn found(&self) -> Option<Found> {
         None
     }
 }
@@ -48,8 +48,8 @@ impl<S: Surroundings> Machines<S> {
     fn load(&self, uri: &str, text: &[u8]) -> Result<Session, String> {
         let session = Session::load(&self.source, &self.around.path(uri), text);
         let mut session = session.map_err(|refused| refused.sentence())?;
-        if let Some(tools) = self.around.tools() {
-            session.tools = tools;
+        if let Some(found) = self.around.found() {
+            found.put_into(&mut session);
         }
         Ok(session)
     }
@@ -76,6 +76,7 @@ impl<S: Surroundings> lsp::Host for Machines<S> {
 /// The preflight of `check`, in a thread of its own: an editor that asks meanwhile is answered.
 struct Running {
     answer: Receiver<Result<Vec<Diagnostic>, String>>,
+    planned: Receiver<Option<f64>>,
     /// The editor has cancelled the request.
     stop: Arc<AtomicBool>,
 }
@@ -83,20 +84,30 @@ struct Running {
 impl Running {
     fn start(session: Result<Session, String>, text: Vec<u8>) -> Self {
         let (tell, answer) = sync_channel(1);
+        let (tell_time, planned) = sync_channel(1);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         let work = move || {
-            let found = session.map(|mut session| {
-                let options = session.plan_options(session.machine.setup.stock.material);
-                let goes_on = || !stopped.load(Ordering::Relaxed);
-                preflight::judge(&mut session, &text, options, &goes_on)
-            });
+            let goes_on = || !stopped.load(Ordering::Relaxed);
             // an editor that has closed the file does not listen
-            _ = tell.send(found);
+            let mut session = match session {
+                Ok(session) => session,
+                Err(trouble) => {
+                    _ = tell.send(Err(trouble));
+                    return;
+                }
+            };
+            let options = session.plan_options(session.machine.setup.stock.material);
+            let found = preflight::judge(&mut session, &text, options, &goes_on);
+            let is_refused = found.iter().any(Diagnostic::is_error);
+            _ = tell.send(Ok(found));
+            if !is_refused && let Some(time) = preflight::time(&session, &text, options, &goes_on) {
+                _ = tell_time.send(Some(time.value()));
+            }
         };
         // without a thread the sender is gone, which `take` says
         _ = std::thread::Builder::new().name("preflight".into()).spawn(work);
-        Self { answer, stop }
+        Self { answer, planned, stop }
     }
 }
 
@@ -114,6 +125,15 @@ impl lsp::Preflight for Running {
             Err(TryRecvError::Disconnected) => {
                 Some(Err("the program could not be checked against the machine".into()))
             }
+        }
+    }
+
+    fn planned(&mut self) -> Option<Option<f64>> {
+        match self.planned.try_recv() {
+            Ok(planned) => Some(planned),
+            Err(TryRecvError::Empty) => None,
+            // it is refused
+            Err(TryRecvError::Disconnected) => Some(None),
         }
     }
 }

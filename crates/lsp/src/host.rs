@@ -18,4 +18,6 @@ pub trait Host {
 pub trait Preflight {
     /// All findings, in their order, once they are known; or why they cannot be had.
     fn take(&mut self) -> Option<Result<Vec<Diagnostic>, String>>;
+    /// Once the findings are taken: the time that the program takes, s, once it is known; `None` of it where it is refused.
+    fn planned(&mut self) -> Option<Option<f64>>;
 }

@@ -6,7 +6,7 @@
 //!                            │           ▼
 //!                            │        Analysis   snapshots of the interpretation, every so many blocks
 //!                            ▼           │
-//!             hover, outline, names ◄────┘ findings, positions before and after a block
+//!      requests: hover, outline, names, completion, fixes ◄── findings, positions before and after a block
 //! ```
 //!
 //! One thread, no locks: between two messages the server interprets on, a slice at a time. After an edit it goes on from
@@ -19,12 +19,16 @@
 
 mod analysis;
 mod called;
+mod completion;
 mod document;
+mod fixes;
 mod host;
 mod hover;
 mod jumps;
 mod names;
+mod open;
 mod outline;
+mod requests;
 mod roles;
 mod server;
 mod slice;

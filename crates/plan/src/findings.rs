@@ -86,6 +86,7 @@ impl Findings {
                 let (worse, said) = finding();
                 let first = &mut self.kept[merged.at];
                 first.severity = first.severity.max(worse.severity);
+                first.remedy = worse.remedy;
                 (merged.worst, merged.line, merged.said) = (wrong_by, worse.span.line, said);
             }
             return;

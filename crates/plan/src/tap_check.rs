@@ -19,11 +19,12 @@ use crate::left_alone::{overrun, survives};
 use crate::limits::{AxisLimits, Coasts, OwnRamps, SpindleLimits};
 use crate::stroke::tapping_torque;
 use crate::words::{
-    Rounding, WHICH_UNIT, WrittenFrame, advice, bare_length, feed, is_other_unit, length,
+    Rounding, WHICH_UNIT, WrittenFrame, advice, advised, bare_length, feed, instead, is_other_unit,
+    length, modal,
 };
-use alloc::{format, string::String, vec::Vec};
+use alloc::{format, string::String, vec, vec::Vec};
 use canon::{Tap, TapTool, Tool};
-use diag::{Diagnostic, Span};
+use diag::{Diagnostic, RemedyWord, Span};
 use units::{Lead, Length, Spin, Torque};
 
 /// Lead of tap and program may differ by this share before the thread is spoilt.
@@ -87,6 +88,16 @@ impl TapCheck<'_> {
         }
     }
 
+    /// The word of a bottom that is so deep.
+    fn deep(&self, depth: f64) -> Vec<RemedyWord> {
+        let Tap { axis, bottom, surface, .. } = *self.tap;
+        let (sign, rounding) =
+            if bottom < surface { (-1.0, Rounding::Up) } else { (1.0, Rounding::Down) };
+        let machine = surface.value() + sign * depth;
+        let works = advised(self.frame, axis, machine, rounding);
+        vec![instead(works, advised(self.frame, axis, bottom.value(), Rounding::Nearest))]
+    }
+
     /// A length in the program's unit.
     fn length(&self, mm: f64) -> String {
         length(self.frame, mm)
@@ -123,7 +134,8 @@ impl TapCheck<'_> {
                 bare(own.abs()),
                 bare(own.abs()),
             );
-            let finding = Diagnostic::error("M0326", self.span, text);
+            let words = [('F', bare(own.abs() * rpm), "G94"), ('F', bare(own.abs()), "G95"), ('K', bare(own.abs()), "G33.1")];
+            let finding = Diagnostic::error("M0326", self.span, text).with_remedy(modal(words));
             if is_other_unit(programmed, own) { finding.with_help(WHICH_UNIT) } else { finding }
         })
     }
@@ -163,7 +175,9 @@ impl TapCheck<'_> {
                 number(works),
                 bare_length(self.frame, works * lead.value()),
             );
-            Diagnostic::error(code, self.span, text)
+            let feed = bare_length(self.frame, works * lead.value());
+            let words = modal([('S', number(works), ""), ('F', feed, "G94")]);
+            Diagnostic::error(code, self.span, text).with_remedy(words)
         })
     }
 
@@ -191,7 +205,7 @@ impl TapCheck<'_> {
                 self.length(depth),
                 self.word(flutes),
             );
-            Diagnostic::error("M0322", self.span, text)
+            Diagnostic::error("M0322", self.span, text).with_remedy(self.deep(flutes))
         })
     }
 
@@ -224,7 +238,11 @@ impl TapCheck<'_> {
                 self.length(full + point),
                 self.length(point),
             );
-            Diagnostic::error("M0323", self.span, text).with_label(hole.span, label)
+            let mut finding = Diagnostic::error("M0323", self.span, text);
+            if full > 0.0 {
+                finding = finding.with_remedy(self.deep(floor_um(full)));
+            }
+            finding.with_label(hole.span, label)
         })
     }
 

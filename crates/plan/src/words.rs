@@ -14,6 +14,7 @@ use crate::findings::number;
 use alloc::{format, string::String};
 use canon::{Axis, LengthUnit, Position, ProgramFrame};
 use core::ops::Deref;
+use diag::RemedyWord;
 
 /// How a block is written, and from where its incremental words count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,12 +96,32 @@ pub(crate) fn word(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
 
 /// A coordinate that works, in the word that the program would write: rounded into what works.
 pub(crate) fn advice(frame: &WrittenFrame, axis: Axis, machine: f64, rounding: Rounding) -> String {
+    let Advised { letter, number, is_way } = advised(frame, axis, machine, rounding);
+    let way = if is_way { " (incremental)" } else { "" };
+    format!("{letter}{number}{way}")
+}
+
+/// A word to write.
+pub(crate) struct Advised {
+    pub(crate) letter: char,
+    pub(crate) number: String,
+    /// It is a way from where the block begins.
+    is_way: bool,
+}
+
+/// The same, as letter and number.
+pub(crate) fn advised(
+    frame: &WrittenFrame,
+    axis: Axis,
+    machine: f64,
+    rounding: Rounding,
+) -> Advised {
     let inches = frame.unit == LengthUnit::Inch && !is_rotary(axis) && frame.work_offset != 0;
     let steps = if inches { 1e4 } else { 1e3 };
     let said = |letter: char, value: f64| {
         let value = rounding.of(value, steps);
-        let value = if inches { in_unit(frame, value) } else { number(value) };
-        format!("{letter}{value}")
+        let number = if inches { in_unit(frame, value) } else { number(value) };
+        Advised { letter, number, is_way: false }
     };
     if frame.work_offset == 0 {
         return said(axis.letter(), machine);
@@ -110,9 +131,23 @@ pub(crate) fn advice(frame: &WrittenFrame, axis: Axis, machine: f64, rounding: R
         _ => frame.from.along(axis).value(),
     };
     if let Some((letter, way)) = frame.increment(axis, machine - from) {
-        return format!("{} (incremental)", said(letter, way));
+        return Advised { is_way: true, ..said(letter, way) };
     }
     said(axis.letter(), frame.written(axis, machine).unwrap_or(machine))
+}
+
+/// A word instead of the one that says what does not work.
+pub(crate) fn instead(works: Advised, found: Advised) -> RemedyWord {
+    let Advised { letter, number, .. } = works;
+    RemedyWord { letter, number, instead_of: Some(found.number), with: "" }
+}
+
+/// Words that stay in force: letter, number, and the code with which it is meant.
+pub(crate) fn modal<const N: usize>(
+    words: [(char, String, &'static str); N],
+) -> alloc::vec::Vec<RemedyWord> {
+    let word = |(letter, number, with)| RemedyWord { letter, number, instead_of: None, with };
+    words.into_iter().map(word).collect()
 }
 
 /// A coordinate with the work offset in which it is written.

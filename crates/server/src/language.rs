@@ -16,7 +16,8 @@ use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use canon::ToolLibrary;
+use control::operation::Found;
+use control::operation::hosted::Picture;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use leadscrew::editor::{Machines, Surroundings, escaped, unescaped};
 use lsp_server::Connection;
@@ -57,7 +58,7 @@ pub(crate) async fn open(
     upgrade.on_upgrade(move |socket| async move {
         if let Some((to_server, from_server)) = start(Arc::clone(&app)) {
             tokio::select! {
-                () = talk(socket, &to_server, from_server) => {}
+                () = talk(socket, &app, &to_server, from_server) => {}
                 () = expired(&app, &who) => {}
             }
         }
@@ -102,14 +103,18 @@ async fn expired(app: &App, who: &Who) {
 
 async fn talk(
     mut socket: WebSocket,
+    app: &App,
     to_server: &Sender<lsp_server::Message>,
     mut from_server: mpsc::Receiver<String>,
 ) {
+    let mut pictures = app.pictures.clone();
+    let (mut has_begun, mut met) = (false, Met::of(&app.client.latest()));
     loop {
         tokio::select! {
             heard = socket.recv() => match heard {
                 Some(Ok(Message::Text(text))) => {
                     let Ok(message) = serde_json::from_str(text.as_str()) else { return };
+                    has_begun |= is_initialized(&message);
                     if !give(to_server, message).await {
                         return;
                     }
@@ -124,7 +129,57 @@ async fn talk(
                     return;
                 }
             }
+            Ok(()) = pictures.changed(), if has_begun => {
+                let now = Met::of(&app.client.latest());
+                if !met.is_as(&now) && !give(to_server, changed()).await {
+                    return;
+                }
+                met = now;
+            }
         }
+    }
+}
+
+/// The editor's last word of the greeting: from now on it may be told something.
+fn is_initialized(message: &lsp_server::Message) -> bool {
+    matches!(message, lsp_server::Message::Notification(told) if told.method == "initialized")
+}
+
+/// What programs meet has changed.
+fn changed() -> lsp_server::Message {
+    let method = "workspace/didChangeConfiguration".to_owned();
+    let params = serde_json::json!({ "settings": null });
+    lsp_server::Message::Notification(lsp_server::Notification { method, params })
+}
+
+/// What findings depend on, of a control.
+struct Met {
+    picture: Arc<Picture>,
+    offset: String,
+}
+
+impl Met {
+    fn of(picture: &Arc<Picture>) -> Self {
+        Self { picture: Arc::clone(picture), offset: picture.status.work_offset.clone() }
+    }
+
+    /// A tool's use counts only where it reaches its end: it grows with each hole that is cut.
+    fn is_as(&self, other: &Self) -> bool {
+        let (a, b) = (&self.picture, &other.picture);
+        let same = |a: &canon::Tool, b: &canon::Tool| {
+            let of_unused = |tool: &canon::Tool| {
+                let mut tool = tool.clone();
+                tool.life.used = canon::ToolUse::default();
+                tool
+            };
+            of_unused(a) == of_unused(b) && a.life.reached() == b.life.reached()
+        };
+        let are_same = |a: &[canon::Tool], b: &[canon::Tool]| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
+        };
+        self.offset == other.offset
+            && (Arc::ptr_eq(&a.offsets, &b.offsets) || a.offsets == b.offsets)
+            && (Arc::ptr_eq(&a.tools, &b.tools) || are_same(&a.tools, &b.tools))
     }
 }
 
@@ -142,7 +197,7 @@ async fn give(to_server: &Sender<lsp_server::Message>, message: lsp_server::Mess
     }
 }
 
-/// The folder of programs, and the tools of the control as they are by now.
+/// The folder of programs, and the control with its tools and offsets as they are by now.
 struct Shop(Arc<App>);
 
 impl Surroundings for Shop {
@@ -157,11 +212,7 @@ impl Surroundings for Shop {
         Some(format!("{SCHEME}{}", escaped(&within)))
     }
 
-    fn tools(&self) -> Option<ToolLibrary> {
-        let mut tools = ToolLibrary::default();
-        for tool in self.0.client.latest().tools.iter() {
-            tools.insert(tool.clone());
-        }
-        Some(tools)
+    fn found(&self) -> Option<Found> {
+        self.0.client.with(|control| control.found())
     }
 }

@@ -84,6 +84,40 @@ fn a_long_program_is_opened_and_edited_while_the_plate_is_cut_and_the_plate_is_g
     assert_eq!(end["features"], json!({ "good": 36, "failed": 0, "not_judged": 0 }));
 }
 
+/// What is told next of a text as it is.
+fn codes_next(socket: &mut Socket, uri: &str) -> Vec<String> {
+    let told = until(socket, |message| {
+        message["method"] == "textDocument/publishDiagnostics" && message["params"]["uri"] == uri
+    });
+    let all = told["params"]["diagnostics"].as_array().unwrap();
+    all.iter().map(|finding| finding["code"].as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn findings_follow_the_offsets_and_the_tools_of_the_control() {
+    let served = Served::at_pace(20.0);
+    served.power_on();
+    served.home();
+    let mut socket = greeted(&served);
+    let uri = "program:/new.ngc";
+    open(&mut socket, uri, "G21 G90 G54\nT1 M6\nG43 H1\nG0 Z0\nG0 X100\nM2\n");
+    let is_beyond = |codes: &[String]| codes.iter().any(|code| code == "M0301");
+    let codes = codes_next(&mut socket, uri);
+    assert!(!is_beyond(&codes), "{codes:?}");
+    let shift = |at: f64| json!({ "request": "set_work_offset", "work_offset": "G54", "axis": "X", "at_mm": at });
+    served.accepted(shift(200.0)); // X100 of it is 300 mm, beyond the travel
+    let codes = codes_next(&mut socket, uri);
+    assert!(is_beyond(&codes), "{codes:?}");
+    served.accepted(shift(-250.0));
+    assert!(!is_beyond(&codes_next(&mut socket, uri)));
+    let length = |value: f64| json!({ "request": "edit_tool", "tool": 1, "field": "length", "value_mm": value });
+    served.accepted(length(700.0));
+    let codes = codes_next(&mut socket, uri);
+    assert!(is_beyond(&codes), "{codes:?}");
+    served.accepted(length(100.0));
+    assert!(!is_beyond(&codes_next(&mut socket, uri)));
+}
+
 #[test]
 fn what_is_no_json_rpc_ends_the_conversation_and_nothing_else() {
     let served = Served::at_pace(1.0);

@@ -53,6 +53,6 @@ export async function put(path: string, text: string): Promise<Response> {
   return ask(path, { method: 'PUT', headers: { 'content-type': 'text/plain' }, body: text });
 }
 
-export function socketAddress(): string {
-  return `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${base}/ws${session ? `?session=${encodeURIComponent(session)}` : ''}`;
+export function socketAddress(path = '/ws'): string {
+  return `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${base}${path}${session ? `?session=${encodeURIComponent(session)}` : ''}`;
 }

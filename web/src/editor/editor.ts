@@ -6,8 +6,8 @@ import { highlightSelectionMatches, search, searchKeymap } from '@codemirror/sea
 import { EditorState, StateEffect, StateField } from '@codemirror/state';
 import { Decoration, drawSelection, EditorView, highlightActiveLine, highlightActiveLineGutter, keymap, lineNumbers, type DecorationSet } from '@codemirror/view';
 import { tags } from '@lezer/highlight';
-import type { Finding } from '../control/model';
 import { programTexts } from '../texts/en';
+import { Language, type Known } from './language';
 
 const gcode = StreamLanguage.define<object>({
   token(stream) {
@@ -41,6 +41,14 @@ const look = EditorView.theme({
   '.cm-cursor': { borderLeftColor: 'var(--text)' },
   '&.cm-focused .cm-selectionBackground, .cm-selectionBackground': { backgroundColor: 'var(--blue-ground) !important' },
   '.cm-executed': { backgroundColor: 'var(--green-ground)', boxShadow: 'inset 4px 0 var(--green-fill)' },
+  '.cm-tooltip .cm-lsp-documentation, .cm-completionInfo': { padding: '0.25rem 0.5rem', maxWidth: '30rem' },
+  '.cm-lsp-documentation table': { borderCollapse: 'collapse' },
+  '.cm-lsp-documentation th, .cm-lsp-documentation td': { padding: '0 0.5rem', textAlign: 'right', fontVariantNumeric: 'tabular-nums' },
+  '.cm-tooltip.cm-tooltip-autocomplete > ul': { fontFamily: 'Roboto, sans-serif' },
+  '.cm-tooltip-autocomplete ul li[aria-selected]': { background: 'var(--blue)', color: 'var(--on-blue)' },
+  '.cm-completionDetail': { fontStyle: 'normal' },
+  '.cm-diagnostic': { borderLeftWidth: '4px', whiteSpace: 'pre-wrap' },
+  '.cm-diagnosticAction': { minHeight: '2.75rem', padding: '0 0.75rem', backgroundColor: 'var(--blue)', color: 'var(--on-blue)', borderRadius: '4px', font: 'inherit', fontWeight: '500', margin: '0.25rem 0 0' },
   '.cm-tooltip, .cm-panels': { backgroundColor: 'var(--panel)', color: 'var(--text)', borderColor: 'var(--line)' },
 });
 
@@ -62,21 +70,24 @@ const executedLine = StateField.define<DecorationSet>({
 
 export class ProgramEditor {
   readonly #view: EditorView;
+  readonly #language: Language;
   #isSet = false;
 
-  constructor(box: HTMLElement, onchange: () => void) {
+  constructor(box: HTMLElement, onchange: () => void, onknown: (known: Known) => void) {
     const root = box.attachShadow({ mode: 'open' });
+    this.#language = new Language(onknown, (diagnostics) => this.#show(diagnostics));
     // The editor's own styles go where no style element is made: into sheets of the shadow root.
     const state = EditorState.create({
       extensions: [
         lineNumbers(), history(), drawSelection(), highlightActiveLine(), highlightActiveLineGutter(), highlightSelectionMatches(),
-        search({ top: true }), lintGutter(), gcode, syntaxHighlighting(colors), look, executedLine,
+        search({ top: true }), lintGutter(), this.#language.extension, gcode, syntaxHighlighting(colors), look, executedLine,
         keymap.of([...defaultKeymap, ...historyKeymap, ...searchKeymap, indentWithTab]),
         EditorView.contentAttributes.of({ 'aria-label': programTexts.editor }),
         EditorView.updateListener.of((update) => { if (update.docChanged && !this.#isSet) onchange(); }),
       ],
     });
     this.#view = new EditorView({ state, parent: root, root });
+    this.#language.use(this.#view);
     const sheet = new CSSStyleSheet();
     sheet.replaceSync(':host{min-height:0;min-width:0}');
     root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
@@ -84,10 +95,16 @@ export class ProgramEditor {
 
   get text(): string { return this.#view.state.doc.toString(); }
 
-  set(text: string): void {
+  /** Another program is edited: its path in the folder, and its text. */
+  set(path: string, text: string): void {
     this.#isSet = true;
-    this.#view.dispatch({ changes: { from: 0, to: this.#view.state.doc.length, insert: text } });
+    this.#view.dispatch({ changes: { from: 0, to: this.#view.state.doc.length, insert: text }, effects: this.#language.open(path) });
     this.#isSet = false;
+  }
+
+  /** The text has another name from now on. */
+  name(path: string): void {
+    this.#view.dispatch({ effects: this.#language.open(path) });
   }
 
   /** Marks the line that is executed; 0 is none. */
@@ -95,12 +112,7 @@ export class ProgramEditor {
     this.#view.dispatch({ effects: executed.of(line) });
   }
 
-  show(findings: Finding[]): void {
-    const { doc } = this.#view.state;
-    const diagnostics = findings.filter(({ line }) => line > 0 && line <= doc.lines).map(({ line, column, severity, message, help }): Diagnostic => {
-      const { from, to } = doc.line(line);
-      return { from: Math.min(to, from + Math.max(0, column - 1)), to, severity: severity === 'error' ? 'error' : 'warning', message: [message, help].filter(Boolean).join('\n') };
-    });
+  #show(diagnostics: Diagnostic[]): void {
     this.#view.dispatch(setDiagnostics(this.#view.state, diagnostics));
   }
 
@@ -111,5 +123,8 @@ export class ProgramEditor {
     this.#view.focus();
   }
 
-  free(): void { this.#view.destroy(); }
+  free(): void {
+    this.#language.free();
+    this.#view.destroy();
+  }
 }

@@ -260,6 +260,14 @@ export const programTexts = {
   saved: (name: string) => `${name} is saved.`,
   load: 'Load',
   editor: 'Text of the program',
+  findings: 'Findings',
+  looking: 'What this machine makes of it is being found out.',
+  noFindings: 'Nothing was found that is wrong, on this machine and with its tools and offsets.',
+  severities: { error: 'error', warning: 'warning', note: 'note' },
+  fixIn: (title: string, line: number) => `${title}, line ${line}`,
+  moreFindings: (more: number) => `and ${more} more`,
+  outline: 'Tools and subprograms',
+  refused: 'refused',
 };
 
 export const beginTexts = {

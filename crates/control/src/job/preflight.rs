@@ -162,6 +162,26 @@ pub fn judge(
     read(session, source, &mut reading, planner, Vec::new(), &mut |_| (), goes_on).findings
 }
 
+/// Planned time from start to end of a program that is not refused; `None`, if it is broken off on the way. Findings are shown
+/// to people as they write, and do not wait for it: what is judged alone is not timed.
+pub fn time(
+    session: &Session,
+    source: &[u8],
+    options: Options,
+    goes_on: &dyn Fn() -> bool,
+) -> Option<Time> {
+    let setup = session.interp_setup();
+    let mut planner = planner(session, options);
+    for (index, op) in Reading::new(source, &setup, session.auto()) {
+        planner.push(index, &op, &mut |_| ());
+        if index % OFTEN == OFTEN - 1 && !goes_on() {
+            return None;
+        }
+    }
+    planner.finish(&mut |_| ());
+    Some(planner.duration())
+}
+
 /// The same for a long program: what was found since the last time is told as it goes, with the furthest byte executed.
 ///
 /// # Errors

@@ -53,7 +53,7 @@ pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
 pub use outside::LeftInWork;
 pub use programs::LoadedProgram;
-pub use proving::{Begun, Proven, Proving};
+pub use proving::{Begun, Found, Proven, Proving};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};

@@ -45,6 +45,26 @@ struct Basis {
     tools: ToolLibrary,
 }
 
+/// What a program would meet that is read now: an editor shows what it makes of one that is written.
+pub struct Found {
+    basis: Basis,
+    before: Before,
+    /// The axes are where they say, and nothing is under way that moves them.
+    stands: bool,
+}
+
+impl Found {
+    /// In a session that was loaded from files.
+    pub fn put_into(self, session: &mut Session) {
+        let Self { basis: Basis { position, mounted, parameters, tools }, before, stands } = self;
+        if stands {
+            session.on_control((position, mounted), parameters, tools, before);
+        } else {
+            (session.parameters, session.tools) = (parameters, tools);
+        }
+    }
+}
+
 /// A text that was interpreted and planned: fit to be executed, or refused.
 pub struct Proven {
     request: Request,
@@ -152,6 +172,13 @@ impl Control {
             before: Before { rest: self.data.rest.clone(), is_typed },
             basis: self.basis(),
         }))
+    }
+
+    /// What a program would meet that is read now.
+    pub fn found(&self) -> Found {
+        let before = Before { rest: self.data.rest.clone(), is_typed: false };
+        let stands = self.is_homed_all() && self.under_way.is_none();
+        Found { basis: self.basis(), before, stands }
     }
 
     fn basis(&self) -> Basis {

@@ -6,10 +6,10 @@ use crate::along::{Along, change};
 use crate::findings::{Cause, number};
 use crate::travel::{Beyond, beyond};
 use crate::words::{
-    Rounding, WHICH_UNIT, advice, bare_length, feed, feed_that_works, is_rotary, length, place,
-    word,
+    Rounding, WHICH_UNIT, advice, advised, bare_length, feed, feed_that_works, instead, is_rotary,
+    length, modal, place, word,
 };
-use alloc::{format, vec::Vec};
+use alloc::{format, vec, vec::Vec};
 use canon::{Arc, Axis, Feed, LengthUnit, Position, ProgramFrame};
 use diag::{Diagnostic, Span};
 use motion::{Path, Profile, coordinate, radius};
@@ -38,15 +38,17 @@ impl Planner {
         }
         let mut refused = false;
         let all: Vec<_> = beyond(paths, &self.limits).collect();
+        // the ends of others are not all that decides how far they reach
+        let is_straight = paths.iter().all(|path| matches!(path, Path::Line { .. }));
         for out in all {
             refused = true;
-            self.beyond_travel(job.span, &out);
+            self.beyond_travel(job.span, &out, is_straight);
         }
         refused
     }
 
     /// An axis that leaves its travel, in the program's words; all moves beyond one end are one finding.
-    fn beyond_travel(&mut self, span: Span, out: &Beyond) {
+    fn beyond_travel(&mut self, span: Span, out: &Beyond, is_straight: bool) {
         let (axis, frame) = (out.axis, self.frame);
         let is_high = out.reaches > out.travel.1;
         let tool = if axis == Axis::Z { self.tool } else { 0 };
@@ -80,7 +82,11 @@ impl Planner {
                 }
                 _ => "shift the work offset or the work",
             };
-            (Diagnostic::error("M0301", span, "").with_help(help), [wrong, works])
+            let finding = Diagnostic::error("M0301", span, "").with_help(help);
+            let nearest = advised(&frame, axis, out.nearest(), rounding);
+            let found = advised(&frame, axis, out.reaches, Rounding::Nearest);
+            let words = vec![instead(nearest, found)];
+            (if is_straight { finding.with_remedy(words) } else { finding }, [wrong, works])
         });
     }
 
@@ -209,10 +215,12 @@ pub(super) fn clipped(
         "a feed of {asked} is faster than the axes can along this path: it runs at {works}"
     );
     let is_inches = frame.unit == LengthUnit::Inch && wanted / units::MM_PER_INCH <= possible;
+    let words = modal([('F', works.clone(), "G94")]);
+
     let help = if is_inches && !turns_only {
         "said once; G20 is in force: if F was meant in mm/min, write G21"
     } else {
         "said once; later moves may be slowed down likewise"
     };
-    Diagnostic::warning("M0304", span, text).with_help(help)
+    Diagnostic::warning("M0304", span, text).with_help(help).with_remedy(words)
 }
