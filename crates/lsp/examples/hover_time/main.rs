@@ -43,6 +43,10 @@ impl lsp::Host for Shop {
 struct NoMachine;
 
 impl lsp::Preflight for NoMachine {
+    fn planned(&mut self) -> Option<Option<f64>> {
+        Some(None)
+    }
+
     fn take(&mut self) -> Option<Result<Vec<diag::Diagnostic>, String>> {
         Some(Ok(Vec::new()))
     }
