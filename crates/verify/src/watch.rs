@@ -146,7 +146,10 @@ impl Watch {
     }
 
     /// Another program begins on the same workpiece: what goes on from before is a breach of it, too.
+    /// Of those before, as many of the last are kept as are of one program.
     pub fn begin_program(&mut self) {
+        let surplus = self.breaches.len().saturating_sub(MOST);
+        self.breaches.drain(..surplus);
         self.before_program = (self.periods, self.count, self.breaches.len());
         self.open = None;
     }

@@ -446,8 +446,9 @@ impl Control {
                 self.events.push(Event::Feature(super::status::said_of(feature)));
             }
             self.told_features = judged;
-            let (first, cut) = (under_way.first, under_way.running.judged_so_far().to_vec());
-            self.note_progress(first, &cut, false);
+            let first = under_way.first;
+            let cut = super::programs::count_from(first, under_way.running.judged_so_far());
+            self.note_progress(first, cut, false);
             if let Err(why) = self.keep_program() {
                 self.events.notice(why.to_string());
             }

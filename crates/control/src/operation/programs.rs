@@ -199,14 +199,12 @@ impl Control {
         Ok(())
     }
 
-    /// How far the program that is loaded has come: its operations count from `first`, and what was cut before that is
-    /// another program's, or an earlier run's.
-    pub(super) fn note_progress(&mut self, first: u32, cut: &[Feature], is_completed: bool) {
+    /// How far the program that is loaded has come: its operations count from `first`, and so many features are its own.
+    pub(super) fn note_progress(&mut self, first: u32, cut: u32, is_completed: bool) {
         let report = self.executor.kernel.report();
         if let Some(last) = &mut self.last_program {
             (last.line, last.operation) = (report.line, report.op.saturating_sub(first));
-            last.feature = cut.iter().filter(|feature| feature.op >= first).count() as u32;
-            last.is_completed = is_completed;
+            (last.feature, last.is_completed) = (cut, is_completed);
         }
     }
 
@@ -262,8 +260,8 @@ impl Control {
         take_left(self, left.unwrap_or_else(|| under_way.proved.operations.left().clone()));
         use_up(&mut self.data.tools, &ended.take_tool_use());
         if !is_typed {
-            let cut = self.workpiece.judge.features().to_vec();
-            self.note_progress(under_way.first, &cut, has_ended);
+            let cut = count_from(under_way.first, self.workpiece.judge.features());
+            self.note_progress(under_way.first, cut, has_ended);
         }
         self.keep_all();
         if !has_ended {
@@ -428,4 +426,9 @@ fn notes_of(findings: &[Diagnostic]) -> Vec<String> {
         .take(MOST_NOTES)
         .map(|finding| format!("line {}: {}", finding.span.line, finding.message))
         .collect()
+}
+
+/// Features from this operation on: those before are another program's, or an earlier run's.
+pub(super) fn count_from(first: u32, features: &[Feature]) -> u32 {
+    features.iter().filter(|feature| feature.op >= first).count() as u32
 }
