@@ -52,6 +52,23 @@ fn a_tap_finds_the_holes_that_were_drilled_before_the_beginning() {
     assert_eq!((code, lines(&begun)), (Some(0), vec![15, 16]), "{told}");
 }
 
+/// A program that asks for an input is interpreted while it runs, from its beginning; what is left out asks nothing.
+#[test]
+fn a_program_that_asks_the_machine_is_begun_before_and_behind_its_question() {
+    let asks = PLATE.replace("G80\nT3 M6", "G80\nM66 P0 L3 Q2\nT3 M6");
+    assert_ne!(asks, PLATE);
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = folder.path().join("inputs.txt");
+    std::fs::write(&inputs, "digital_0 = on at 0.5 s\n").unwrap();
+    let inputs = ["--inputs", inputs.to_str().unwrap()];
+    let (code, whole, told) = run(&asks, None, &inputs);
+    assert_eq!((code, whole.len()), (Some(0), 6), "{told}");
+    for (from, first) in [("hole 2", 1), ("tool 3", 3), ("hole 5", 4)] {
+        let (code, begun, told) = run(&asks, None, &[&inputs[..], &["--from", from]].concat());
+        assert_eq!((code, lines(&begun)), (Some(0), lines(&whole[first..])), "{from}: {told}");
+    }
+}
+
 /// The bar of 20 mm is turned to 16 mm; a thread M16x1.5 is cut on it, and one on the bar that is left behind the groove.
 const TURNED: &str = "%\nO1\nG21 G18 G97 G99\nT3333\nS1000 M3\nG0 X24. Z5.\nX18.\nG1 Z-30. F0.15\nG0 X24. Z5.\nX16.\nG1 Z-30. F0.15\nG0 X60. Z60.\n\
 T3232\nS800 M3\nG0 X20. Z6.\nG92 X15.4 Z-20. F1.5\nX15.\nX14.6\nX14.3\nX14.1\nX14.03\nX14.03\nG0 X60. Z60.\nM30\n%\n";

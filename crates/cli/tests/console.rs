@@ -47,6 +47,16 @@ fn a_request_that_is_none_is_said_with_its_line_and_ends_the_script() {
 }
 
 #[test]
+fn a_script_with_lines_that_mean_nothing_is_told_all_of_them_and_moves_nothing() {
+    let script = format!("{MORNING}jump\njog x -10\nfeed many\nwait standstill\n");
+    let (out, errors, code) = said(&led(&[], &script));
+    assert_eq!((out.as_str(), code), ("", 2), "{errors}");
+    let lines: Vec<&str> = errors.lines().collect();
+    assert_eq!(lines.len(), 2, "{errors}");
+    assert!(lines[0].starts_with("-:5: ") && lines[1].starts_with("-:7: "), "{errors}");
+}
+
+#[test]
 fn what_the_state_does_not_allow_is_refused_with_what_would() {
     for (script, expected) in [
         ("start\n", "load one first"),

@@ -274,7 +274,7 @@ fn left(lost: &str) -> Result<f64, String> {
 }
 
 /// Each fault, and what it takes.
-const FAULTS: [(&str, &str); 14] = [
+const FAULTS: [(&str, &str); 15] = [
     ("power-cut", ""),
     ("kill", ""),
     ("emergency-stop", ""),
@@ -282,6 +282,7 @@ const FAULTS: [(&str, &str); 14] = [
     ("lost-index", ""),
     ("encoder-slip", " ANGLE"),
     ("dropout", " TIME"),
+    ("feedback-lost", " TIME"),
     ("stuck", " AXIS"),
     ("feedback-jump", " AXIS LENGTH"),
     ("scale-error", " AXIS PPM"),
@@ -312,6 +313,7 @@ impl What for Fault {
             ["lost-index"] => Ok(Self::LostIndex),
             ["encoder-slip", by] => angle(by).map(Self::Slip),
             ["dropout", lasts] => time(lasts).map(Self::Dropout),
+            ["feedback-lost", lasts] => time(lasts).map(Self::FeedbackLost),
             ["stuck", letter] => axis(letter).map(Self::Stuck),
             ["feedback-jump", letter, by] => {
                 let axis = axis(letter)?;

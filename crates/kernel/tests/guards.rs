@@ -354,6 +354,29 @@ fn an_encoder_that_is_stuck_lets_the_axis_go_no_farther_than_it_brakes() {
     assert!(!seen.samples.last().expect("there are samples").command.axes[2].enable);
 }
 
+#[test]
+fn an_axis_that_does_not_move_is_not_pushed_on_after_its_alarm() {
+    let steps = [line(Position::default(), Position::xyz(90.0, 0.0, 0.0), 15.0, true)];
+    // a drive that obeys by a twentieth: friction holds the axis, slowly enough for the encoder to be believed
+    let seen = run(
+        &config(),
+        &steps,
+        |now, told| {
+            if now > 1.0 {
+                told.axes[0].force = told.axes[0].force * 0.0;
+            }
+        },
+        says,
+    );
+    seen.check(FaultKind::FollowingError, Subject::Axis(Axis::X));
+    let last = seen.samples.last().expect("there are samples");
+    assert!(!last.command.axes[0].enable, "it pushes with {:?}", last.command.axes[0].force);
+    assert!(last.command.axes.iter().all(|axis| axis.force.value() == 0.0));
+    // until everything has come to rest the drives stay on
+    let on = seen.samples[seen.alarm..].iter().filter(|sample| sample.command.axes[2].enable);
+    assert!(on.count() as f64 * H > 0.04);
+}
+
 /// Turn on at 3000 rpm and wait.
 fn turning() -> [StepKind; 3] {
     [turn(0.0, 3000.0), await_speed(), StepKind::Dwell(Time::s(5.0))]

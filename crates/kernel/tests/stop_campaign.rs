@@ -47,6 +47,22 @@ fn drives_and_encoders_that_fail_in_a_tap_leave_it_near_its_helix() {
 }
 
 #[test]
+fn a_tap_of_which_nothing_is_heard_any_more_stands_near_its_helix_and_comes_out() {
+    // blind, the plan alone brings both to rest
+    for (work, lasts) in [(M8, 0.002), (M8, 0.05), (LEFT, 0.05)] {
+        let fault = Fault::FeedbackLost(Time::s(lasts));
+        let tally = whole(sweep(&work, fault, DriveReaction::CoupledStop, 997, unload(&work)));
+        assert!(tally.is_good(), "{}", tally.remarks());
+        assert!(tally.off_um > 0.0 && tally.off_um < 30.0, "{lasts} s: {} µm", tally.off_um);
+        assert!(tally.recovered > 5, "{lasts} s: {}", tally.recovered);
+    }
+    // a frame that is lost in a tap is lived through
+    let fault = Fault::FeedbackLost(Time::s(0.0004));
+    let tally = whole(sweep(&M8, fault, DriveReaction::CoupledStop, 997, unload(&M8)));
+    assert!(tally.cases > 5 && tally.nothing == tally.cases, "{}", tally.remarks());
+}
+
+#[test]
 fn whatever_fails_in_a_tap_it_comes_out_whole() {
     for (title, tally) in random(30, 0x5eed, |_| {}) {
         assert!(tally.is_good(), "{title}: {}", tally.remarks());

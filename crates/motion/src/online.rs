@@ -127,13 +127,24 @@ impl OnlineState {
                 Some(Self::at_rest(self.position + self.speed * period_s / 2.0))
             }
             Goal::Position(place)
-                if is_slow
-                    && (place - self.position).abs() <= AT_GOAL_MM.max(small_speed * period_s) =>
+                if is_slow && self.may_end_at(place - self.position, j, period_s) =>
             {
                 Some(Self::at_rest(place))
             }
             Goal::Speed(_) | Goal::Position(_) => None,
         }
+    }
+
+    /// A last step of this length and none after it: third differences of the places keep the jerk too.
+    fn may_end_at(&self, step: f64, j: f64, period_s: f64) -> bool {
+        let h = period_s;
+        let before = h * (self.speed - h * (self.accel / 2.0 - h * self.jerk / 6.0));
+        let goes_on = h * (self.speed + h * self.accel / 2.0);
+        let most = j * h * h * h;
+        step.abs() <= AT_GOAL_MM
+            || ((step - goes_on).abs() <= most / 6.0
+                && (before - 2.0 * step).abs() <= most
+                && step.abs() <= most)
     }
 
     /// A period later, with this acceleration at its end.

@@ -78,6 +78,8 @@ pub enum Fault {
     Slip(Angle),
     /// The first spindle's encoder gives no number for so long.
     Dropout(Time),
+    /// Nothing new is heard of the machine for so long: its frames are lost. Commands arrive.
+    FeedbackLost(Time),
     /// An axis' encoder is stuck.
     Stuck(usize),
     /// An axis' reading jumps.
@@ -105,6 +107,7 @@ impl Fault {
             Self::LostIndex => "lost-index",
             Self::Slip(_) => "encoder-slip",
             Self::Dropout(_) => "dropout",
+            Self::FeedbackLost(_) => "feedback-lost",
             Self::Stuck(_) => "stuck",
             Self::Jump(..) => "feedback-jump",
             Self::ScaleError(..) => "scale-error",
@@ -306,6 +309,7 @@ impl<M: Machine> Faulty<M> {
                 | Fault::LostIndex
                 | Fault::Slip(_)
                 | Fault::Dropout(_)
+                | Fault::FeedbackLost(_)
                 | Fault::Stuck(_)
                 | Fault::Jump(..)
                 | Fault::ScaleError(..)
@@ -329,6 +333,7 @@ impl<M: Machine> Faulty<M> {
                 Fault::Dropout(lasts) if real.time - came < lasts => {
                     spindle.angle = Angle::rev(f64::NAN);
                 }
+                Fault::FeedbackLost(lasts) if real.time - came < lasts => said = pending.then,
                 Fault::Stuck(axis) => said.axes[axis].position = pending.then.axes[axis].position,
                 Fault::Jump(axis, by) => said.axes[axis].position += by,
                 Fault::ScaleError(axis, by) => {
@@ -342,6 +347,7 @@ impl<M: Machine> Faulty<M> {
                     said.spindles[index].angle += off;
                 }
                 Fault::Dropout(_)
+                | Fault::FeedbackLost(_)
                 | Fault::PowerCut
                 | Fault::Kill
                 | Fault::AxisDrive(_)

@@ -43,9 +43,9 @@ pub(crate) struct RunArgs {
     /// Folder of the sync record [default with --simulator: see below; else none is kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
-    /// Begin at a line, as in 27, or at a hole, as in "hole 5": tool, spindle and modes as they would be there; never
+    /// Begin at a line, as in 27, at a hole, as in "hole 5", or at a tool, as in "tool 3": tool, spindle and modes as they would be there; never
     /// within a cycle
-    #[arg(long, value_name = "LINE|hole N")]
+    #[arg(long, value_name = "LINE|hole N|tool N")]
     pub(crate) from: Option<control::job::restart::From>,
     /// Let the machine fail: WHAT at MOMENT; several separated by `;`, see below
     #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "simulator")]

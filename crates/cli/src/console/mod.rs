@@ -15,6 +15,7 @@ mod wait;
 use crate::args::ControlArgs;
 use crate::say;
 use canon::{Axis, Position};
+use command::Command;
 use control::Refused;
 use control::operation::{Control, ControlOptions};
 use session::{Failure, Session};
@@ -67,18 +68,39 @@ fn from_standard_input() -> Result<Vec<u8>, Refused> {
     Ok(text)
 }
 
-/// Line by line; the first that fails ends it.
-fn run_script(control: Control, name: &str, script: &str, quiet: bool) -> Result<Ending, Refused> {
-    let mut session = Session::new(control);
-    for (number, line) in (1..).zip(script.lines()) {
-        let line = line.trim();
+/// Lines as they stand, with their numbers and what they mean; else each that means nothing.
+fn read_script<'a>(
+    name: &str,
+    script: &'a str,
+) -> Result<Vec<(usize, &'a str, Command)>, Vec<String>> {
+    let (mut lines, mut wrong) = (Vec::new(), Vec::new());
+    for (number, line) in (1..).zip(script.lines().map(str::trim)) {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
+        match Command::read(line) {
+            Ok(command) => lines.push((number, line, command)),
+            Err(sentence) => wrong.push(format!("{name}:{number}: {sentence}\n")),
+        }
+    }
+    if wrong.is_empty() { Ok(lines) } else { Err(wrong) }
+}
+
+/// Line by line; the first that fails ends it. Nothing is done where a line means nothing.
+fn run_script(control: Control, name: &str, script: &str, quiet: bool) -> Result<Ending, Refused> {
+    let lines = match read_script(name, script) {
+        Ok(lines) => lines,
+        Err(wrong) => {
+            say::err(&wrong.concat());
+            return Ok(Ending::Refused);
+        }
+    };
+    let mut session = Session::new(control);
+    for (number, line, command) in lines {
         if !quiet {
             say::out(&format!("> {line}\n"))?;
         }
-        let done = session.execute(line);
+        let done = session.execute(line, command);
         if !quiet {
             say::out(&session.take_said())?;
         }

@@ -70,9 +70,9 @@ impl Session {
         self.said.push('\n');
     }
 
-    /// A line; false: the last one.
-    pub(crate) fn execute(&mut self, line: &str) -> Result<bool, Failure> {
-        match Command::read(line).map_err(Failure::Refused)? {
+    /// A line and what it means; false: the last one.
+    pub(crate) fn execute(&mut self, line: &str, command: Command) -> Result<bool, Failure> {
+        match command {
             Command::Request(request) => self.request(&request)?,
             Command::Leased(request, lasts) => self.leased(&request, lasts)?,
             Command::Wait(condition, within) => {

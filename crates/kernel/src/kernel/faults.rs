@@ -173,9 +173,10 @@ impl Kernel {
         taken
     }
 
-    /// A drive or an encoder is gone, and everything stands: outputs off.
+    /// A drive or an encoder is gone, or a loop still pushes at what it could not move, and everything stands: outputs off.
     pub(super) fn let_go(&mut self) {
-        let Some(stood) = self.drive_lost else { return };
+        let pushes = || self.drives.check_following().is_err().then_some(0);
+        let Some(stood) = self.drive_lost.or_else(pushes) else { return };
         let mut spindles = self.drives.spindles.iter().flatten();
         let stands = self.is_standing() && spindles.all(SpindleLoop::at_rest);
         let stood = if stands { stood + 1 } else { 0 };

@@ -120,7 +120,7 @@ impl Dice {
     /// One of all that can happen, with its measure at random: either sign, small and large alike.
     pub fn fault(&mut self) -> Fault {
         let sign = if self.unit() < 0.5 { -1.0 } else { 1.0 };
-        match (self.unit() * 13.0) as u32 {
+        match (self.unit() * 14.0) as u32 {
             0 => Fault::PowerCut,
             1 => Fault::Kill,
             2 => Fault::EmergencyStop,
@@ -135,6 +135,7 @@ impl Dice {
             }
             10 => Fault::Late,
             11 => Fault::Missed,
+            12 => Fault::FeedbackLost(Time::s(0.25e-3 * 400.0_f64.powf(self.unit()))),
             _ => Fault::TorqueLoss(0, self.unit()),
         }
     }
