@@ -48,3 +48,20 @@ test('what is no saved trace is refused with its place', () => {
   assert.throws(() => recordOf('time_s,a\n0,1\n1,x\n'), /line 3: "x" is no number/);
   assert.throws(() => recordOf('time_s,a\n0,1\n0,1\n'), /two rows whose time grows/);
 });
+
+test('one signal against another is drawn sample by sample, however long the span: a circle stays a circle, a gap a gap', async () => {
+  const { curveOf } = await vite.ssrLoadModule('/src/scope/draw.ts');
+  const { SampleRecord } = await vite.ssrLoadModule('/src/scope/record.ts');
+  const [rows, period_s] = [40_000, 0.00025];
+  const record = new SampleRecord(['a', 'b'], period_s, rows);
+  const angle = (row) => (2 * Math.PI * 37 * row) / rows;
+  const columns = [Float32Array.from({ length: rows }, (_, row) => Math.cos(angle(row))), Float32Array.from({ length: rows }, (_, row) => Math.sin(angle(row)))];
+  columns[1].fill(NaN, 10_000, 10_100);
+  record.add({ rows, start_s: 0, period_s, signals: ['a', 'b'], lost_rows: 0, columns });
+  const curve = curveOf(record, [0, 1], 0, rows * period_s, 400);
+  const gaps = curve.points.filter(([a]) => Number.isNaN(a));
+  assert.equal(gaps.length, 1);
+  for (const [a, b] of curve.points) if (!Number.isNaN(a)) assert.ok(Math.abs(Math.hypot(a, b) - 1) < 1e-6, `${a} ${b}`);
+  assert.ok(curve.points.length > 2000 && curve.points.length < rows, `${curve.points.length}`);
+  assert.deepEqual([curve.x, curve.y].flat().map((value) => Math.round(value * 1e4) / 1e4), [-1, 1, -1, 1]);
+});

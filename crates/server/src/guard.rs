@@ -44,8 +44,9 @@ pub(crate) async fn guard(
     };
     let headers = response.headers_mut();
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
-    headers.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
-    headers.insert(header::X_FRAME_OPTIONS, HeaderValue::from_static("DENY"));
+    // a report has a policy of its own
+    headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(POLICY));
+    headers.entry(header::X_FRAME_OPTIONS).or_insert(HeaderValue::from_static("DENY"));
     headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     if is_api {
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
@@ -65,7 +66,7 @@ fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
     }
     let path = request.uri().path();
     let is_socket = matches!(path, "/api/v1/ws" | "/api/v1/lsp");
-    if (is_socket || !matches!(*request.method(), Method::GET | Method::HEAD))
+    if (is_socket || !is_read(request.method()))
         && let Some(origin) = text(headers, header::ORIGIN.as_str())
     {
         let from = origin.split_once("://").map(|(_, host)| host.to_ascii_lowercase());
@@ -77,11 +78,23 @@ fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
     let is_open =
         !path.starts_with("/api/") || matches!(path, "/api/v1/session" | "/api/v1/openapi.json");
     if !is_open {
-        let asked_in_address = request.uri().query().filter(|_| is_socket).and_then(session_of);
+        // what a browser opens in a window of its own says who asks in its address
+        let is_opened = is_socket || is_file_of_a_run(path);
+        let asked_in_address = request.uri().query().filter(|_| is_opened).and_then(session_of);
         let who = identify(app, headers, asked_in_address)?;
         request.extensions_mut().insert(who);
     }
     Ok(())
+}
+
+/// A file that is opened in a window of its own.
+fn is_file_of_a_run(path: &str) -> bool {
+    let of_a_run = path.strip_prefix("/api/v1/runs/").and_then(|rest| rest.split_once('/'));
+    of_a_run.is_some_and(|(_, file)| matches!(file, "report" | "certificate"))
+}
+
+const fn is_read(method: &Method) -> bool {
+    matches!(*method, Method::GET | Method::HEAD)
 }
 
 /// `session=…` of a query.

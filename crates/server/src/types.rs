@@ -4,7 +4,7 @@ use crate::wire::{
     MachineAxis, MachineBody, MachineSpindle, OffsetBody, OperatorBody, OperatorOrder,
     OverrideRange, OverrideRanges, ProgramBody, RefusalBody, RequestBody, RequestNeeds, RunBody,
     RunDetailBody, RunTraceBody, RunTraceSignal, RunsBody, SavedBody, SegmentBody, SessionBody,
-    SessionOrder, StockBody, ToolBody, ToolFieldName,
+    SessionOrder, StockBody, ToolBody, ToolFieldName, ToolLifeBody,
 };
 use control::RealTimeFigures;
 use control::operation::hosted::FindingData;
@@ -65,6 +65,7 @@ pub fn typescript() -> String {
         SavedBody,
         OffsetBody,
         ToolBody,
+        ToolLifeBody,
         FeatureBody,
         AlarmBody,
         RunsBody,

@@ -20,7 +20,7 @@ impl Numbers {
     }
 }
 
-const REQUESTS: [&str; 13] = [
+const REQUESTS: [&str; 15] = [
     r#"{"request":"jog_increment","axis":"X","by_mm":10}"#,
     r#"{"request":"jog_increment","axis":"X","by_deg":10}"#,
     r#"{"request":"jog_continuous","axis":"Z","mm_per_min":-300}"#,
@@ -31,6 +31,8 @@ const REQUESTS: [&str; 13] = [
     r#"{"request":"start"}"#,
     r#"{"request":"manual_data_input","blocks":"G0 X10\nG1 Z-5 F100"}"#,
     r#"{"request":"edit_tool","tool":3,"field":"length","value_mm":100.5}"#,
+    r#"{"request":"limit_tool","tool":3,"uses":500}"#,
+    r#"{"request":"renew_tool","tool":3}"#,
     r#"{"request":"set_work_offset","work_offset":"G54","axis":"X","at_mm":-250}"#,
     r#"{"request":"feed_override","percent":80}"#,
     r#"{"request":"touch_off","axis":"Y","at_mm":0}"#,

@@ -2,8 +2,11 @@
 #![allow(clippy::unwrap_used)] // a test may panic
 mod common;
 
-use common::Served;
+use common::{How, Served};
 use serde_json::{Value, json};
+use server::{Role, Tokens};
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
 use std::path::Path;
 use std::time::Duration;
 
@@ -47,6 +50,9 @@ fn a_program_that_was_executed_is_found_with_report_certificate_and_trace() {
     let (_, report) = served.get(&format!("/runs/{id}/report"));
     let report = report.as_str().unwrap();
     assert!(report.starts_with("<!") && report.contains("plate.ngc"));
+    let told = headers(&served, &format!("/runs/{id}/report"));
+    assert!(told.contains("script-src 'unsafe-inline'") && told.contains("sandbox"), "{told}");
+    assert!(!told.contains("script-src 'self'"), "{told}");
 
     let signals = "z_control_setpoint_mm,spindle_rpm";
     let (status, trace) = served.get(&format!("/runs/{id}/trace?signals={signals}&columns=50"));
@@ -65,6 +71,42 @@ fn a_program_that_was_executed_is_found_with_report_certificate_and_trace() {
     let (status, answer) = served.get(&format!("/runs/{id}/trace?signals=nothing"));
     assert_eq!(status, 422);
     assert!(answer["reason"].as_str().unwrap().contains("z_control_setpoint_mm"), "{answer}");
+}
+
+/// The header of an answer, and its status.
+fn headers(served: &Served, path: &str) -> String {
+    let host = served.server.address();
+    let mut stream = TcpStream::connect(host).unwrap();
+    let line = format!("GET /api/v1{path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+    stream.write_all(line.as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    let end = answer.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
+    String::from_utf8(answer[..end].to_vec()).unwrap()
+}
+
+#[test]
+fn a_report_is_opened_in_a_window_of_its_own_by_the_session_in_its_address() {
+    let state = tempfile::tempdir().unwrap();
+    let tokens = state.path().join("tokens.toml");
+    let token =
+        Tokens::add(&tokens, "desk", Role::Operator, Duration::from_hours(1)).unwrap().token;
+    let served = Served::of(How {
+        pace: 40.0,
+        state: Some(state.path().join("state")),
+        token_file: Some(tokens),
+        ..How::default()
+    });
+    let opened = json!({ "name": "desk-1", "token": token });
+    let (status, session) = served.post("/session", &opened);
+    assert_eq!(status, 200, "{session}");
+    let session = session["session"].as_str().unwrap();
+    // a run that is not there: who asks is looked at before
+    let (with, without) = (format!("/runs/17/report?session={session}"), "/runs/17/report");
+    assert!(headers(&served, without).starts_with("HTTP/1.1 401"));
+    assert!(headers(&served, &with).starts_with("HTTP/1.1 404"));
+    let status = format!("/status?session={session}");
+    assert!(headers(&served, &status).starts_with("HTTP/1.1 401"));
 }
 
 #[test]

@@ -332,7 +332,7 @@ failed: number,
  */
 not_judged: number, };
 
-export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, };
+export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
 
 export type ToolFieldName = "length" | "diameter" | "wear_length" | "wear_radius";
 
@@ -702,7 +702,45 @@ wear_length_mm: number,
 /**
  * Wear of the radius, which is added.
  */
-wear_radius_mm: number, };
+wear_radius_mm: number, 
+/**
+ * How much it has cut, and may.
+ */
+life: ToolLifeBody, };
+
+export type ToolLifeBody = { 
+/**
+ * Holes drilled or tapped; other cuts between two tool changes are one together.
+ */
+uses: number, 
+/**
+ * At most.
+ */
+most_uses: number | null, 
+/**
+ * Time in cutting moves, s.
+ */
+time_s: number, 
+/**
+ * At most, s.
+ */
+most_time_s: number | null, 
+/**
+ * Length of cutting moves, mm.
+ */
+cut_mm: number, 
+/**
+ * At most, mm.
+ */
+most_cut_mm: number | null, 
+/**
+ * The limit that is reached, in words.
+ */
+reached: string | null, 
+/**
+ * A program that takes it at its limit is refused; else it is said.
+ */
+is_refused_at_limit: boolean, };
 
 export type FeatureBody = { 
 /**
@@ -848,7 +886,11 @@ runs: Array<RunBody>,
 /**
  * There are more.
  */
-is_shortened: boolean, };
+is_shortened: boolean, 
+/**
+ * Runs are kept: there is a folder for them.
+ */
+is_kept: boolean, };
 
 export type RunBody = { 
 /**

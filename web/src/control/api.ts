@@ -53,6 +53,11 @@ export async function put(path: string, text: string): Promise<Response> {
   return ask(path, { method: 'PUT', headers: { 'content-type': 'text/plain' }, body: text });
 }
 
+/** An address of a file of the control, for a window of its own. */
+export function fileAddress(path: string): string {
+  return `${base}${path}${session ? `?session=${encodeURIComponent(session)}` : ''}`;
+}
+
 export function socketAddress(path = '/ws'): string {
   return `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${base}${path}${session ? `?session=${encodeURIComponent(session)}` : ''}`;
 }

@@ -1,7 +1,7 @@
 // What a jog key does, by the step that is chosen: a lease while it is held, or one step.
 import { jogLease } from './jog.svelte';
 import { machine } from './machine.svelte';
-import { manual } from './manual.svelte';
+import { manual, stepOf } from './manual.svelte';
 import { request } from './requests';
 
 export function jog(letter: string, sign: string): void {
@@ -9,6 +9,6 @@ export function jog(letter: string, sign: string): void {
   if (manual.step === 0) {
     jogLease.start(letter + sign, { request: 'jog_continuous', axis: letter, ...machine.perMin(letter, way * manual.speed(letter)) });
   } else {
-    void request('jog_increment', { axis: letter, ...machine.named('by', letter, way * manual.step) });
+    void request('jog_increment', { axis: letter, ...machine.named('by', letter, way * stepOf(letter, manual.step)) });
   }
 }

@@ -9,15 +9,31 @@ const read = (): PageName => {
   return pageNames.includes(name) ? name : 'machine';
 };
 
+const parts = (): string[] => location.hash.slice(1).split('/').map(decoded);
+
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
 class Route {
   page = $state<PageName>(read());
+  #parts = $state.raw<string[]>(parts());
 
   constructor() {
-    addEventListener('hashchange', () => (this.page = read()));
+    addEventListener('hashchange', () => ([this.page, this.#parts] = [read(), parts()]));
   }
 
-  go(page: PageName): void {
-    location.hash = page;
+  /** What stands behind the page's name: `#results/runs/17` has "runs" at 1. */
+  part(index: number): string {
+    return this.#parts[index] ?? '';
+  }
+
+  go(page: PageName, ...behind: string[]): void {
+    location.hash = [page, ...behind.filter((part) => part !== '').map(encodeURIComponent)].join('/');
   }
 }
 

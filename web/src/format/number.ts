@@ -25,11 +25,21 @@ export function unitName(unit: 'mm' | 'deg', display: DisplayUnit): string {
   return display === 'inch' ? 'in' : 'mm';
 }
 
+/** A number in the unit of the display, in mm (or degrees). */
+export function inMillimetres(value: number, unit: 'mm' | 'deg', display: DisplayUnit): number {
+  return unit === 'mm' && display === 'inch' ? value * mm_per_inch : value;
+}
+
+/** A number in mm (or degrees), in the unit of the display. */
+export function inDisplay(value: number, unit: 'mm' | 'deg', display: DisplayUnit): number {
+  return unit === 'mm' && display === 'inch' ? value / mm_per_inch : value;
+}
+
 /** What was typed in the unit of the display, in mm (or degrees); null: no number. */
 export function typed(text: string, unit: 'mm' | 'deg', display: DisplayUnit): number | null {
   const value = Number(text.trim().replace(minus, '-').replace(',', '.'));
   if (text.trim() === '' || !Number.isFinite(value)) return null;
-  return unit === 'mm' && display === 'inch' ? value * mm_per_inch : value;
+  return inMillimetres(value, unit, display);
 }
 
 /** A length as one edits it: no sign of plus, in the unit of the display. */

@@ -72,10 +72,15 @@ class Scope {
     if (this.trigger_s !== null && record.end_s >= this.trigger_s + this.span_s - before_s) this.stop();
   }
 
+  /** The moment at 0 of the time axis: the trigger, or now. */
+  get zero_s(): number {
+    return this.trigger_s ?? this.record?.end_s ?? 0;
+  }
+
   draw(): void {
     const record = this.record;
     if (!record) return;
-    const zero_s = this.trigger_s ?? record.end_s;
+    const { zero_s } = this;
     const before_s = this.trigger_s === null ? this.span_s : (this.span_s * this.pretrigger_percent) / 100;
     this.from = -before_s;
     this.to = this.span_s - before_s;

@@ -39,7 +39,7 @@ const WAITS: Time = Time::s(600.0);
 const JOGS: Time = Time::s(1.0);
 
 /// What can be typed: words, and what they do.
-pub(crate) const WORDS: [(&str, &str); 41] = [
+pub(crate) const WORDS: [(&str, &str); 43] = [
     ("power on|off", "drives on or off"),
     ("emergency stop|release", "press or release the emergency stop of the simulated machine"),
     ("home [AXIS]", "home an axis, or all in the machine's order"),
@@ -73,6 +73,8 @@ pub(crate) const WORDS: [(&str, &str); 41] = [
     ("offset G54 AXIS -250", "set a work offset, machine coordinates"),
     ("tool 3 wear length|radius -0.02", "its wear, mm, which is added"),
     ("tool 3 length|diameter 120.5", "what the control believes of a tool, mm"),
+    ("tool 3 limit 500|none", "holes or threads that it may cut"),
+    ("tool 3 renew", "a new one is in its place: its life begins anew, its wear is 0"),
     ("wait STATE [within 60 s]", "until the control is so; see below"),
     ("wait 2 s", "let machine time pass"),
     ("status [json]", "how it is"),
@@ -144,19 +146,29 @@ impl Command {
                 axis(letter)?,
                 coordinate(at)?,
             )),
-            ["tool", tool, "wear", field, value] => Self::Request(Request::EditTool(
-                tool.parse().map_err(|_| format!("expected a tool's number, found \"{tool}\""))?,
+            ["tool", number, "renew"] => Self::Request(Request::RenewTool(tool(number)?)),
+            ["tool", number, "limit", "none"] => {
+                Self::Request(Request::LimitTool(tool(number)?, None))
+            }
+            ["tool", number, "limit", uses] => {
+                let uses = uses
+                    .parse()
+                    .map_err(|_| format!("expected a number of uses, or none, found \"{uses}\""))?;
+                Self::Request(Request::LimitTool(tool(number)?, Some(uses)))
+            }
+            ["tool", number, "wear", field, value] => Self::Request(Request::EditTool(
+                tool(number)?,
                 match *field {
                     "length" => ToolField::WearLength,
                     "radius" => ToolField::WearRadius,
                     _ => return Err(format!("expected length or radius, found \"{field}\"")),
                 },
-                number(value)?,
+                self::number(value)?,
             )),
-            ["tool", tool, field, value] => Self::Request(Request::EditTool(
-                tool.parse().map_err(|_| format!("expected a tool's number, found \"{tool}\""))?,
+            ["tool", number, field, value] => Self::Request(Request::EditTool(
+                tool(number)?,
                 field_of(field)?,
-                number(value)?,
+                self::number(value)?,
             )),
             ["wait", rest @ ..] => wait(rest)?,
             ["status"] => Self::Status(false),
@@ -280,6 +292,10 @@ fn work_offset(text: &str) -> Result<u8, String> {
     let at = names.iter().position(|name| name.eq_ignore_ascii_case(text));
     at.map(|at| at as u8 + 1)
         .ok_or_else(|| format!("expected a work offset from G54 to G59.3, found \"{text}\""))
+}
+
+fn tool(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| format!("expected a tool's number, found \"{text}\""))
 }
 
 fn field_of(text: &str) -> Result<ToolField, String> {

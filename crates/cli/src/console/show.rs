@@ -138,7 +138,7 @@ pub(super) fn offsets(control: &Control) -> String {
 pub(super) fn tools(control: &Control) -> String {
     let mut text = String::new();
     for tool in control.tools() {
-        let _ = writeln!(
+        let _ = write!(
             text,
             "  T{} {}: length {:.3} mm, diameter {:.3} mm",
             tool.number,
@@ -146,6 +146,11 @@ pub(super) fn tools(control: &Control) -> String {
             tool.length.value(),
             tool.diameter.value()
         );
+        let (used, most) = (tool.life.used.uses, tool.life.limit.uses);
+        let _ = match most {
+            Some(most) => writeln!(text, ", {used} of {most} uses"),
+            None => writeln!(text, ", {used} uses"),
+        };
     }
     text
 }

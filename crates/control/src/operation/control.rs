@@ -16,7 +16,7 @@ use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
 use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
 use bus::{AXES, State};
-use canon::{Axis, Position, ToolLibrary};
+use canon::{Axis, Position, ToolLibrary, ToolUse, ToolWear};
 use interp::OpsRest;
 use kernel::{Kernel, Pause, WaitFor};
 use sim::Faulty;
@@ -233,6 +233,12 @@ impl Control {
             Request::TouchOff(axis, at) => self.touch_off(*axis, *at),
             Request::SetWorkOffset(system, axis, at) => self.set_work_offset(*system, *axis, *at),
             Request::EditTool(number, field, value) => self.edit_tool(*number, *field, *value),
+            Request::RenewTool(number) => self.change_tool(*number, |tool| {
+                (tool.life.used, tool.wear) = (ToolUse::default(), ToolWear::default());
+            }),
+            Request::LimitTool(number, uses) => {
+                self.change_tool(*number, |tool| tool.life.limit.uses = *uses)
+            }
         }
     }
 

@@ -77,14 +77,6 @@ impl Control {
         field: ToolField,
         value: f64,
     ) -> Result<Accepted, Refusal> {
-        let Some(tool) = self.data.tools.get(number) else {
-            let known: Vec<_> =
-                self.data.tools.iter().map(|tool| tool.number.to_string()).collect();
-            return Err(Refusal::because(format!(
-                "there is no tool {number}: the table has {}",
-                known.join(", ")
-            )));
-        };
         let is_wear = matches!(field, ToolField::WearLength | ToolField::WearRadius);
         if is_wear && (!value.is_finite() || value.abs() > MOST_WEAR) {
             return Err(Refusal::because(format!(
@@ -96,15 +88,32 @@ impl Control {
                 "a tool measures from 0 to {LONGEST:.0} mm, found {value}"
             )));
         }
+        self.change_tool(number, |tool| match field {
+            ToolField::Length => tool.length = Length::mm(value),
+            ToolField::Diameter => tool.diameter = Length::mm(value),
+            ToolField::WearLength => tool.wear.length = Length::mm(value),
+            ToolField::WearRadius => tool.wear.radius = Length::mm(value),
+        })
+    }
+
+    /// Change a tool and keep it; what the disk does not take is not changed.
+    pub(super) fn change_tool(
+        &mut self,
+        number: u32,
+        change: impl FnOnce(&mut Tool),
+    ) -> Result<Accepted, Refusal> {
+        let Some(tool) = self.data.tools.get(number) else {
+            let known: Vec<_> =
+                self.data.tools.iter().map(|tool| tool.number.to_string()).collect();
+            return Err(Refusal::because(format!(
+                "there is no tool {number}: the table has {}",
+                known.join(", ")
+            )));
+        };
         let before = tool.clone();
-        let mut edited: Tool = tool.clone();
-        match field {
-            ToolField::Length => edited.length = Length::mm(value),
-            ToolField::Diameter => edited.diameter = Length::mm(value),
-            ToolField::WearLength => edited.wear.length = Length::mm(value),
-            ToolField::WearRadius => edited.wear.radius = Length::mm(value),
-        }
-        self.data.tools.insert(edited);
+        let mut changed = tool.clone();
+        change(&mut changed);
+        self.data.tools.insert(changed);
         if let Err(why) = self.keep_tools() {
             self.data.tools.insert(before);
             return Err(why);

@@ -85,6 +85,10 @@ pub enum Request {
     SetWorkOffset(u8, Axis, Coordinate),
     /// Set what the control believes of a tool, mm.
     EditTool(u32, ToolField, f64),
+    /// A new tool is in its place: its life begins anew, and it is not worn.
+    RenewTool(u32),
+    /// So many holes or threads a tool may cut; none: they are only counted.
+    LimitTool(u32, Option<u32>),
 }
 
 /// What of a tool is edited.
@@ -168,9 +172,12 @@ impl Request {
             Self::Jog(..) | Self::TurnSpindle(..) | Self::OrientSpindle(..) => {
                 &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoTapInThread]
             }
-            Self::Load(_) | Self::BlockSkip(..) | Self::SetWorkOffset(..) | Self::EditTool(..) => {
-                &[NoProgramUnderWay]
-            }
+            Self::Load(_)
+            | Self::BlockSkip(..)
+            | Self::SetWorkOffset(..)
+            | Self::EditTool(..)
+            | Self::RenewTool(_)
+            | Self::LimitTool(..) => &[NoProgramUnderWay],
             Self::Search(_) => &[ProgramLoaded, NoProgramUnderWay],
             Self::Start => &[
                 ProgramLoaded,

@@ -46,6 +46,7 @@ pub(super) async fn report(
     let headers = [
         (header::CONTENT_TYPE, "text/html; charset=utf-8"),
         (header::CONTENT_SECURITY_POLICY, POLICY_OF_REPORT),
+        (header::X_FRAME_OPTIONS, "SAMEORIGIN"),
     ];
     Ok((headers, text).into_response())
 }

@@ -127,7 +127,7 @@ impl Runs {
             found.filter(|run| search.finds(run)).take(MOST_LISTED + 1).collect();
         let is_shortened = runs.len() > MOST_LISTED;
         runs.truncate(MOST_LISTED);
-        RunsBody { runs, is_shortened }
+        RunsBody { runs, is_shortened, is_kept: self.folder.is_some() }
     }
 
     /// A file of a run.

@@ -1,10 +1,11 @@
 //! Programs, offsets, tools and alarms.
 use super::Shown;
-use canon::{Tool, ToolKind};
+use canon::{AtLimit, Tool, ToolKind, ToolLife};
 use control::operation::hosted::WorkOffset;
 use control::operation::{Alarm, LoadedProgram, PathKind};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use units::{Length, Time};
 
 /// An alarm.
 #[derive(Clone, Debug, Serialize, ts_rs::TS, utoipa::ToSchema)]
@@ -80,6 +81,45 @@ pub(crate) struct ToolBody {
     pub wear_length_mm: f64,
     /// Wear of the radius, which is added.
     pub wear_radius_mm: f64,
+    /// How much it has cut, and may.
+    pub life: ToolLifeBody,
+}
+
+/// How much a tool has cut, and how much it may; what has no limit is only counted.
+#[derive(Clone, Debug, Serialize, ts_rs::TS, utoipa::ToSchema)]
+pub(crate) struct ToolLifeBody {
+    /// Holes drilled or tapped; other cuts between two tool changes are one together.
+    pub uses: u32,
+    /// At most.
+    pub most_uses: Option<u32>,
+    /// Time in cutting moves, s.
+    pub time_s: f64,
+    /// At most, s.
+    pub most_time_s: Option<f64>,
+    /// Length of cutting moves, mm.
+    pub cut_mm: f64,
+    /// At most, mm.
+    pub most_cut_mm: Option<f64>,
+    /// The limit that is reached, in words.
+    pub reached: Option<String>,
+    /// A program that takes it at its limit is refused; else it is said.
+    pub is_refused_at_limit: bool,
+}
+
+impl ToolLifeBody {
+    fn of(life: &ToolLife) -> Self {
+        let ToolLife { used, limit, at_limit } = life;
+        Self {
+            uses: used.uses,
+            most_uses: limit.uses,
+            time_s: used.time.value(),
+            most_time_s: limit.time.map(Time::value),
+            cut_mm: used.length.value(),
+            most_cut_mm: limit.length.map(Length::value),
+            reached: life.reached(),
+            is_refused_at_limit: *at_limit == AtLimit::Refuse,
+        }
+    }
 }
 
 impl ToolBody {
@@ -102,6 +142,7 @@ impl ToolBody {
             diameter_mm: tool.diameter.value(),
             wear_length_mm: tool.wear.length.value(),
             wear_radius_mm: tool.wear.radius.value(),
+            life: ToolLifeBody::of(&tool.life),
         }
     }
 }

@@ -15,7 +15,7 @@ pub(crate) use answers::{
 pub(crate) use feature::FeatureBody;
 pub(crate) use lists::{
     AlarmBody, FileBody, FolderBody, HoleBody, OffsetBody, ProgramBody, SavedBody, SegmentBody,
-    ToolBody,
+    ToolBody, ToolLifeBody,
 };
 pub(crate) use machine::{
     MachineAxis, MachineBody, MachineSpindle, OverrideRange, OverrideRanges, StockBody,

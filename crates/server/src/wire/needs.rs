@@ -66,6 +66,8 @@ fn samples() -> Vec<Request> {
         Request::TouchOff(axis, Coordinate::ZERO),
         Request::SetWorkOffset(1, axis, Coordinate::ZERO),
         Request::EditTool(1, ToolField::Length, 0.0),
+        Request::RenewTool(1),
+        Request::LimitTool(1, None),
     ]
 }
 
@@ -103,6 +105,8 @@ const fn name(request: &Request) -> &'static str {
         Request::TouchOff(..) => "touch_off",
         Request::SetWorkOffset(..) => "set_work_offset",
         Request::EditTool(..) => "edit_tool",
+        Request::RenewTool(_) => "renew_tool",
+        Request::LimitTool(..) => "limit_tool",
     }
 }
 

@@ -141,6 +141,10 @@ pub(crate) enum RequestBody {
     },
     /// Set what the control believes of a tool.
     EditTool { tool: u32, field: ToolFieldName, value_mm: f64 },
+    /// A new tool is in its place: its life begins anew, and it is not worn.
+    RenewTool { tool: u32 },
+    /// So many holes or threads a tool may cut; null: they are only counted.
+    LimitTool { tool: u32, uses: Option<u32> },
 }
 
 /// What of a tool is edited.
@@ -290,6 +294,8 @@ impl RequestBody {
                 };
                 Request::EditTool(tool, field, value_mm)
             }
+            Self::RenewTool { tool } => Request::RenewTool(tool),
+            Self::LimitTool { tool, uses } => Request::LimitTool(tool, uses),
         })
     }
 }

@@ -42,6 +42,8 @@ pub(crate) struct RunsBody {
     pub runs: Vec<RunBody>,
     /// There are more.
     pub is_shortened: bool,
+    /// Runs are kept: there is a folder for them.
+    pub is_kept: bool,
 }
 
 /// A run, with what it made.
