@@ -109,5 +109,5 @@ export async function ready(page, server) {
   await press(page, 'Power on');
   await until('the drives are ready', async () => (await server.status()).is_ready);
   await press(page, 'Home all');
-  await until('all axes are homed', async () => (await server.status()).axes.every((axis) => axis.is_homed), 150_000);
+  await until('all axes are homed', async () => (await server.status()).axes.every((axis) => axis.is_homed), 60_000);
 }

@@ -1,14 +1,16 @@
 // A machine with a tilting rotary table: what is said of A and C is degrees, what is said of X is millimetres.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { browser, open, ready, Server, until } from './helpers.mjs';
+import { browser, open, press, Server, until } from './helpers.mjs';
 
 let server; let on; let page;
 before(async () => {
   server = await Server.start(['--machine', 'mill-5-axis']);
   on = await browser();
   page = await open(on, server);
-  await ready(page, server);
+  // An axis may be jogged before it is homed.
+  await press(page, 'Power on');
+  await until('the drives are ready', async () => (await server.status()).is_ready);
 });
 after(async () => {
   await on?.close();
