@@ -1,7 +1,19 @@
-// The columns of a saved trace: `time_s` first, then a column for each signal; an empty field has no value.
+// A saved trace as text: `time_s` first, then a column for each signal; an empty field has no value.
+import type { SampleRecord } from './record';
 import { storedTexts as say } from '../texts/en';
 
 export interface Table { names: string[]; columns: Float32Array[]; period_s: number; start_s: number }
+
+/** A record as text: its conditions as lines of `#`, then a row for each period. */
+export function csvOf(record: SampleRecord, conditions: Record<string, string>): string {
+  const columns = record.signals.map((_, index) => record.column(index));
+  const lines = [...Object.entries(conditions).map(([name, value]) => `# ${name}: ${value}`), ['time_s', ...record.signals].join(',')];
+  for (let row = 0; row < record.rows; row++) {
+    const time = (record.start_s + row * record.period_s).toFixed(6);
+    lines.push([time, ...columns.map((column) => (Number.isNaN(column[row]) ? '' : String(column[row])))].join(','));
+  }
+  return lines.join('\n');
+}
 
 export function parsed(text: string): Table {
   const lines = text.split(/\r?\n/);

@@ -37,7 +37,11 @@ class Scope {
     this.lost = 0;
     this.state = waits ? 'waits' : 'runs';
     control.tell({ type: 'scope', signals: this.signals });
-    this.#stop = control.onScope((data) => this.#take(data));
+    const ends = [
+      control.onScope((data) => this.#take(data)),
+      control.on((message) => { if (message.type === 'event' && message.event === 'alarm') this.alarm(Number(message.time_s)); }),
+    ];
+    this.#stop = () => ends.forEach((end) => end());
   }
 
   stop(): void {
@@ -45,6 +49,11 @@ class Scope {
     this.#stop?.();
     this.#stop = null;
     if (this.state !== 'off') this.state = this.record ? 'taken' : 'off';
+  }
+
+  /** An alarm has come at this machine time. */
+  alarm(time_s: number): void {
+    if (this.state === 'waits' && this.edge === 'alarm') this.trigger_s ??= time_s;
   }
 
   #take(data: ArrayBuffer): void {

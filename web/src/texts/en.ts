@@ -217,9 +217,9 @@ export const offsetTexts = {
 export const scopeTexts = {
   signals: 'Signals',
   traces: 'Traces',
-  run: 'Run', single: 'Single', stop: 'Stop', save: 'Save', xy: 'One signal against another',
+  run: 'Run', single: 'Single', stop: 'Stop', save: 'Save', format: 'Format of the file', xy: 'One signal against another',
   trigger: 'Trigger', edge: 'Edge', level: 'Level', span: 'Span', pretrigger: 'Before it',
-  edges: { begins: 'begins', rising: 'rises above', falling: 'falls below' },
+  edges: { begins: 'begins', rising: 'rises above', falling: 'falls below', alarm: 'an alarm' },
   states: { off: 'Nothing is taken.', runs: 'Runs freely.', waits: 'Waits for the trigger.', taken: 'Taken.' },
   lost: (rows: number) => `${rows} rows lost`,
   noSignal: 'no signal is chosen: choose one below',
