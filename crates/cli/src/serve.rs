@@ -44,6 +44,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         },
         names: args.host_name.clone(),
         kept_runs: KeptRuns { most: args.runs.max(1), most_bytes: args.runs_mb << 20 },
+        mtconnect: (!args.no_mtconnect).then_some(server::MOST_OBSERVATIONS),
     })
     .map_err(|refused| Refused::because(refused.0))?;
     say::out(&format!("{}\n", server.url()))?;

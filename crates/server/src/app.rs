@@ -1,6 +1,7 @@
 //! What all handlers share.
 use crate::answer::ApiError;
 use crate::folder::Folder;
+use crate::mtconnect::Monitoring;
 use crate::rights::Rights;
 use crate::runs::Runs;
 use crate::tokens::Tokens;
@@ -31,6 +32,8 @@ pub(crate) struct App {
     /// Editors with a language server.
     pub(crate) editors: Arc<Semaphore>,
     pub(crate) tokens: Option<Tokens>,
+    /// The `MTConnect` agent; `None`: there is none.
+    pub(crate) monitoring: Option<Arc<Monitoring>>,
     /// Told of each picture.
     pub(crate) pictures: watch::Receiver<u64>,
     pub(crate) sockets: Arc<Semaphore>,
@@ -46,7 +49,7 @@ impl App {
     pub(crate) fn new(
         client: Client,
         (folder, runs, program): (Folder, Runs, ProgramOptions),
-        tokens: Option<Tokens>,
+        (tokens, monitoring): (Option<Tokens>, Option<Arc<Monitoring>>),
         pictures: watch::Receiver<u64>,
         hosts: Vec<String>,
     ) -> Self {
@@ -57,6 +60,7 @@ impl App {
             program,
             editors: Arc::new(Semaphore::new(MOST_EDITORS)),
             tokens,
+            monitoring,
             pictures,
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
             hosts,

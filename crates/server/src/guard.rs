@@ -13,6 +13,7 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Header with the session's id.
 pub(crate) const SESSION: &str = "x-leadscrew-session";
@@ -37,7 +38,8 @@ pub(crate) async fn guard(
     mut request: Request,
     next: Next,
 ) -> Response {
-    let is_api = request.uri().path().starts_with("/api/");
+    let path = request.uri().path();
+    let is_data = path.starts_with("/api/") || path.starts_with("/mtconnect");
     let mut response = match look(&app, &mut request) {
         Ok(()) => next.run(request).await,
         Err(error) => error.into_response(),
@@ -48,7 +50,7 @@ pub(crate) async fn guard(
     headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(POLICY));
     headers.entry(header::X_FRAME_OPTIONS).or_insert(HeaderValue::from_static("DENY"));
     headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
-    if is_api {
+    if is_data {
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     }
     response
@@ -126,6 +128,14 @@ fn identify(app: &App, headers: &HeaderMap, address: Option<&str>) -> Result<Who
     app.rights().open(&session, &name, (role, left), now)?;
     app.rights().seen(&session, now)?;
     Ok(Who { session })
+}
+
+/// Who only reads what is observed of the machine needs a token where there are some, and opens no session; for how long it lasts.
+pub(crate) fn may_watch(app: &App, headers: &HeaderMap) -> Result<Option<Duration>, NoToken> {
+    let Some(tokens) = &app.tokens else { return Ok(None) };
+    let bearer = text(headers, header::AUTHORIZATION.as_str());
+    let token = bearer.and_then(|value| value.strip_prefix("Bearer "));
+    tokens.find(token.unwrap_or_default()).map(|known| known.left)
 }
 
 /// Without a token nothing is told.

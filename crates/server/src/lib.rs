@@ -14,6 +14,7 @@
 //! | `tokens`, `tls` | the file of tokens; the certificate |
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
+//! | `mtconnect` | the `MTConnect` agent's addresses and streams |
 //! | `language` | the language server for an editor of the page |
 //! | `wire` | what goes over the wire, as types |
 //! | `runs` | the history of runs: folders, what is kept, columns of traces |
@@ -29,6 +30,7 @@ mod folder;
 mod guard;
 mod language;
 mod listen;
+mod mtconnect;
 mod page;
 mod rights;
 mod routes;
@@ -40,6 +42,7 @@ mod tokens;
 pub mod types;
 mod wire;
 
+pub use ::mtconnect::MOST_OBSERVATIONS;
 pub use listen::{Refused, Server, ServerOptions};
 pub use rights::Role;
 pub use routes::openapi;

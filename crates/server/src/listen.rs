@@ -3,6 +3,7 @@
 //! A connection has to send its header in time, or it is closed; there are so many at once, and one more is answered 503.
 use crate::app::App;
 use crate::folder::Folder;
+use crate::mtconnect::{self, Monitoring};
 use crate::page::Page;
 use crate::runs::{KeptRuns, Recorder, Runs};
 use crate::tls::{Certificate, Tls};
@@ -62,6 +63,8 @@ pub struct ServerOptions {
     pub names: Vec<String>,
     /// How many runs are kept in the state folder.
     pub kept_runs: KeptRuns,
+    /// An `MTConnect` agent answers below `/mtconnect`, which keeps so many observations; `None`: there is none.
+    pub mtconnect: Option<usize>,
 }
 
 /// A control that is served, until it is dropped.
@@ -111,10 +114,17 @@ impl Server {
             .map_err(|e| Refused(format!("cannot listen on {address}: {e}")))?;
         let address = listener.local_addr().map_err(|e| Refused(e.to_string()))?;
         let hosts = hosts(&names, address.port());
-        let app = App::new(hosted.client(), (folder, runs, program), tokens, pictures, hosts);
+        let monitoring = options.mtconnect.map(|most| Monitoring::new(&hosted.client(), most));
+        let monitoring = monitoring.map(Arc::new);
+        let open = (tokens, monitoring);
+        let app = App::new(hosted.client(), (folder, runs, program), open, pictures, hosts);
+        let app = Arc::new(app);
+        if let Some(monitoring) = &app.monitoring {
+            runtime.spawn(mtconnect::feed(Arc::clone(&app), Arc::clone(monitoring), pace));
+        }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
-        runtime.spawn(accept(listener, acceptor, router(Arc::new(app))));
+        runtime.spawn(accept(listener, acceptor, router(app)));
         Ok(Self {
             address,
             fingerprint,
@@ -203,10 +213,20 @@ fn router(app: Arc<App>) -> Router {
                     .with_remedy("/api/v1/openapi.json lists them")
                     .into_response();
             }
+            if request.uri().path().starts_with("/mtconnect") {
+                let reason = "this control is served without an MTConnect agent";
+                return crate::answer::ApiError::new(StatusCode::NOT_FOUND, reason)
+                    .with_remedy("serve it without --no-mtconnect")
+                    .into_response();
+            }
             page.answer(&request)
         }
     };
-    routes::router()
+    let router = match app.monitoring {
+        Some(_) => routes::router().merge(mtconnect::router()),
+        None => routes::router(),
+    };
+    router
         .fallback(rest)
         .layer(axum::middleware::from_fn_with_state(Arc::clone(&app), guard::guard))
         .with_state(app)

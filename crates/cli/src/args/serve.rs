@@ -56,6 +56,9 @@ pub(crate) struct ServeArgs {
     /// Name by which clients call this computer; may be given more than once
     #[arg(long, value_name = "NAME")]
     pub(crate) host_name: Vec<String>,
+    /// Do not let programs read the machine as an MTConnect 2.4 agent, below /mtconnect
+    #[arg(long)]
+    pub(crate) no_mtconnect: bool,
     /// Make a token, add its hash to this file, say it once and end
     #[arg(long, value_name = "FILE", conflicts_with = "token_file")]
     pub(crate) new_token: Option<PathBuf>,

@@ -59,6 +59,6 @@ pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
     AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
-    Switches, WaitingStatus,
+    Switches, WaitingStatus, said_of,
 };
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};

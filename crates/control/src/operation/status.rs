@@ -377,7 +377,7 @@ fn count(features: &[Feature]) -> FeatureCount {
 }
 
 /// A feature and its verdict, in one line.
-pub(super) fn said_of(feature: &Feature) -> String {
+pub fn said_of(feature: &Feature) -> String {
     let (line, kind) = (feature.line, feature.kind_name());
     match feature.verdict.reason() {
         None => format!("line {line}: {kind}: good"),

@@ -6,6 +6,7 @@ use control::job::ProgramOptions;
 use control::operation::ControlOptions;
 use serde_json::{Value, json};
 use server::{Certificate, KeptRuns, Server, ServerOptions};
+use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -39,6 +40,7 @@ pub struct How {
     pub kept: KeptRuns,
     pub simulator: Option<PathBuf>,
     pub real_time: Option<RealTimeOptions>,
+    pub mtconnect: Option<usize>,
 }
 
 impl Default for How {
@@ -53,6 +55,7 @@ impl Default for How {
             kept: KeptRuns::default(),
             simulator: None,
             real_time: None,
+            mtconnect: Some(server::MOST_OBSERVATIONS),
         }
     }
 }
@@ -108,6 +111,7 @@ impl Served {
             certificate: how.certificate,
             names: Vec::new(),
             kept_runs: how.kept,
+            mtconnect: how.mtconnect,
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()
@@ -139,6 +143,25 @@ impl Served {
             request = request.header(*name, *value);
         }
         Self::read(request.call())
+    }
+
+    /// A request as it is written, outside the API.
+    pub fn raw(&self, method: &str, path: &str, headers: &[(&str, &str)]) -> (u16, String) {
+        let address = self.server.address();
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(COMES)).unwrap();
+        let mut head = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");
+        if !headers.iter().any(|(name, _)| *name == "host") {
+            head += &format!("Host: {address}\r\n");
+        }
+        for (name, value) in headers {
+            head += &format!("{name}: {value}\r\n");
+        }
+        stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        (head.split(' ').nth(1).unwrap().parse().unwrap(), body.to_owned())
     }
 
     pub fn post_with(&self, path: &str, body: &[u8], headers: &[(&str, &str)]) -> (u16, Value) {

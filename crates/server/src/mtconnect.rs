@@ -1,0 +1,414 @@
+//! The `MTConnect` agent over HTTP: below `/mtconnect`, read by GET alone.
+//!
+//! ```text
+//!   probe                            what the machine is made of
+//!   current ?path &at|interval       what is true
+//!   sample  ?path &from &count &to   what was observed; &interval &heartbeat: a stream, multipart/x-mixed-replace
+//!   asset, asset/ID;ID               cutting tools
+//!   schemas/…                        the schema of what is ours
+//! ```
+//!
+//! A device may stand before the request: `/mtconnect/tapping-center/current`. Nothing is kept for a client that streams but the
+//! number of its next observation: one that reads too slowly is told that it is out of range, and its stream ends.
+use crate::app::App;
+use crate::guard;
+use crate::tokens::{NoToken, hex};
+use ::mtconnect::{
+    Agent, AssetQuery, CurrentQuery, Element, ErrorCode, Identity, Observable, ProbeQuery,
+    QueryError, SampleQuery,
+};
+use axum::Router;
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::{Path, Request, State};
+use axum::http::{HeaderMap, Method, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::any;
+use control::clock::{now, unix_ms};
+use control::operation::hosted::Client;
+use hyper::body::Frame;
+use sha2::{Digest, Sha256};
+use std::convert::Infallible;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
+use tokio::sync::{Semaphore, mpsc, watch};
+
+/// Streams at once.
+const MOST_STREAMS: usize = 64;
+/// No stream has documents more often: pictures come no sooner.
+const LEAST_INTERVAL: Duration = Duration::from_millis(20);
+/// A document of a stream is taken within so long, or its client is gone.
+const SENT: Duration = Duration::from_secs(10);
+/// Between two documents of a stream.
+const BOUNDARY: &str = "leadscrew-mtconnect-document";
+
+/// The agent, and what tells its streams that there is something new.
+pub(crate) struct Monitoring {
+    agent: Mutex<Agent>,
+    /// The next sequence number.
+    grown: watch::Sender<u64>,
+    streams: Arc<Semaphore>,
+}
+
+impl Monitoring {
+    /// Of a control; so many observations are kept.
+    pub(crate) fn new(client: &Client, most: usize) -> Self {
+        let machine = client.machine();
+        let unix_ms = unix_ms();
+        let identity = Identity { uuid: uuid(&machine.name), instance: unix_ms.max(1), unix_ms };
+        Self {
+            agent: Mutex::new(Agent::new(machine, identity, most)),
+            grown: watch::Sender::new(1),
+            streams: Arc::new(Semaphore::new(MOST_STREAMS)),
+        }
+    }
+
+    /// For a moment: never across an await.
+    fn agent(&self) -> MutexGuard<'_, Agent> {
+        self.agent.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The same for this computer and this machine each time: by the id that its system was installed with.
+fn uuid(machine: &str) -> String {
+    let system = std::fs::read_to_string("/etc/machine-id").unwrap_or_default();
+    let digest = hex(&Sha256::digest(format!("{}\n{machine}", system.trim())));
+    // RFC 9562: version 8 is made by a rule of one's own
+    let parts = [&digest[..8], &digest[8..12], &digest[13..16], &digest[17..20], &digest[20..32]];
+    format!("{}-{}-8{}-8{}-{}", parts[0], parts[1], parts[2], parts[3], parts[4])
+}
+
+/// Pictures and events become observations, until the control has ended.
+pub(crate) async fn feed(app: Arc<App>, monitoring: Arc<Monitoring>, pace: f64) {
+    let mut pictures = app.pictures.clone();
+    let mut last = 0;
+    while {
+        last = observe(&app, &monitoring, last, pace);
+        pictures.changed().await.is_ok()
+    } {}
+}
+
+/// What there is to observe after an event; the last event that there is.
+fn observe(app: &App, monitoring: &Monitoring, after: u64, pace: f64) -> u64 {
+    // events first: a picture that is taken afterwards is no older
+    let (events, lost, last) = app.client.events_after(after);
+    let picture = app.client.latest();
+    let shown = |text: &str| app.folder.shown(text);
+    let unix_ms = unix_ms();
+    let seen =
+        Observable { picture: &picture, events: &events, lost, unix_ms, pace, shown: &shown };
+    let next = {
+        let mut agent = monitoring.agent();
+        agent.observe(&seen);
+        agent.next()
+    };
+    monitoring.grown.send_if_modified(|known| {
+        let is_new = *known != next;
+        *known = next;
+        is_new
+    });
+    last
+}
+
+/// Its addresses.
+pub(crate) fn router() -> Router<Arc<App>> {
+    let root =
+        |state: State<Arc<App>>, request: Request| async move { answer(state, "", &request) };
+    let below = |state: State<Arc<App>>, path: Result<Path<String>, _>, request: Request| {
+        let path: Result<_, axum::extract::rejection::PathRejection> = path;
+        // what is no UTF-8 names nothing that there is
+        async move { answer(state, path.as_ref().map_or("?", |Path(path)| path.as_str()), &request) }
+    };
+    Router::new()
+        .route("/mtconnect", any(root))
+        .route("/mtconnect/", any(root))
+        .route("/mtconnect/{*path}", any(below))
+}
+
+/// How documents are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Notation {
+    Xml,
+    Json,
+}
+
+impl Notation {
+    fn asked(headers: &HeaderMap) -> Self {
+        let accept = headers.get(header::ACCEPT).and_then(|value| value.to_str().ok());
+        let is_json = accept
+            .is_some_and(|accept| accept.contains("application/json") && !accept.contains("xml"));
+        if is_json { Self::Json } else { Self::Xml }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Xml => "text/xml",
+            Self::Json => "application/json",
+        }
+    }
+
+    fn write(self, document: &Element) -> Vec<u8> {
+        match self {
+            Self::Xml => document.xml(),
+            Self::Json => document.json(),
+        }
+    }
+
+    fn response(self, status: StatusCode, document: &Element) -> Response {
+        (status, [(header::CONTENT_TYPE, self.name())], self.write(document)).into_response()
+    }
+}
+
+const fn status(code: ErrorCode) -> StatusCode {
+    match code {
+        ErrorCode::Unauthorized => StatusCode::UNAUTHORIZED,
+        ErrorCode::NoDevice
+        | ErrorCode::OutOfRange
+        | ErrorCode::InvalidUri
+        | ErrorCode::AssetNotFound => StatusCode::NOT_FOUND,
+        ErrorCode::TooMany | ErrorCode::InvalidRequest | ErrorCode::InvalidPath => {
+            StatusCode::BAD_REQUEST
+        }
+        ErrorCode::Unsupported => StatusCode::METHOD_NOT_ALLOWED,
+        ErrorCode::InternalError => StatusCode::SERVICE_UNAVAILABLE,
+    }
+}
+
+fn answer(State(app): State<Arc<App>>, path: &str, request: &Request) -> Response {
+    let form = Notation::asked(request.headers());
+    // there is one where its addresses are
+    let Some(monitoring) = app.monitoring.clone() else {
+        return StatusCode::NOT_FOUND.into_response();
+    };
+    match Asked::of(&app, &monitoring, path, request) {
+        Ok(Asked::Document(document)) => form.response(StatusCode::OK, &document),
+        Ok(Asked::Schema) => {
+            let kind = [(header::CONTENT_TYPE, "application/xml")];
+            (kind, ::mtconnect::SCHEMA).into_response()
+        }
+        Ok(Asked::Stream(stream)) => stream.begin(monitoring, form),
+        Err(error) => {
+            let document = monitoring.agent().error(&error, unix_ms());
+            form.response(status(error.code), &document)
+        }
+    }
+}
+
+/// What a request asks for.
+enum Asked {
+    Document(Element),
+    Schema,
+    Stream(Stream),
+}
+
+impl Asked {
+    fn of(
+        app: &App,
+        monitoring: &Monitoring,
+        path: &str,
+        request: &Request,
+    ) -> Result<Self, QueryError> {
+        let left = guard::may_watch(app, request.headers()).map_err(|why| {
+            QueryError::new(
+                ErrorCode::Unauthorized,
+                match why {
+                    NoToken::Unknown => "a token is needed: send it as Authorization: Bearer",
+                    NoToken::Expired => "the token has expired",
+                },
+            )
+        })?;
+        if *request.method() != Method::GET {
+            let text = "an agent is only read: GET";
+            return Err(QueryError::new(ErrorCode::Unsupported, text));
+        }
+        let query = request.uri().query().unwrap_or_default();
+        let segments: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
+        let (asked, rest) = match segments.as_slice() {
+            [] => ("probe", None),
+            [asked] => (*asked, None),
+            ["asset" | "assets", ids] => ("assets", Some(*ids)),
+            ["schemas", "leadscrew-streams-1.0.xsd"] => return Ok(Self::Schema),
+            [device, asked @ ("probe" | "current" | "sample" | "asset" | "assets")] => {
+                monitoring.agent().is_device(device)?;
+                (*asked, None)
+            }
+            _ => ("", None),
+        };
+        let (agent, time) = (monitoring.agent(), unix_ms());
+        match asked {
+            "probe" => {
+                ProbeQuery::parse(query)?;
+                Ok(Self::Document(agent.probe(time)))
+            }
+            "current" => {
+                let query = CurrentQuery::parse(query)?;
+                let document = agent.current(&query, time)?;
+                Ok(match query.interval {
+                    None => Self::Document(document),
+                    Some(interval) => {
+                        Self::Stream(Stream::of(What::Current(query), interval, left))
+                    }
+                })
+            }
+            "sample" => {
+                let query = SampleQuery::parse(query)?;
+                let chunk = agent.sample(&query, time)?;
+                Ok(match query.interval {
+                    None => Self::Document(chunk.document),
+                    Some(interval) => Self::Stream(Stream::of(What::Sample(query), interval, left)),
+                })
+            }
+            "asset" | "assets" => {
+                let query = AssetQuery::parse(rest.unwrap_or_default(), query)?;
+                agent.assets(&query, time).map(Self::Document)
+            }
+            _ => {
+                let text = "there is no such request: probe, current, sample, asset are";
+                Err(QueryError::new(ErrorCode::InvalidUri, text))
+            }
+        }
+    }
+}
+
+/// What a stream has.
+enum What {
+    Current(CurrentQuery),
+    Sample(SampleQuery),
+}
+
+/// A stream that was asked for.
+struct Stream {
+    what: What,
+    interval: Duration,
+    /// When its client's token ends.
+    until: Option<Instant>,
+}
+
+/// What comes next of a stream.
+enum Next {
+    /// A document; another one is there at once.
+    Document(Element, bool),
+    /// Nothing was observed.
+    Nothing,
+    /// The last one.
+    Last(Element),
+}
+
+impl Stream {
+    fn of(what: What, interval: Duration, left: Option<Duration>) -> Self {
+        let until = left.map(|left| now() + left);
+        Self { what, interval: interval.max(LEAST_INTERVAL), until }
+    }
+
+    fn begin(self, monitoring: Arc<Monitoring>, form: Notation) -> Response {
+        let Ok(permit) = Arc::clone(&monitoring.streams).try_acquire_owned() else {
+            let text = format!("{MOST_STREAMS} streams are open, and no more are served");
+            let error = QueryError::new(ErrorCode::InternalError, text);
+            let document = monitoring.agent().error(&error, unix_ms());
+            return form.response(status(error.code), &document);
+        };
+        let (sender, documents) = mpsc::channel(1);
+        tokio::spawn(async move {
+            self.run(&monitoring, form, &sender).await;
+            drop(permit);
+        });
+        let kind = format!("multipart/x-mixed-replace;boundary={BOUNDARY}");
+        ([(header::CONTENT_TYPE, kind)], Body::new(Documents(documents))).into_response()
+    }
+
+    async fn run(mut self, monitoring: &Monitoring, form: Notation, to: &mpsc::Sender<Bytes>) {
+        let mut grown = monitoring.grown.subscribe();
+        let mut last_sent = None;
+        loop {
+            if self.until.is_some_and(|until| now() >= until) {
+                return;
+            }
+            grown.mark_unchanged();
+            match self.next(monitoring, last_sent) {
+                Next::Document(document, is_more) => {
+                    if !send(to, form, &document).await {
+                        return;
+                    }
+                    last_sent = Some(now());
+                    if !is_more {
+                        tokio::select! {
+                            () = to.closed() => return,
+                            () = tokio::time::sleep(self.interval) => {}
+                        }
+                    }
+                }
+                Next::Last(document) => {
+                    send(to, form, &document).await;
+                    return;
+                }
+                Next::Nothing => {
+                    let beat = self.heartbeat().saturating_sub(ago(last_sent));
+                    tokio::select! {
+                        () = to.closed() => return,
+                        changed = grown.changed() => if changed.is_err() { return },
+                        () = tokio::time::sleep(beat) => {}
+                    }
+                }
+            }
+        }
+    }
+
+    fn heartbeat(&self) -> Duration {
+        match &self.what {
+            What::Current(_) => self.interval,
+            What::Sample(query) => query.heartbeat,
+        }
+    }
+
+    fn next(&mut self, monitoring: &Monitoring, last_sent: Option<Instant>) -> Next {
+        let (agent, time) = (monitoring.agent(), unix_ms());
+        let heartbeat = self.heartbeat();
+        let error = match &mut self.what {
+            What::Current(query) => match agent.current(query, time) {
+                Ok(document) => return Next::Document(document, false),
+                Err(error) => error,
+            },
+            What::Sample(query) => match agent.sample(query, time) {
+                Ok(chunk) => {
+                    *query = query.at(chunk.next);
+                    let is_silent = last_sent.is_some() && ago(last_sent) < heartbeat;
+                    if chunk.is_empty && is_silent {
+                        return Next::Nothing;
+                    }
+                    return Next::Document(chunk.document, chunk.is_full);
+                }
+                Err(error) => error,
+            },
+        };
+        Next::Last(agent.error(&error, time))
+    }
+}
+
+fn ago(then: Option<Instant>) -> Duration {
+    then.map_or(Duration::MAX, |then| now() - then)
+}
+
+/// A part of a stream; false: the client is gone.
+async fn send(to: &mpsc::Sender<Bytes>, form: Notation, document: &Element) -> bool {
+    let body = form.write(document);
+    let (kind, length) = (form.name(), body.len());
+    let head = format!("--{BOUNDARY}\r\nContent-type: {kind}\r\nContent-length: {length}\r\n\r\n");
+    let part = [head.as_bytes(), &body, b"\r\n"].concat();
+    matches!(tokio::time::timeout(SENT, to.send(part.into())).await, Ok(Ok(())))
+}
+
+/// The body of a stream.
+struct Documents(mpsc::Receiver<Bytes>);
+
+impl HttpBody for Documents {
+    type Data = Bytes;
+    type Error = Infallible;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        self.0.poll_recv(context).map(|part| part.map(|part| Ok(Frame::data(part))))
+    }
+}
