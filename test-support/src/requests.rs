@@ -81,6 +81,7 @@ pub fn sequence(seed: u64, program: &Path, tally: &mut Tally) -> Result<(), Stri
         seed: Some(seed),
         state: None,
         simulator: None,
+        hal: false,
         clamped: Position::default(),
         real_time: None,
     };

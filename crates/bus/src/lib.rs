@@ -25,6 +25,7 @@ pub const ANALOGUE: usize = 16;
 
 /// What a machine says of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisFeedback {
     /// Position by its encoder: the scale, where it has one.
     pub position: Coordinate,
@@ -43,6 +44,7 @@ pub struct AxisFeedback {
 
 /// What a machine says of one spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpindleFeedback {
     /// Angle by its encoder, unwrapped: it goes on counting over turns.
     pub angle: Angle,
@@ -57,6 +59,7 @@ pub struct SpindleFeedback {
 /// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66), outputs that they switch
 /// (M62 to M65, M67, M68).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Signals {
     /// A bit for each; set is on.
     pub digital: u64,
@@ -80,6 +83,7 @@ impl Signals {
 
 /// What a machine says, once a period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Feedback {
     /// Time since the machine was started, at the moment the encoders were read.
     pub time: Time,
@@ -101,6 +105,7 @@ pub struct Feedback {
 
 /// What the kernel wants of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisCommand {
     /// The drive shall be powered.
     pub enable: bool,
@@ -115,6 +120,7 @@ pub struct AxisCommand {
 
 /// What the kernel wants of one spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpindleCommand {
     /// The drive shall be powered.
     pub enable: bool,
@@ -128,6 +134,7 @@ pub struct SpindleCommand {
 
 /// What the kernel wants, once a period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Command {
     /// By axis, X first.
     pub axes: [AxisCommand; AXES],
@@ -148,6 +155,7 @@ pub struct Command {
 /// An axis tied to a spindle: `place + lead·(θ − angle)`. Drives that can, brake both together on this line when the
 /// control falls silent or the power fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupled {
     /// Index of the axis.
     pub axis: u8,
@@ -177,6 +185,7 @@ pub enum DriveReaction {
 /// What the kernel is doing; one row of `state` in the trace.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u8)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum State {
     /// Nothing to do.
     #[default]
@@ -245,6 +254,7 @@ impl State {
 
 /// The kernel's own view of the period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
     /// What it is doing.
     pub state: State,
@@ -259,6 +269,7 @@ pub struct Report {
 
 /// What broke a tool: what was put on it, and what it withstands.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ToolBreak {
     /// Torque and pull stressed its core together.
     Stress {
@@ -282,6 +293,7 @@ pub enum ToolBreak {
 
 /// What only a simulated machine can know, for the judge and for people.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Truth {
     /// Where the tool side (table, ram, nose) of each axis really is.
     pub axes: [Coordinate; AXES],
@@ -311,6 +323,7 @@ pub struct Truth {
 
 /// One servo period, recorded: what the judge and the trace are made from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
     /// What the machine said at the period's start.
     pub feedback: Feedback,

@@ -26,6 +26,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         seed: args.seed,
         state: args.state.clone(),
         simulator: args.simulator.clone(),
+        hal: args.hal,
         clamped: args.clamped.as_deref().map(console::clamped).transpose()?.unwrap_or_default(),
         real_time: args.real_time.then(RealTimeOptions::default),
     };

@@ -10,13 +10,14 @@
 //! [`Executor::period`] looks at what it has done, period by period.
 use crate::handles::{KernelHandle, MachineHandle};
 use crate::missed::missed;
-use crate::real_time::{self, RealTimeOptions, ServoThread};
+use crate::real_time::{self, KernelLink, RealTimeOptions, ServoThread};
 use crate::timings::TickTimes;
 use crate::{Plant, RealTimeFigures};
 use bus::{Command, Feedback, Machine as _, Sample, State};
-use kernel::Kernel;
+use kernel::{Kernel, Request};
 use std::ops::ControlFlow;
 use std::time::Duration;
+use units::Axis;
 
 /// What is said of a servo thread that has ended by itself.
 const BROKEN_DOWN: &str = "the servo thread has broken down";
@@ -85,16 +86,21 @@ impl Executor {
         let (Some(kernel), Some(machine)) = (self.kernel.here(), self.machine.here()) else {
             return;
         };
-        let (kernel_link, machine_link, seat) = real_time::prepare(kernel, machine);
+        let is_elsewhere = matches!(machine, Plant::Hal(_));
+        let (kernel_link, machine_link, prepared) = real_time::prepare(kernel, machine);
         let kernel = std::mem::replace(&mut self.kernel, KernelHandle::There(kernel_link));
         let machine = std::mem::replace(&mut self.machine, MachineHandle::There(machine_link));
         let (KernelHandle::Here(kernel), MachineHandle::Here(machine)) = (kernel, machine) else {
             return;
         };
-        match seat.start(kernel, machine, self.ticks.clone(), options) {
+        let before = KernelBefore::of(&kernel);
+        match prepared.start(kernel, machine, self.ticks.clone(), options) {
             Ok((thread, refused)) => {
                 self.time = TimeKeeping::RealTime(Box::new(thread));
                 self.refused = refused;
+                if is_elsewhere && let KernelHandle::There(link) = &mut self.kernel {
+                    before.hand_over(link);
+                }
             }
             Err(why) => {
                 self.time = TimeKeeping::Ended;
@@ -153,7 +159,7 @@ impl Executor {
                 return record.sample;
             }
             kernel.lose();
-            machine.lose(BROKEN_DOWN);
+            machine.lose(thread.why().unwrap_or(BROKEN_DOWN));
         }
         let (Some(ticked), Some(moved)) = (kernel.here(), machine.here()) else {
             // time passes all the same: what waits with a limit does not wait for ever
@@ -169,6 +175,28 @@ impl Executor {
             obey(kernel, machine, &answer);
         }
         sample
+    }
+}
+
+/// What was done to a kernel before the first period, for the one in another process that takes its place.
+struct KernelBefore {
+    is_off: bool,
+    not_homed: Vec<Axis>,
+}
+
+impl KernelBefore {
+    fn of(kernel: &Kernel) -> Self {
+        let not_homed = Axis::ALL.into_iter().filter(|axis| !kernel.is_homed(*axis)).collect();
+        Self { is_off: kernel.is_off(), not_homed }
+    }
+
+    fn hand_over(self, link: &mut KernelLink) {
+        if self.is_off {
+            link.ask(Request::SwitchOff);
+        }
+        for axis in self.not_homed {
+            link.ask(Request::ForgetHome(axis));
+        }
     }
 }
 

@@ -3,7 +3,7 @@ mod machine;
 
 pub use machine::MachineHandle;
 
-use crate::real_time::{KernelLink, Record};
+use crate::real_time::KernelLink;
 use bus::Report;
 use kernel::{
     Answered, Event, Fault, FaultKind, Full, HomingOrder, Kernel, ManualOrder, ManualRefusal,
@@ -12,6 +12,7 @@ use kernel::{
 };
 use motion::{HandedBack, Superpose, TableId, UnderWay, WayOut};
 use plan::Step;
+use servo::Record;
 use units::{Angle, Axis, Coordinate, Length, Spin, Time};
 
 /// A kernel.
@@ -207,7 +208,7 @@ impl KernelHandle {
     pub fn is_homing(&self) -> bool {
         match self {
             Self::Here(kernel) => kernel.homing().next().is_some(),
-            Self::There(link) => link.picture().homing.iter().any(Option::is_some),
+            Self::There(link) => link.picture().is_homing.contains(&true),
         }
     }
 

@@ -17,6 +17,50 @@ pub enum Plant {
     Inside(Box<Faulty<SimulatedMachine>>),
     /// At the other end of a socket.
     Outside(Box<Remote<UnixStream>>),
+    /// Drives that a component of LinuxCNC's HAL leads: a servo thread in another process, where the kernel is.
+    Hal(Box<HalDrives>),
+}
+
+/// The drives of a HAL component, as this process has them: they obey the kernel that is there, and no other.
+pub struct HalDrives {
+    /// The component; taken by who speaks with it.
+    pub(crate) side: Option<shm::ControlSide>,
+    /// What its kernel is made with, beside the configuration.
+    pub(crate) silent_after: Time,
+    pub(crate) obeys_after: [Time; bus::AXES],
+    period: Time,
+    feedback: Feedback,
+}
+
+impl HalDrives {
+    /// A period without the component: nothing moves, and nothing is ready.
+    fn pass(&mut self) -> Feedback {
+        self.feedback.time += self.period;
+        self.feedback
+    }
+}
+
+/// The component of LinuxCNC's HAL that this machine's file names.
+///
+/// # Errors
+/// The file names none, or it is not there, or another control has it.
+pub fn hal(file: &store::machine::MachineFile) -> Result<Plant, Refused> {
+    let Some(hal) = &file.hal else {
+        return Err(Refused::because(format!(
+            "the machine {} has no [hal] section: it says how HAL's drives are led, as in machines/hal/mill.toml",
+            file.name
+        )));
+    };
+    let side =
+        shm::ControlSide::find(&hal.component).map_err(|why| Refused::because(why.to_string()))?;
+    let period = file.control.period;
+    Ok(Plant::Hal(Box::new(HalDrives {
+        side: Some(side),
+        silent_after: hal.silent_after,
+        obeys_after: [period * hal.obeys_after_periods; bus::AXES],
+        period,
+        feedback: Feedback { tool: Some(0), ..Feedback::default() },
+    })))
 }
 
 impl Plant {
@@ -36,7 +80,7 @@ impl Plant {
             Self::Inside(machine) => {
                 machine.machine().holes().iter().filter(|hole| hole.assumed).count()
             }
-            Self::Outside(_) => 0,
+            Self::Outside(_) | Self::Hal(_) => 0,
         }
     }
 
@@ -84,14 +128,14 @@ impl Plant {
     pub fn copy(&self) -> Option<Self> {
         match self {
             Self::Inside(machine) => Some(Self::Inside(machine.clone())),
-            Self::Outside(_) => None,
+            Self::Outside(_) | Self::Hal(_) => None,
         }
     }
 
     /// Why the connection is gone, once it is.
     pub fn lost(&self) -> Option<String> {
         match self {
-            Self::Inside(_) => None,
+            Self::Inside(_) | Self::Hal(_) => None,
             Self::Outside(remote) => remote.lost().map(ToString::to_string),
         }
     }
@@ -145,6 +189,7 @@ impl Machine for Plant {
         match self {
             Self::Inside(machine) => machine.period(),
             Self::Outside(remote) => remote.period(),
+            Self::Hal(drives) => drives.period,
         }
     }
 
@@ -152,6 +197,7 @@ impl Machine for Plant {
         match self {
             Self::Inside(machine) => machine.feedback(),
             Self::Outside(remote) => remote.feedback(),
+            Self::Hal(drives) => drives.feedback,
         }
     }
 
@@ -159,6 +205,7 @@ impl Machine for Plant {
         match self {
             Self::Inside(machine) => machine.exchange(command),
             Self::Outside(remote) => remote.exchange(command),
+            Self::Hal(drives) => drives.pass(),
         }
     }
 
@@ -166,6 +213,7 @@ impl Machine for Plant {
         match self {
             Self::Inside(machine) => machine.truth(),
             Self::Outside(remote) => remote.truth(),
+            Self::Hal(_) => None,
         }
     }
 }

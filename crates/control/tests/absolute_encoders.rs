@@ -12,6 +12,7 @@ fn powered(state: &Path, seed: u64) -> Control {
         seed: Some(seed),
         state: Some(state.to_owned()),
         simulator: None,
+        hal: false,
         clamped: Position::default(),
         real_time: None,
     };

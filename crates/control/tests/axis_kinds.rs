@@ -12,6 +12,7 @@ fn powered(machine: &str) -> Control {
         seed: Some(1),
         state: None,
         simulator: None,
+        hal: false,
         clamped: Position::default(),
         real_time: None,
     };

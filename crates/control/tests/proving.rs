@@ -14,6 +14,7 @@ fn homed() -> Control {
         seed: Some(1),
         state: None,
         simulator: None,
+        hal: false,
         clamped: Position::default(),
         real_time: None,
     };

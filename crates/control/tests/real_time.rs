@@ -20,6 +20,7 @@ fn switched_on_by(machine: &str, real_time: RealTimeOptions) -> Control {
         seed: Some(1),
         state: None,
         simulator: None,
+        hal: false,
         clamped: Position::default(),
         real_time: Some(real_time),
     };

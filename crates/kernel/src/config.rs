@@ -8,6 +8,7 @@ use units::{Axis, Coordinate, CoordinateAccel, CoordinateSpeed};
 
 /// Everything the kernel knows of a machine.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// Servo period.
     pub period: Time,
@@ -40,6 +41,7 @@ pub struct Config {
 
 /// Longest duration of each wait; beyond it is an alarm.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Waits {
     /// Drives to come up after the start.
     pub ready: Time,
@@ -55,6 +57,7 @@ pub struct Waits {
 
 /// A geared spindle off its gear spoils the work with every pass: the tool leaves it first, then everything stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhaseLoss {
     /// So far off is lost.
     pub window: Angle,
@@ -68,6 +71,7 @@ pub struct PhaseLoss {
 
 /// What a program's stop (M0, M1) does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pause {
     /// Wait for [`crate::Kernel::resume`]; optional stops too if [`crate::Order::OptionalStop`] has been given.
     Wait,
@@ -77,6 +81,7 @@ pub enum Pause {
 
 /// Shares of the feed-forwards, 1 for full.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FeedForward {
     /// Of the setpoint's speed.
     pub speed: f64,
@@ -95,6 +100,7 @@ impl FeedForward {
 
 /// Friction of a guideway, as the feed-forward models it (LuGre).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisFriction {
     /// Force of sliding.
     pub coulomb: Force,
@@ -112,6 +118,7 @@ pub struct AxisFriction {
 
 /// What is watched on an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisWindows {
     /// The axis is in position within this.
     pub in_position: Coordinate,
@@ -125,6 +132,7 @@ pub struct AxisWindows {
 
 /// Where an axis is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EncoderPlace {
     /// On the motor.
     Motor,
@@ -134,6 +142,7 @@ pub enum EncoderPlace {
 
 /// What the position of an axis is read from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisEncoder {
     /// Where it sits.
     pub place: EncoderPlace,
@@ -145,6 +154,7 @@ pub struct AxisEncoder {
 
 /// One axis, linear or rotary.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisControl {
     /// Kp of the position loop, 1/s.
     pub position_gain: f64,
@@ -181,6 +191,7 @@ pub struct AxisControl {
 
 /// Friction of a spindle: c₀·tanh(ω/ω₀) + c₁·ω.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpindleFriction {
     /// Constant part c₀.
     pub coulomb: Torque,
@@ -192,6 +203,7 @@ pub struct SpindleFriction {
 
 /// What is watched on a spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpindleWindows {
     /// At speed within this share of the ordered speed.
     pub at_speed: f64,
@@ -207,6 +219,7 @@ pub struct SpindleWindows {
 
 /// A spindle drive that is only told a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OwnRamps {
     /// From an order until it obeys.
     pub delay: Time,
@@ -222,6 +235,7 @@ pub struct OwnRamps {
 
 /// One spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpindleControl {
     /// Kp of the position loop, 1/s.
     pub position_gain: f64,
@@ -257,6 +271,7 @@ pub struct SpindleControl {
 
 /// What a problem or a fault is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Subject {
     /// The machine as a whole.
     Machine,

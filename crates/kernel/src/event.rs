@@ -17,6 +17,7 @@ pub const EVENTS: usize = 256;
 
 /// One event.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
     /// When.
     pub time: Time,
@@ -30,6 +31,7 @@ pub struct Event {
 
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EventKind {
     /// All drives are up.
     DrivesReady,
@@ -162,6 +164,7 @@ pub enum EventKind {
 
 /// What a tap came to, as the kernel saw it by its encoders.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TapFigures {
     /// Sync error in the material.
     pub sync: Figures,
@@ -177,6 +180,7 @@ pub struct TapFigures {
 
 /// What a recovery came to, by the encoders.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RecoveryFigures {
     /// Distance from the coupling before anything moved, along the follower.
     pub error_before: Length,

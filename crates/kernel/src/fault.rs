@@ -17,6 +17,7 @@ use units::{AxisKind, Time};
 
 /// A kind of alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FaultKind {
     /// The emergency stop chain is open.
     EmergencyStop,
@@ -90,6 +91,10 @@ pub enum FaultKind {
     StepsRanOut,
     /// The thread in which the kernel ran has ended by itself.
     ServoThreadEnded,
+    /// The process that leads the kernel shows no sign of life.
+    ControlSilent,
+    /// The process that leads the kernel sends what cannot be.
+    ControlSenseless,
     /// The home switch is not where it is searched.
     HomeSwitchNotFound,
     /// The home switch stays actuated.
@@ -117,7 +122,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 43] = [
+    pub const ALL: [Self; 45] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -154,6 +159,8 @@ impl FaultKind {
         Self::SoftLimit,
         Self::StepsRanOut,
         Self::ServoThreadEnded,
+        Self::ControlSilent,
+        Self::ControlSenseless,
         Self::HomeSwitchNotFound,
         Self::HomeSwitchNotReleased,
         Self::IndexNotFound,
@@ -196,6 +203,7 @@ impl FaultKind {
 
 /// An alarm that has happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fault {
     /// Which.
     pub kind: FaultKind,

@@ -44,6 +44,7 @@ const PROVEN: f64 = 4.0;
 
 /// What tells where an axis is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum HomingMethod {
     /// The encoder's next index mark behind the edge of the home switch.
     SwitchAndIndex,
@@ -61,6 +62,7 @@ pub enum HomingMethod {
 
 /// How one axis is homed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HomingOrder {
     /// What tells.
     pub method: HomingMethod,

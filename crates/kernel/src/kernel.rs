@@ -78,7 +78,7 @@ pub struct Kernel {
     report: Report,
     operator: Operator,
     /// An alarm from outside that the next tick will find.
-    reported: Option<Subject>,
+    reported: Option<(FaultKind, Subject)>,
     /// Which encoders give plausible readings.
     plausibility: EncoderPlausibility,
     /// The last look at what is sent, and at what spindles and the time of the feedback do.
@@ -145,6 +145,11 @@ impl Kernel {
             probe_before: false,
             config,
         }
+    }
+
+    /// What it was made of.
+    pub const fn config(&self) -> &Config {
+        &self.config
     }
 
     /// Append a step; its plan is copied.

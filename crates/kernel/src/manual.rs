@@ -16,6 +16,7 @@ use units::{Angle, Spin, Time};
 
 /// How one axis is moved by hand, in its own unit and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ManualOrder {
     /// Where it shall go.
     pub goal: Goal,
@@ -29,6 +30,7 @@ pub struct ManualOrder {
 
 /// Why an axis cannot be moved by hand now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ManualRefusal {
     /// The machine has no such axis or spindle.
     NoAxis,

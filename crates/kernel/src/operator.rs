@@ -23,6 +23,7 @@ use core::fmt;
 
 /// An order, at any time.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Order {
     /// Stop what moves as soon as it can be, without leaving path or coupling. The spindle goes on turning
     /// unless it is coupled.
@@ -49,6 +50,7 @@ pub enum Order {
 
 /// How far the operator may override, as the machine's file has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Overrides {
     /// Largest share of the programmed feed; the least is nothing.
     pub feed_most: f64,
@@ -63,6 +65,7 @@ impl Overrides {
 
 /// Something that the operator should know of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Notice {
     /// Everything that was to stop stands.
     Held,
@@ -135,6 +138,7 @@ impl Notice {
 /// What the orders have left behind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::struct_excessive_bools)] // independent orders: any of them may be in force with any other
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Operator {
     held: bool,
     aborting: bool,

@@ -10,6 +10,7 @@ use units::{Axis, Coordinate, Length, Spin};
 /// What the methods of these names answer after the last tick.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::struct_excessive_bools)] // independent facts, each asked for by itself
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Picture {
     /// [`Kernel::report`].
     pub report: Report,
@@ -57,8 +58,8 @@ pub struct Picture {
     pub is_homed: [bool; AXES],
     /// [`Kernel::zero`], by axis.
     pub zeros: [Coordinate; AXES],
-    /// [`Kernel::homing`], by axis.
-    pub homing: [Option<&'static str>; AXES],
+    /// It looks for where its encoder counts from ([`Kernel::homing`]), by axis.
+    pub is_homing: [bool; AXES],
     /// [`Kernel::ordered_spin`], by spindle.
     pub ordered_spins: [Spin; SPINDLES],
     /// [`Kernel::faults`], oldest first.
@@ -68,9 +69,9 @@ pub struct Picture {
 impl Kernel {
     /// How it is.
     pub fn picture(&self) -> Picture {
-        let mut homing = [None; AXES];
-        for (axis, what) in self.homing() {
-            homing[axis.index()] = Some(what);
+        let mut is_homing = [false; AXES];
+        for (axis, _) in self.homing() {
+            is_homing[axis.index()] = true;
         }
         let mut faults = [None; FAULTS];
         for (kept, fault) in faults.iter_mut().zip(self.faults()) {
@@ -100,7 +101,7 @@ impl Kernel {
             tool_sides: Axis::ALL.map(|axis| self.tool_side(axis)),
             is_homed: Axis::ALL.map(|axis| self.is_homed(axis)),
             zeros: Axis::ALL.map(|axis| self.zero(axis)),
-            homing,
+            is_homing,
             ordered_spins: core::array::from_fn(|spindle| self.ordered_spin(spindle)),
             faults,
         }

@@ -33,6 +33,7 @@ const SAME_LINE: f64 = 1e-6;
 
 /// A tool in the work, as it must be known to take it out. Coordinates are those of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WorkRecord {
     /// What it cuts, unless it taps.
     pub cut: Option<TiedCut>,
@@ -68,6 +69,7 @@ pub struct WorkRecord {
 
 /// What the writer of sync records is to put on the disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RecordRequest {
     /// The tap is about to go in; to be acknowledged by this number.
     Inward(u32, WorkRecord),

@@ -22,6 +22,7 @@ use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
 
 /// What to take out, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RecoveryPlan {
     /// The axis that follows.
     pub axis: Axis,

@@ -18,6 +18,7 @@ use units::{Angle, Axis, Spin, Time};
 
 /// What a kernel is asked; each does what the method of its name does.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Request {
     /// [`Kernel::order`].
     Order(Order),
@@ -59,7 +60,8 @@ pub enum Request {
         /// Where the one under way ends.
         at: Option<f64>,
     },
-    /// [`Kernel::put_table`].
+    /// [`Kernel::put_table`]; a table does not go to another process.
+    #[cfg_attr(feature = "serde", serde(skip))]
     PutTable(TableId, Periodic),
     /// [`Kernel::superpose`].
     Superpose(Superpose),
@@ -75,6 +77,7 @@ pub enum Request {
 
 /// What came of it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reply {
     /// It is done.
     Done,
@@ -87,6 +90,7 @@ pub enum Reply {
     /// What is under way.
     UnderWay(Option<UnderWay>),
     /// What the table has replaced, or the table itself where no place was free.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Table(Result<Option<Periodic>, Periodic>),
     /// It is superposed, or why not.
     Superposed(Result<(), FaultKind>),

@@ -23,6 +23,7 @@ use units::{Axis, Coordinate, Position, Time};
 
 /// What the program asked for, and what came of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Answered {
     /// Index of the op that asked.
     pub op: u32,
@@ -32,6 +33,7 @@ pub struct Answered {
 
 /// What came of a wait or a probing move.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Answer {
     /// What the input was when the wait ended; `None`: the wait has run out of its time.
     Input(Option<f64>),

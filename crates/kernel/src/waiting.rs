@@ -5,6 +5,7 @@ use units::Time;
 
 /// A wait under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Waiting {
     /// For what.
     pub what: WaitFor,
@@ -18,6 +19,7 @@ pub struct Waiting {
 
 /// What is waited for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WaitFor {
     /// The drives come up.
     Drives,

@@ -16,6 +16,7 @@ use units::{Length, Time};
 
 /// Which axes move, one after the other, and where to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithdrawalPlan {
     /// The infeed axis first.
     pub legs: [Option<(Axis, Length)>; 2],

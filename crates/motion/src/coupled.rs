@@ -12,10 +12,12 @@ use units::{Angle, Axis, Lead, Ratio};
 
 /// Names a table that the kernel has been given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TableId(pub u16);
 
 /// A spindle that follows another one, and an axis beside it where a helix is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GearStep {
     /// The spindle that follows.
     pub follower: u8,
@@ -31,6 +33,7 @@ pub struct GearStep {
 
 /// What a superposition moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Superposed {
     /// A linear axis.
     Axis(Axis),
@@ -40,6 +43,7 @@ pub enum Superposed {
 
 /// Begin, exchange or end what is superposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Superpose {
     /// On what.
     pub on: Superposed,

@@ -28,6 +28,8 @@ mod curve;
 mod online;
 mod path;
 mod profile;
+#[cfg(feature = "serde")]
+mod profile_serde;
 mod signal;
 mod step;
 mod storage;
@@ -49,7 +51,7 @@ pub use step::{
     ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, STEP_BYTES, SpindleStep, Step,
     StepKind, UnderWay,
 };
-pub use storage::{Borrowed, Plan, Readable, Storage, Transfer};
+pub use storage::{Borrowed, Inline, Plan, Readable, Storage, Transfer};
 pub use surface::SurfaceSpeed;
 pub use tap::{Limiting, TapLimiting, TapPlan};
 pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch, Vector};

@@ -14,6 +14,7 @@ use libm::sqrt;
 
 /// What one axis keeps, whatever its target does.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OnlineLimits {
     /// Largest speed, mm/s.
     pub speed: f64,
@@ -25,6 +26,7 @@ pub struct OnlineLimits {
 
 /// Where it shall go.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Goal {
     /// At this speed, signed, mm/s; zero is a stop.
     Speed(f64),

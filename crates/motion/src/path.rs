@@ -27,6 +27,7 @@ use units::{Arc, Axis, Coordinate, CoordinateAccel, CoordinateSpeed, Length, Pos
 /// A path of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // it is moved into a queue once
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Path {
     /// A straight line.
     Line {
@@ -57,6 +58,7 @@ pub enum Path {
 
 /// Where the axes shall be, and how they move, by [`Axis`] index.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Motion {
     /// Position.
     pub position: [Coordinate; 9],

@@ -18,6 +18,7 @@ pub const MAX_PHASES: usize = 64;
 
 /// A stretch of constant jerk, along a path or of a spindle's speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Phase {
     /// How long it lasts, s.
     pub duration: f64,
@@ -49,6 +50,7 @@ impl Phase {
 
 /// State at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Instant {
     /// Path parameter.
     pub s: f64,
@@ -95,6 +97,13 @@ impl Profile {
     #[must_use]
     pub fn ending_at(mut self, end: Instant) -> Self {
         self.end = end;
+        self
+    }
+
+    /// As one that was cut, or not: as it was when it was made data.
+    #[cfg(feature = "serde")]
+    pub(crate) const fn marked_cut(mut self, is_cut: bool) -> Self {
+        self.is_cut = is_cut;
         self
     }
 

@@ -3,6 +3,7 @@ use units::Time;
 
 /// An output and what it is switched to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Output {
     /// Which of its kind, counted from 0.
     pub number: u8,
@@ -12,6 +13,7 @@ pub struct Output {
 
 /// What an output is to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Signal {
     /// On or off.
     Digital {
@@ -27,6 +29,7 @@ pub enum Signal {
 
 /// What ends a probing move before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProbeEnd {
     /// Contact; else the end of contact.
     pub contact: bool,
@@ -36,6 +39,7 @@ pub struct ProbeEnd {
 
 /// An input, and what is waited for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InputWait {
     /// Which of its kind, counted from 0.
     pub number: u8,
@@ -49,6 +53,7 @@ pub struct InputWait {
 
 /// What a wait for an input waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Await {
     /// Nothing: the input is only read.
     Nothing,

@@ -12,6 +12,14 @@ const _: () = assert!(size_of::<Step<Borrowed<'static>>>() <= STEP_BYTES);
 
 /// One step and the operation it serves; its plans are where the storage says.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "S::Of<Move>: serde::Serialize, S::Of<Follow>: serde::Serialize, S::Of<TapPlan>: serde::Serialize, S::Of<Profile>: serde::Serialize, S::Of<ChipThrow>: serde::Serialize",
+        deserialize = "S::Of<Move>: serde::Deserialize<'de>, S::Of<Follow>: serde::Deserialize<'de>, S::Of<TapPlan>: serde::Deserialize<'de>, S::Of<Profile>: serde::Deserialize<'de>, S::Of<ChipThrow>: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Step<S: Storage> {
     /// Index of the op, counted from 0.
     pub op: u32,
@@ -23,6 +31,14 @@ pub struct Step<S: Storage> {
 
 /// What to do.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "S::Of<Move>: serde::Serialize, S::Of<Follow>: serde::Serialize, S::Of<TapPlan>: serde::Serialize, S::Of<Profile>: serde::Serialize, S::Of<ChipThrow>: serde::Serialize",
+        deserialize = "S::Of<Move>: serde::Deserialize<'de>, S::Of<Follow>: serde::Deserialize<'de>, S::Of<TapPlan>: serde::Deserialize<'de>, S::Of<Profile>: serde::Deserialize<'de>, S::Of<ChipThrow>: serde::Deserialize<'de>"
+    ))
+)]
 pub enum StepKind<S: Storage> {
     /// Move along a path; rest to rest while there is no look-ahead.
     Move(S::Of<Move>),
@@ -111,6 +127,7 @@ pub const PHASES: usize = 6;
 
 /// A stretch of a joined path: it goes on where the step before ended, as fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Follow {
     /// Where.
     pub piece: Piece,
@@ -128,6 +145,7 @@ pub struct Follow {
 
 /// What feed a stretch of a path was planned for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pace {
     /// Share of the programmed feed: 1, unless the operator wanted more.
     pub share: f64,
@@ -137,6 +155,7 @@ pub struct Pace {
 
 /// The feed that a move asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Programmed {
     /// mm/s, or mm a revolution.
     pub feed: f64,
@@ -189,6 +208,7 @@ impl Follow {
 /// A move with the time along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::struct_excessive_bools)] // four yes-or-no words of one order, each on its own
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Move {
     /// Where.
     pub path: Path,
@@ -224,6 +244,14 @@ impl Move {
 
 /// What a spindle is told.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "S::Of<Profile>: serde::Serialize, S::Of<ChipThrow>: serde::Serialize",
+        deserialize = "S::Of<Profile>: serde::Deserialize<'de>, S::Of<ChipThrow>: serde::Deserialize<'de>"
+    ))
+)]
 pub enum SpindleStep<S: Storage> {
     /// Turn at this speed (sign: sense; zero stops) along `ramp`, which runs from the speed that the
     /// planner knows the spindle to be ordered to; go on to the next step at once.
@@ -251,6 +279,7 @@ pub enum SpindleStep<S: Storage> {
 /// Chip removal: wait until an axis passes a level, run against the cut, turn round as soon as that speed is
 /// reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChipThrow {
     /// The speed that throws chips off.
     pub throw: Spin,
@@ -270,6 +299,7 @@ pub struct ChipThrow {
 
 /// The step that a kernel is executing, and the planned time of it that is done, while what follows is planned anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UnderWay {
     /// Planned time that is done, s or revolutions.
     pub done: f64,
@@ -279,6 +309,7 @@ pub struct UnderWay {
 
 /// What a kernel gives back of the steps that it was given, so that they can be planned anew. Whoever gave them keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandedBack {
     /// So many of the last ones.
     pub steps: usize,

@@ -8,6 +8,8 @@
 //!      │ read: Transfer by reference
 //!      ▼
 //!            Step<Borrowed>   a reference each: what the kernel executes
+//!
+//!   bytes ─► Step<Inline>     the plans themselves: what came from another process, on its way to push
 //! ```
 //!
 //! A tap with both strokes of its spindle takes 5 kB, a dwell 8 bytes. A queue of steps that contained their plans would have room
@@ -46,6 +48,20 @@ impl<'a> Storage for Borrowed<'a> {
 
 impl Readable for Borrowed<'_> {
     fn plan<T: Plan>(held: &Self::Of<T>) -> &T {
+        held
+    }
+}
+
+/// Plans within the step: as it comes out of bytes, where no memory may be taken for them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inline;
+
+impl Storage for Inline {
+    type Of<T: Plan> = T;
+}
+
+impl Readable for Inline {
+    fn plan<T: Plan>(held: &T) -> &T {
         held
     }
 }

@@ -12,6 +12,7 @@ use units::{Length, Speed, Spin};
 
 /// What a spindle is told that keeps the surface speed at the tool's tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfaceSpeed {
     /// Surface speed; negative turns counter-clockwise.
     pub speed: Speed,

@@ -13,6 +13,7 @@ use units::{Angle, Axis, Lead, Length, Position, Spin, Time};
 ///     └──────────────────────────► t
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TapPlan {
     /// The axis that follows the spindle.
     pub axis: Axis,
@@ -51,6 +52,7 @@ pub struct TapPlan {
 
 /// What keeps a tap from being faster.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TapLimiting {
     /// What bounds the highest speed inwards.
     pub speed: Limiting,
@@ -60,6 +62,7 @@ pub struct TapLimiting {
 
 /// A bound on a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Limiting {
     /// The programmed S is reached.
     #[default]

@@ -32,6 +32,7 @@ pub type Vector = [f64; THREADING_AXES];
 
 /// One stretch of a turned thread, straight in space, with the corners at both ends of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ThreadStretch {
     /// The spindle that leads.
     pub spindle: u8,
@@ -57,6 +58,7 @@ pub struct ThreadStretch {
 
 /// A corner, as the stretch next to it needs to know it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Corner {
     /// Slope on the other side of it, mm/rev.
     pub beyond: Vector,

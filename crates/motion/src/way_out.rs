@@ -14,6 +14,7 @@ use units::{Angle, Axis, Lead, LeadGrowth, Length, Spin};
 
 /// What is being cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TiedCut {
     /// A pass over a thread.
     Thread,
@@ -29,6 +30,7 @@ pub enum TiedCut {
 
 /// See the module's header.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WayOut {
     /// What is being cut.
     pub cut: TiedCut,
@@ -46,6 +48,7 @@ pub struct WayOut {
 
 /// One pass over a thread: `position = start + lead·(θ − angle) + growth·(θ − angle)²/2`, θ within a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pass {
     /// The axis along the thread.
     pub axis: Axis,

@@ -50,6 +50,7 @@ pub struct Follower {
 
 /// A straight line through an anchor: taps and threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Line {
     lead: Lead,
     theta0: Angle,
@@ -58,6 +59,7 @@ pub struct Line {
 
 /// Which function the follower obeys.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Coupling {
     /// A thread's helix.
     Line(Line),

@@ -74,6 +74,7 @@ impl StrokeKey {
 
 /// How it learns.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Learning {
     /// γ of the first stroke.
     pub gain: f64,

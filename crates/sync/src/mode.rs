@@ -27,6 +27,7 @@ pub const MAX_TRANSPORT: u8 = 4;
 
 /// Which master the follower obeys. A property of the machine: programs do not change.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SyncMode {
     /// Spindle and axis obey one planned trajectory.
     CommandSynchronised,
@@ -41,6 +42,7 @@ pub enum SyncMode {
 
 /// What an encoder-following axis makes of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Prediction {
     /// Position loop alone on the old angle.
     None,

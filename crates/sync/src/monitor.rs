@@ -15,6 +15,7 @@ use crate::Coupling;
 
 /// Limits of the sync error in the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Windows {
     /// Worth an event.
     pub warn: Length,
@@ -37,6 +38,7 @@ pub enum Verdict {
 
 /// What a whole tap came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Figures {
     /// Largest magnitude.
     pub max: Length,

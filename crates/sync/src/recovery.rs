@@ -43,6 +43,7 @@ use crate::Coupling;
 
 /// A point of the (θ, z) plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// Where the master is, unwrapped.
     pub angle: Angle,
@@ -52,6 +53,7 @@ pub struct Point {
 
 /// The sense of travel when a stop began.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Direction {
     /// From PS to PE; standing at PE too.
     Inward,
@@ -71,6 +73,7 @@ impl Direction {
 
 /// Who moves to get back onto the coupling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mover {
     /// The follower, while the master stands: equation (1).
     Feed,
@@ -89,6 +92,7 @@ pub struct Progress {
 
 /// How a tap is held along its axis, as far as unloading needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Seat {
     /// Play between the tap's flanks and the thread, both sides together.
     pub play: Length,
@@ -98,6 +102,7 @@ pub struct Seat {
 
 /// Which way back is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Way {
     /// The axis that overran goes back onto the coupling, at once.
     Direct,
@@ -123,6 +128,7 @@ pub struct Projection {
 
 /// What is stored of a coupled motion: where it began, where it was to end, and its sense at the stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stored {
     coupling: Coupling,
     start: Angle,

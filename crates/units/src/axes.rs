@@ -3,6 +3,7 @@ use crate::{Angle, AxisKind, Coordinate, Length};
 
 /// An axis by its letter, in the order used wherever axes are numbered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Axis {
     /// First linear axis.
     X,
@@ -55,6 +56,7 @@ impl Axis {
 
 /// Machine coordinates of all nine axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Position {
     /// X, Y, Z.
     pub linear: [Length; 3],
@@ -99,6 +101,7 @@ impl Position {
 
 /// Working plane; a cycle drills along its normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Plane {
     /// G17.
     #[default]
@@ -127,6 +130,7 @@ impl Plane {
 
 /// Which circle, in the plane's first and second axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arc {
     /// The plane.
     pub plane: Plane,
@@ -138,6 +142,7 @@ pub struct Arc {
 
 /// Turns of the follower in so many turns of the master, in whole numbers, so that nothing drifts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ratio {
     /// Turns of the follower; negative turns it the other way.
     pub follower: i32,

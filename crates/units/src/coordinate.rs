@@ -87,6 +87,7 @@ impl CoordinateSpeed {
 
 /// What an axis does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AxisKind {
     /// It moves straight on.
     Linear,

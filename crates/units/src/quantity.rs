@@ -17,6 +17,7 @@ macro_rules! measure {
     ($(#[$doc:meta])* $name:ident, $ctor:ident, $unit:literal) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[repr(transparent)]
         pub struct $name(f64);
 

@@ -11,6 +11,10 @@ pub(crate) struct ControlArgs {
     /// Take requests from a file, a line each; `-` is standard input [default: the terminal]
     #[arg(long, value_name = "FILE")]
     pub(crate) script: Option<PathBuf>,
+    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file names in [hal], instead of a machine
+    /// that is simulated
+    #[arg(long, conflicts_with_all = ["seed", "clamped"])]
+    pub(crate) hal: bool,
     /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,

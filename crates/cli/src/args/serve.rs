@@ -23,6 +23,10 @@ pub(crate) struct ServeArgs {
     /// control, and a tool that was left in its work is known when the control begins again
     #[arg(long, value_name = "PATH", requires = "state", conflicts_with_all = ["seed", "clamped"])]
     pub(crate) simulator: Option<PathBuf>,
+    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file names in [hal], instead of a machine
+    /// that is simulated
+    #[arg(long, conflicts_with_all = ["simulator", "seed", "clamped"])]
+    pub(crate) hal: bool,
     /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,

@@ -1,7 +1,8 @@
 //! The machine as the control holds it: here, or in the servo thread.
 use crate::Plant;
-use crate::real_time::{MachineLink, Record};
+use crate::real_time::MachineLink;
 use bus::{Feedback, Machine as _, Truth};
+use servo::Record;
 use sim::Fault;
 use units::Time;
 use wire::Engagement;

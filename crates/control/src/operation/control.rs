@@ -38,6 +38,8 @@ pub struct ControlOptions {
     pub state: Option<PathBuf>,
     /// Socket of a machine simulator in another process, which outlives the control; `None`: one is simulated within this one.
     pub simulator: Option<PathBuf>,
+    /// The drives of the HAL component that the machine's file names, instead of a simulated machine.
+    pub hal: bool,
     /// How far from where the machine's file says the simulated stock is clamped.
     pub clamped: Position,
     /// By the clock, with kernel and machine in a servo thread; `None`: as periods are called for.
@@ -87,6 +89,7 @@ pub struct Control {
     /// Which of the machines of this file it is: what is simulated scatters by it.
     pub(super) seed: u64,
     drives_were_ready: bool,
+    pub(super) has_told_lost_drives: bool,
     told_features: usize,
 }
 
@@ -112,7 +115,9 @@ impl Control {
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             zero = zero.with(axis, zero.along(axis) + options.clamped.along(axis));
         }
-        let (plant, outside) = if let Some(socket) = &options.simulator {
+        let (plant, outside) = if options.hal {
+            (plant::hal(machine)?, None)
+        } else if let Some(socket) = &options.simulator {
             let is_real_time = options.real_time.is_some();
             let (plant, outside, said) = outside::connect(socket, machine, &kept, is_real_time)?;
             found.extend(said);
@@ -163,6 +168,7 @@ impl Control {
             ended: None,
             seed,
             drives_were_ready: false,
+            has_told_lost_drives: false,
             told_features: 0,
             base,
         };
@@ -171,9 +177,14 @@ impl Control {
             control.events.notice(finding);
         }
         control.forget_modes();
-        if let Some(real_time) = control.options.real_time {
+        let keeps_time =
+            control.options.real_time.or(control.options.hal.then(RealTimeOptions::default));
+        if let Some(real_time) = keeps_time {
             control.executor.keep_time(real_time);
             control.executor.begin_real_time();
+            if let (true, Some(why)) = (control.options.hal, control.executor.machine.lost()) {
+                return Err(Refused::because(why));
+            }
             for refused in &control.executor.refused {
                 control.events.notice(refused.clone());
             }

@@ -249,7 +249,7 @@ impl Control {
     /// A period is over: machine and record hear that a tool is out, and the operator that the machine is gone.
     pub(super) fn follow_machine(&mut self) {
         if self.outside.is_none() {
-            return;
+            return self.tell_lost_drives();
         }
         let kernel = &self.executor.kernel;
         let stands = kernel.is_off() || kernel.is_standing();
@@ -269,6 +269,17 @@ impl Control {
         if outside.is_out.is_some_and(|due| now >= due) {
             outside.is_out = None;
             self.record_is_out();
+        }
+    }
+
+    /// The HAL component is gone: why is said once.
+    fn tell_lost_drives(&mut self) {
+        if self.options.hal
+            && !self.has_told_lost_drives
+            && let Some(why) = self.executor.machine.lost()
+        {
+            self.has_told_lost_drives = true;
+            self.events.notice(why);
         }
     }
 

@@ -1,5 +1,4 @@
 //! A kernel that is in the servo thread, seen from the control's: its picture, and rings to and from it.
-use super::{Record, Said};
 use crate::clock::now;
 use bus::{Report, State};
 use kernel::{
@@ -7,6 +6,7 @@ use kernel::{
 };
 use plan::Step;
 use rtrb::{Consumer, Producer};
+use servo::{Record, Replied, Said};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Acquire};
@@ -17,15 +17,6 @@ use units::Time;
 const ANSWER: Duration = Duration::from_secs(2);
 /// Between two looks whether it has.
 const LOOK: Duration = Duration::from_micros(20);
-
-/// A reply, and the kernel after it.
-pub(super) struct Replied {
-    pub(super) reply: Reply,
-    /// Periods that were over by then.
-    pub(super) number: u64,
-    pub(super) picture: Picture,
-    pub(super) taken: u64,
-}
 
 /// The rings' ends on this side.
 pub(super) struct KernelRings {
@@ -171,7 +162,7 @@ impl KernelLink {
             is_flowing: false,
             is_moving_manually: false,
             is_moving_on_lease: false,
-            homing: [None; bus::AXES],
+            is_homing: [false; bus::AXES],
             waiting: None,
             ..self.picture
         };

@@ -1,7 +1,7 @@
 //! A machine that is in the servo thread, seen from the control's.
-use super::Record;
 use bus::{Feedback, Truth};
 use rtrb::Producer;
+use servo::Record;
 use sim::Fault;
 use units::Time;
 use wire::Engagement;

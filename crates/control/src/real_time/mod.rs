@@ -14,6 +14,7 @@
 //! control part takes no memory between the start and the end of a program. What it cannot hand on is counted. The first tick comes
 //! when the feeder has filled its ring, and from then on a program whose course asks nothing of the other thread is executed
 //! as in lock-step, to the last bit.
+mod bridge;
 mod clock;
 mod kernel_link;
 mod machine_link;
@@ -26,9 +27,6 @@ pub(crate) use machine_link::MachineLink;
 pub use metrics::RealTimeFigures;
 pub(crate) use metrics::ServoMetrics;
 pub(crate) use servo::{ServoThread, prepare};
-
-use bus::{Feedback, Sample};
-use kernel::Picture;
 
 /// Steps on their way to the kernel, beside those in its own queue.
 const STEPS: usize = 1024;
@@ -52,30 +50,4 @@ impl Default for RealTimeOptions {
     fn default() -> Self {
         Self { priority: 80, around: |part| part() }
     }
-}
-
-/// What the servo thread hands on of each period.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Record {
-    /// Counts periods from 1.
-    number: u64,
-    /// What was heard and commanded.
-    pub(crate) sample: Sample,
-    /// What the machine has answered to that.
-    heard: Feedback,
-    /// The kernel after it.
-    picture: Picture,
-    /// Steps that have gone into the kernel's queue, of all that were sent.
-    taken: u64,
-}
-
-/// What the kernel says beside the record.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Said {
-    /// An event.
-    Event(kernel::Event),
-    /// An answer of the machine.
-    Answered(kernel::Answered),
-    /// What shall be written down.
-    Record(kernel::RecordRequest),
 }

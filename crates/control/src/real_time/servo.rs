@@ -1,19 +1,18 @@
 //! The servo thread: one turn per period, from the rings to the rings.
 use super::clock::PeriodClock;
-use super::kernel_link::{KernelLink, KernelRings, Replied};
+use super::kernel_link::{KernelLink, KernelRings};
 use super::machine_link::{MachineLink, MachineRequest};
-use super::{
-    RECORDS, REQUESTS, RealTimeOptions, Record, SAID, STEPS, Said, ServoMetrics, scheduling,
-};
+use super::{RECORDS, REQUESTS, RealTimeOptions, SAID, STEPS, ServoMetrics, scheduling};
 use crate::Plant;
 use crate::executor::{answer, obey};
 use crate::timings::TickTimes;
 use bus::{Machine as _, Sample};
-use kernel::{Kernel, Reply, Request};
-use plan::Step;
+use kernel::{Kernel, Request};
+use plan::{Boxed, Step};
 use rtrb::{Consumer, Producer, RingBuffer};
-use std::sync::Arc;
+use servo::{Record, Replied, Rings, Said};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -27,10 +26,12 @@ pub(crate) struct ServoThread {
     is_over: Arc<AtomicBool>,
     records: Consumer<Record>,
     metrics: Arc<ServoMetrics>,
+    /// Why it has ended by itself, where that is known.
+    why: Arc<OnceLock<String>>,
 }
 
 /// What the servo thread will hold beside kernel and machine.
-pub(crate) struct Seat {
+pub(crate) struct Prepared {
     rings: ServoRings,
     records: Consumer<Record>,
     is_over: Arc<AtomicBool>,
@@ -38,35 +39,28 @@ pub(crate) struct Seat {
 
 /// What the thread owns.
 struct Servo {
-    kernel: Box<Kernel>,
+    seat: servo::Seat<ServoRings>,
     machine: Box<Plant>,
     ticks: TickTimes,
-    rings: ServoRings,
-    /// A step that the kernel had no room for.
-    waiting: Option<Step>,
-    taken: u64,
-    /// Of the steps on their way, those after this one up to that one were given up.
-    given_up: (u64, u64),
-    number: u64,
     metrics: Arc<ServoMetrics>,
 }
 
 /// The rings' ends on this side.
-struct ServoRings {
-    requests: Consumer<Request>,
-    replies: Producer<Replied>,
-    steps: Consumer<Step>,
-    spent: Producer<Step>,
-    said: Producer<Said>,
-    records: Producer<Record>,
-    of_machine: Consumer<MachineRequest>,
+pub(super) struct ServoRings {
+    pub(super) requests: Consumer<Request>,
+    pub(super) replies: Producer<Replied>,
+    pub(super) steps: Consumer<Step>,
+    pub(super) spent: Producer<Step>,
+    pub(super) said: Producer<Said>,
+    pub(super) records: Producer<Record>,
+    pub(super) of_machine: Consumer<MachineRequest>,
 }
 
 /// All that connects the servo thread with the control's, for this kernel and this machine.
 pub(crate) fn prepare(
     kernel: &Kernel,
     machine: &Plant,
-) -> (Box<KernelLink>, Box<MachineLink>, Seat) {
+) -> (Box<KernelLink>, Box<MachineLink>, Prepared) {
     let picture = kernel.picture();
     let (feedback, truth) = (machine.feedback(), machine.truth());
     let sample = Sample { feedback, truth, report: picture.report, ..Sample::default() };
@@ -89,11 +83,11 @@ pub(crate) fn prepare(
         MachineLink { requests: machine_requests, feedback, truth, period, lost: None };
     let rings =
         ServoRings { requests: asked, replies, steps: sent, spent, said, records, of_machine };
-    let seat = Seat { rings, records: seen, is_over };
-    (Box::new(kernel_link), Box::new(machine_link), seat)
+    let prepared = Prepared { rings, records: seen, is_over };
+    (Box::new(kernel_link), Box::new(machine_link), prepared)
 }
 
-impl Seat {
+impl Prepared {
     /// The thread begins; what the operating system has refused of what real time needs.
     ///
     /// # Errors
@@ -108,15 +102,18 @@ impl Seat {
         let Self { rings, records, is_over } = self;
         let metrics = Arc::new(ServoMetrics::default());
         let stop = Arc::new(AtomicBool::new(false));
+        let why = Arc::new(OnceLock::new());
+        if let Plant::Hal(_) = &*machine {
+            let over = Over(Arc::clone(&is_over));
+            let bridge = (Arc::clone(&stop), Arc::clone(&metrics), Arc::clone(&why));
+            let thread = super::bridge::start(rings, (kernel, machine), bridge, over)?;
+            let thread = ServoThread { thread: Some(thread), stop, is_over, records, metrics, why };
+            return Ok((thread, Vec::new()));
+        }
         let servo = Servo {
-            kernel,
+            seat: servo::Seat::new(kernel, rings),
             machine,
             ticks,
-            rings,
-            waiting: None,
-            taken: 0,
-            given_up: (0, 0),
-            number: 0,
             metrics: Arc::clone(&metrics),
         };
         let (up, is_up) = std::sync::mpsc::sync_channel(1);
@@ -129,12 +126,12 @@ impl Seat {
         });
         let thread = thread.map_err(|e| format!("cannot start the servo thread: {e}"))?;
         let refused = is_up.recv().unwrap_or_default();
-        Ok((ServoThread { thread: Some(thread), stop, is_over, records, metrics }, refused))
+        Ok((ServoThread { thread: Some(thread), stop, is_over, records, metrics, why }, refused))
     }
 }
 
 /// Says that the thread has ended, however it did.
-struct Over(Arc<AtomicBool>);
+pub(super) struct Over(Arc<AtomicBool>);
 
 impl Drop for Over {
     fn drop(&mut self) {
@@ -151,34 +148,32 @@ impl Servo {
             let begun = clock.wait();
             self.metrics.begun(begun.late, period, begun.is_set_anew);
         }
-        (self.kernel, self.machine)
+        (self.seat.kernel, self.machine)
     }
 
     fn period(&mut self, around: fn(&mut dyn FnMut())) {
         self.ask_machine();
         let mut answered = None;
         around(&mut || {
-            self.serve();
-            self.take_steps();
-            let answer = answer(&mut self.kernel, &self.machine, &self.ticks);
-            self.say();
-            answered = Some((answer, self.kernel.picture()));
+            self.seat.before_tick();
+            let answer = answer(&mut self.seat.kernel, &self.machine, &self.ticks);
+            let number = self.seat.after_tick();
+            answered = Some((answer, number, self.seat.kernel.picture()));
         });
-        let Some((answer, picture)) = answered else { return };
+        let Some((answer, number, picture)) = answered else { return };
         let sample = answer.sample;
-        obey(&mut self.kernel, &mut self.machine, &answer);
-        self.number += 1;
+        obey(&mut self.seat.kernel, &mut self.machine, &answer);
         self.metrics.period();
         let heard = self.machine.feedback();
-        let record = Record { number: self.number, sample, heard, picture, taken: self.taken };
-        if self.rings.records.push(record).is_err() {
+        let record = Record { number, sample, heard, picture, taken: self.seat.taken() };
+        if self.seat.rings.records.push(record).is_err() {
             self.metrics.unobserved();
         }
     }
 
     /// What is asked of the machine: at most what the ring holds.
     fn ask_machine(&mut self) {
-        while let Ok(request) = self.rings.of_machine.pop() {
+        while let Ok(request) = self.seat.rings.of_machine.pop() {
             match request {
                 MachineRequest::Strike(fault) => self.machine.strike(fault),
                 MachineRequest::Repair(fault) => self.machine.repair(fault),
@@ -187,97 +182,36 @@ impl Servo {
             }
         }
     }
+}
 
-    /// Requests to the kernel, each with its reply.
-    fn serve(&mut self) {
-        while !self.rings.replies.is_full()
-            && let Ok(request) = self.rings.requests.pop()
-        {
-            let mut reply = match request {
-                Request::GiveUp { steps, at } => Reply::Is(self.give_up(steps, at)),
-                request => self.kernel.serve(request),
-            };
-            if let Reply::HandedBack(Some(back)) = &mut reply {
-                back.steps += self.hand_back_waiting();
-            }
-            let (number, picture, taken) = (self.number, self.kernel.picture(), self.taken);
-            // there was room before the request was taken
-            let _ = self.rings.replies.push(Replied { reply, number, picture, taken });
-        }
+impl Rings for ServoRings {
+    type Storage = Boxed;
+
+    fn next_request(&mut self) -> Option<Request> {
+        if self.replies.is_full() { None } else { self.requests.pop().ok() }
     }
 
-    /// The last ones of all steps that were sent are not wanted any more, if the kernel agrees.
-    fn give_up(&mut self, steps: usize, at: Option<f64>) -> bool {
-        let on_their_way = self.rings.steps.slots() + usize::from(self.waiting.is_some());
-        let last = self.taken + on_their_way as u64;
-        let of_kernel = steps.saturating_sub(on_their_way);
-        if self.taken < self.given_up.1 || (steps < on_their_way && at.is_some()) {
-            return false;
-        }
-        if (of_kernel > 0 || at.is_some() || steps == on_their_way)
-            && !self.kernel.give_up(of_kernel, at)
-        {
-            return false;
-        }
-        self.given_up = (last - (steps - of_kernel) as u64, last);
-        true
+    fn reply(&mut self, replied: Replied) {
+        let _ = self.replies.push(replied); // there was room before the request was taken
     }
 
-    /// Steps on their way go back; how many.
-    fn hand_back_waiting(&mut self) -> usize {
-        let mut count = 0;
-        while let Some(step) = self.waiting.take().or_else(|| self.rings.steps.pop().ok()) {
-            count += usize::from(!self.is_given_up());
-            self.release(step);
-        }
-        count
+    fn next_step(&mut self) -> Option<Step> {
+        self.steps.pop().ok()
     }
 
-    /// Steps into the kernel's queue, as long as it has room.
-    fn take_steps(&mut self) {
-        while !self.kernel.is_full() {
-            let Some(step) = self.waiting.take().or_else(|| self.rings.steps.pop().ok()) else {
-                return;
-            };
-            if self.is_given_up() {
-                self.release(step);
-                continue;
-            }
-            if self.kernel.push(&step).is_err() {
-                self.waiting = Some(step); // no room for a plan of its kind: again after the next tick
-                return;
-            }
-            self.release(step);
-        }
-    }
-
-    /// The next step on its way was given up.
-    fn is_given_up(&self) -> bool {
-        (self.given_up.0..self.given_up.1).contains(&self.taken)
+    fn steps_waiting(&self) -> usize {
+        self.steps.slots()
     }
 
     /// The memory of a step is released by the thread that took it. Its ring has room for all steps that there are at a time.
     fn release(&mut self, step: Step) {
-        self.taken += 1;
-        if let Err(rtrb::PushError::Full(step)) = self.rings.spent.push(step) {
+        if let Err(rtrb::PushError::Full(step)) = self.spent.push(step) {
             core::mem::forget(step); // rather lose its memory than release it here
         }
     }
 
-    fn say(&mut self) {
-        let Self { kernel, rings: ServoRings { said, .. }, .. } = self;
-        let mut say = |what| {
-            let _ = said.push(what); // a thread that does not listen misses it
-        };
-        if let Some(answered) = kernel.take_answer() {
-            say(Said::Answered(answered));
-        }
-        while let Some(request) = kernel.next_record_request() {
-            say(Said::Record(request));
-        }
-        while let Some(event) = kernel.next_event() {
-            say(Said::Event(event));
-        }
+    fn say(&mut self, said: Said) {
+        let _ = self.said.push(said); // a thread that does not listen misses it
     }
 }
 
@@ -298,6 +232,11 @@ impl ServoThread {
     /// Records that wait to be looked at.
     pub(crate) fn waiting(&self) -> usize {
         self.records.slots()
+    }
+
+    /// Why it has ended by itself, where that is known.
+    pub(crate) fn why(&self) -> Option<&str> {
+        self.why.get().map(String::as_str)
     }
 
     /// How it keeps its time.

@@ -303,6 +303,22 @@ impl FaultKind {
                 cause: "A defect of the control. The drives do by themselves what drives.on_link_loss says.",
                 remedy: "Keep the program and the trace, and report it. Switch the control off and on; a tool that stands in its thread is taken out by recovery.",
             },
+            Self::ControlSilent => Text {
+                number: 413,
+                sentence: "the process that leads the machine shows no sign of life",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "It has ended, it was killed or stopped, or the computer was too busy for it. The servo thread runs on and has stopped the machine.",
+                remedy: "Start the control again. A tool that stands in its thread is taken out by recovery.",
+            },
+            Self::ControlSenseless => Text {
+                number: 414,
+                sentence: "the process that leads the machine has sent what cannot be",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The shared memory was written by something else, or a defect of the control. Nothing that comes from there is done any more.",
+                remedy: "Start the control again; if it comes back, keep the program and report it.",
+            },
             Self::HomeSwitchNotFound => Text {
                 number: 501,
                 sentence: "the home switch was not found over the whole way",

@@ -35,8 +35,8 @@ impl Kernel {
         match self.mode {
             Mode::New | Mode::Starting(_) | Mode::Disabled => Ok(()),
             Mode::Running => {
-                if let Some(of) = self.reported {
-                    return Err((FaultKind::DriveAlarm, of, 0.0, 0.0));
+                if let Some((kind, of)) = self.reported {
+                    return Err((kind, of, 0.0, 0.0));
                 }
                 let moves = matches!(self.activity, Activity::Moving(..));
                 let touches = feedback.probe && !self.probe_before;

@@ -5,6 +5,7 @@ use super::{Kernel, Mode};
 use crate::config::Subject;
 use crate::event::EventKind;
 use crate::execute::Activity;
+use crate::fault::FaultKind;
 use crate::operator::{Notice, Operator, Order};
 use crate::queue::{Step, StepKind};
 use crate::spindle::SpindleLoop;
@@ -123,7 +124,12 @@ impl Kernel {
 
     /// A drive reports an alarm with which it can still brake.
     pub const fn report_alarm(&mut self, of: Subject) {
-        self.reported = Some(of);
+        self.reported = Some((FaultKind::DriveAlarm, of));
+    }
+
+    /// Who leads the kernel is gone, or not to be believed any more: the next tick finds this alarm.
+    pub const fn report_control(&mut self, kind: FaultKind) {
+        self.reported = Some((kind, Subject::Machine));
     }
 
     /// What the operator's orders have left behind.

@@ -13,6 +13,7 @@ use super::{AXES, Derivatives, Point, Shape};
 
 /// A circle or helix in the plane of two axes; all other axes go along in proportion.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arc {
     /// Where it begins.
     pub from: Point,

@@ -11,6 +11,7 @@ use super::{AXES, Derivatives, Point, Shape};
 
 /// A part of a Bézier curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bezier {
     /// Control points of the part.
     pub control: [Point; 6],

@@ -3,6 +3,7 @@ use super::{AXES, Derivatives, Point, Shape};
 
 /// A straight line; exact at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Line {
     /// Where it begins.
     pub from: Point,

@@ -4,6 +4,7 @@ use super::{AXES, Arc, Bezier, Derivatives, Line, Polynomial, Shape};
 /// A curve of one of the kinds there are. Plain data, so that it can lie in a queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // it is moved into a queue once
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Curve {
     /// A straight line.
     Line(Line),
@@ -37,6 +38,7 @@ impl Shape for Curve {
 
 /// How a piece joins the piece before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Entry {
     /// From rest (ṡ = s̈ = 0): the first piece, an exact stop, a corner that may not be cut.
     Rest,
@@ -48,6 +50,7 @@ pub enum Entry {
 
 /// A piece of the joined path: as a [`Shape`] of its own it runs from 0 to its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Piece {
     /// Where.
     pub curve: Curve,
@@ -79,6 +82,7 @@ impl Shape for Piece {
 
 /// What the axes can do; infinity where there is no limit, and for axes that never move.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
     /// Highest speed, mm/s or °/s.
     pub speed: [f64; AXES],
@@ -105,6 +109,7 @@ impl Default for Bounds {
 
 /// What the axes can do while cutting and in rapids.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// While cutting.
     pub feed: Bounds,

@@ -7,6 +7,7 @@ use super::{AXES, Derivatives, Point, Shape};
 
 /// A polynomial in the parameter, for every axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Polynomial {
     /// c₀ … c₅.
     pub c: [Point; 6],

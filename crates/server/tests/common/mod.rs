@@ -99,6 +99,7 @@ impl Served {
             seed: None,
             state: how.state,
             simulator: how.simulator,
+            hal: false,
             clamped: canon::Position::default(),
             real_time: how.real_time,
         };

@@ -8,6 +8,7 @@
 //!   [tool_change]  where and how long                                            ─► plan, sim
 //!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
 //!   [drives]       what the drives do when the control or the mains fail          ─► sim, app
+//!   [hal]          how HAL's drives are led                                      ─► control
 //!   [grinding]     a cam grinder's wheel, its wear, what it costs to cut           ─► sim, forms
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [inputs]       which it has, by number and name; [outputs], [probe]         ─► plan
@@ -36,6 +37,7 @@ mod axis;
 mod control;
 mod drives;
 mod grinding;
+mod hal;
 mod homing;
 mod plant;
 pub(crate) mod rotary;
@@ -54,6 +56,7 @@ pub use control::{
 };
 pub use drives::{DcBus, Drives};
 pub use grinding::{Grinding, Wheel};
+pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
 pub use plant::{AxisErrors, PlantScatter, SpindleErrors, eccentric};
 pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
@@ -87,6 +90,8 @@ pub struct MachineFile {
     pub tapping: Tapping,
     /// What the drives do by themselves.
     pub drives: Drives,
+    /// How its drives are led through LinuxCNC's HAL; `None`: they are not.
+    pub hal: Option<Hal>,
     /// What it grinds cams with; `None`: it grinds none.
     pub grinding: Option<Grinding>,
     /// The workpiece, and where it is clamped.
@@ -197,6 +202,7 @@ impl MachineFile {
             tool_change: keys.section("tool_change", ToolChange::read),
             tapping: keys.section("tapping", Tapping::read),
             drives: keys.optional_section("drives", Drives::read).unwrap_or_default(),
+            hal: keys.optional_section("hal", Hal::read),
             grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
             simulation: keys.section("simulation", Simulation::read),

@@ -15,6 +15,7 @@ fn hosted() -> Hosted {
         seed: None,
         state: None,
         simulator: None,
+        hal: false,
         clamped: canon::Position::default(),
         real_time: None,
     };

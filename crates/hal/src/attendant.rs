@@ -1,0 +1,135 @@
+//! The thread beside the servo thread: it makes the kernels that controls ask for, because that takes memory, and releases them.
+use crate::component::ControlSession;
+use crate::parameters::LoadParameters;
+use bus::AXES;
+use kernel::Kernel;
+use rtrb::{Consumer, Producer};
+use servo::{Seat, SetUp};
+use shm::{Made, ServoSide, SetUps};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// It looks so often whether a control asks.
+const LOOK: Duration = Duration::from_millis(10);
+/// By so much of itself the period that HAL keeps may differ from the one that the control was set up for.
+const PERIOD_SHARE: f64 = 1e-3;
+/// A control may be silent for so long at most, s.
+const LONGEST_SILENCE_S: f64 = 5.0;
+
+/// The thread, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Attendant {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What it works with.
+pub(crate) struct Desk {
+    pub(crate) made: Arc<Made>,
+    pub(crate) has: LoadParameters,
+    /// The servo period that HAL keeps, ns; 0: not known yet.
+    pub(crate) period: Arc<AtomicU64>,
+    /// To the servo thread.
+    pub(crate) begin: Producer<Box<ControlSession>>,
+    /// Back from it.
+    pub(crate) over: Consumer<Box<ControlSession>>,
+}
+
+impl Attendant {
+    /// The thread begins.
+    ///
+    /// # Errors
+    /// The operating system has none.
+    pub(crate) fn start(mut desk: Desk) -> Result<Self, String> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let mut set_ups = SetUps::new(&desk.made);
+        let told = Arc::clone(&stop);
+        let thread = std::thread::Builder::new().name("leadscrew".into());
+        let thread = thread.spawn(move || {
+            while !told.load(Acquire) {
+                while desk.over.pop().is_ok() {} // its memory is released here
+                desk.attend(&mut set_ups);
+                std::thread::sleep(LOOK);
+            }
+        });
+        let thread = thread.map_err(|e| format!("no thread can be started: {e}"))?;
+        Ok(Self { stop, thread: Some(thread) })
+    }
+}
+
+impl Drop for Attendant {
+    fn drop(&mut self) {
+        self.stop.store(true, std::sync::atomic::Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join(); // one that has panicked has said so
+        }
+    }
+}
+
+impl Desk {
+    fn attend(&mut self, set_ups: &mut SetUps) {
+        while let Some((session, asked)) = set_ups.take() {
+            let made = asked.and_then(|set_up| self.session(session, set_up));
+            let handed = made.and_then(|session| {
+                self.begin
+                    .push(session)
+                    .map_err(|_| "a control that came before has not begun yet".to_owned())
+            });
+            if let Err(why) = handed {
+                set_ups.refuse(session, &why);
+            }
+        }
+    }
+
+    /// A kernel as it was asked for, or why there is none.
+    fn session(&self, session: u32, set_up: SetUp) -> Result<Box<ControlSession>, String> {
+        let mut wrong = Vec::new();
+        set_up.config.problems(|problem| wrong.push(problem.to_string()));
+        if !wrong.is_empty() {
+            return Err(wrong.join("; "));
+        }
+        let (period, asked) = (self.period.load(Acquire), set_up.config.period.value());
+        if period == 0 {
+            return Err(
+                "no thread calls leadscrew.update: addf leadscrew.update servo-thread, and start"
+                    .into(),
+            );
+        }
+        let keeps = period as f64 / 1e9;
+        if (asked - keeps).abs() > keeps * PERIOD_SHARE {
+            return Err(format!(
+                "HAL's thread has a period of {} µs and the machine's file one of {} µs: control.servo_period_us = {} would fit",
+                keeps * 1e6,
+                asked * 1e6,
+                keeps * 1e6
+            ));
+        }
+        for index in 0..AXES {
+            if set_up.config.axes[index].is_some() && !self.has.axes[index] {
+                let letter = crate::parameters::LETTERS[index];
+                return Err(format!(
+                    "the machine has an axis {letter}, and the component was loaded without it: axes=…{letter}"
+                ));
+            }
+        }
+        let spindles = set_up.config.spindles.iter().flatten().count();
+        if spindles > self.has.spindles {
+            return Err(format!(
+                "the machine has {spindles} spindles, and the component was loaded with {}",
+                self.has.spindles
+            ));
+        }
+        let silent = set_up.silent_after.value();
+        if !(silent >= keeps && silent <= LONGEST_SILENCE_S) {
+            return Err(format!(
+                "a control may be silent for {keeps} to {LONGEST_SILENCE_S} s, and this one asks for {silent} s"
+            ));
+        }
+        let most_silent_ns = (silent * 1e9) as i64;
+        let kernel = Box::new(Kernel::new(set_up.config));
+        let seat = Seat::new(kernel, ServoSide::new(&self.made, session));
+        Ok(Box::new(ControlSession { seat, obeys_after: set_up.obeys_after, most_silent_ns }))
+    }
+}

@@ -1,0 +1,163 @@
+//! HAL's C interface as far as the component calls it, for tests on computers without LinuxCNC: pins by name, one function.
+use crate::ffi::Function;
+use std::collections::BTreeMap;
+use std::ffi::{CStr, c_char, c_int, c_long, c_void};
+use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What a component has asked HAL for; addresses as numbers, so that threads may share them.
+#[derive(Debug, Default)]
+pub(crate) struct Asked {
+    pins: BTreeMap<String, (char, usize)>,
+    function: Option<Function>,
+    pub(crate) said: Vec<String>,
+}
+
+static ASKED: Mutex<Option<Asked>> = Mutex::new(None);
+
+fn asked() -> MutexGuard<'static, Option<Asked>> {
+    ASKED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What the component has asked for.
+pub(crate) fn with<T>(look: impl FnOnce(&mut Asked) -> T) -> T {
+    look(asked().get_or_insert_default())
+}
+
+impl Asked {
+    /// Names of the pins.
+    pub(crate) fn names(&self) -> Vec<&str> {
+        self.pins.keys().map(String::as_str).collect()
+    }
+
+    fn at<T>(&self, name: &str, kind: char) -> *mut T {
+        match self.pins.get(&format!("leadscrew.{name}")) {
+            Some((of, at)) if *of == kind => *at as *mut T,
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+
+    pub(crate) fn float(&self, name: &str) -> f64 {
+        // SAFETY: memory that `hal_pin_float_new` has leaked for a number.
+        unsafe { self.at::<f64>(name, 'f').read_volatile() }
+    }
+
+    pub(crate) fn set_float(&self, name: &str, value: f64) {
+        // SAFETY: as for `float`.
+        unsafe { self.at::<f64>(name, 'f').write_volatile(value) }
+    }
+
+    pub(crate) fn bit(&self, name: &str) -> bool {
+        // SAFETY: memory that `hal_pin_bit_new` has leaked for a bit.
+        unsafe { self.at::<bool>(name, 'b').read_volatile() }
+    }
+
+    pub(crate) fn set_bit(&self, name: &str, value: bool) {
+        // SAFETY: as for `bit`.
+        unsafe { self.at::<bool>(name, 'b').write_volatile(value) }
+    }
+}
+
+/// HAL's thread calls the function; false: it is not there (any more).
+pub(crate) fn call(period: c_long) -> bool {
+    let function = with(|asked| asked.function);
+    if let Some(function) = function {
+        // SAFETY: what was exported, called from one thread at a time.
+        unsafe { function(std::ptr::null_mut(), period) };
+    }
+    function.is_some()
+}
+
+unsafe fn pin<T: Default>(kind: char, name: *const c_char, data: *mut *mut T) -> c_int {
+    // SAFETY: a C string, as the component says.
+    let name = unsafe { CStr::from_ptr(name) }.to_string_lossy().into_owned();
+    let at = Box::into_raw(Box::<T>::default());
+    // SAFETY: memory of `hal_malloc`, as the component says.
+    unsafe { data.write(at) };
+    with(|asked| asked.pins.insert(name, (kind, at as usize)));
+    0
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn hal_init(_: *const c_char) -> c_int {
+    *asked() = Some(Asked::default());
+    1
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn hal_exit(_: c_int) -> c_int {
+    with(|asked| asked.function = None);
+    0
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn hal_ready(_: c_int) -> c_int {
+    0
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn hal_malloc(size: c_long) -> *mut c_void {
+    let words = (size as usize).div_ceil(8);
+    Box::into_raw(vec![0_u64; words].into_boxed_slice()).cast()
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn hal_pin_bit_new(
+    name: *const c_char,
+    _: c_int,
+    data: *mut *mut bool,
+    _: c_int,
+) -> c_int {
+    // SAFETY: the caller's.
+    unsafe { pin('b', name, data) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn hal_pin_float_new(
+    name: *const c_char,
+    _: c_int,
+    data: *mut *mut f64,
+    _: c_int,
+) -> c_int {
+    // SAFETY: the caller's.
+    unsafe { pin('f', name, data) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn hal_pin_u32_new(
+    name: *const c_char,
+    _: c_int,
+    data: *mut *mut u32,
+    _: c_int,
+) -> c_int {
+    // SAFETY: the caller's.
+    unsafe { pin('u', name, data) }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn hal_export_funct(
+    _: *const c_char,
+    function: Function,
+    _: *mut c_void,
+    _: c_int,
+    _: c_int,
+    _: c_int,
+) -> c_int {
+    with(|asked| asked.function = Some(function));
+    0
+}
+
+/// A clock of which a millisecond passes whenever it is looked at, once a period.
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_get_time() -> i64 {
+    static NOW: AtomicI64 = AtomicI64::new(1);
+    NOW.fetch_add(1_000_000, Relaxed)
+}
+
+/// In C it takes any arguments; the component hands it one string.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn rtapi_print_msg(_: c_int, _: *const c_char, text: *const c_char) {
+    // SAFETY: a C string, as the component says.
+    let text = unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned();
+    with(|asked| asked.said.push(text));
+}

@@ -1,0 +1,92 @@
+//! Leadscrew as a component of LinuxCNC's HAL: `loadrt leadscrew axes=XYZ`, `addf leadscrew.update servo-thread`.
+//!
+//! ```text
+//!   leadscrew control --hal            shared memory            rtapi_app
+//!   interpreter, planner, observers ◄────────────────────────►  attendant: makes kernels    ┐ beside the
+//!                                                                                           │ servo thread
+//!                                          pins ─► Feedback ─► kernel::tick ─► Command ─► pins   in it
+//! ```
+//!
+//! HAL's servo thread calls [`Component::update`] once a period: it reads the pins, lets the kernel tick, and writes the pins. It takes
+//! no memory, no lock and calls no system. Who leads the kernel is another process, which may end at any moment: the kernel then
+//! stops the machine, coupled axes on their coupling, and holds it.
+#![allow(unsafe_code)] // this crate is called by HAL and calls it: the reason stands beside each
+mod attendant;
+mod component;
+#[cfg(test)]
+mod fake;
+mod ffi;
+mod parameters;
+mod pins;
+#[cfg(test)]
+mod tests;
+
+use component::Component;
+use ffi::Hal;
+use std::ffi::{c_int, c_long, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr::null_mut;
+use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering::SeqCst};
+use std::time::Duration;
+
+/// The component, between load and unload.
+static LOADED: AtomicPtr<Component> = AtomicPtr::new(null_mut());
+/// HAL's thread is within [`update`].
+static IS_WITHIN: AtomicBool = AtomicBool::new(false);
+
+/// Called by rtapi when the module is loaded; 0, or what is negative where it cannot be.
+#[unsafe(no_mangle)]
+pub extern "C" fn rtapi_app_main() -> c_int {
+    match catch_unwind(load) {
+        Ok(Ok(())) => 0,
+        Ok(Err(why)) => {
+            ffi::say(&format!("leadscrew: {why}"));
+            -22 // EINVAL
+        }
+        Err(_) => -22,
+    }
+}
+
+fn load() -> Result<(), String> {
+    let parameters = parameters::read()?;
+    let hal = Hal::begin("leadscrew")?;
+    let component = Component::new(&hal, &parameters)?;
+    // from here on it may be called at any time; it does nothing yet
+    hal.export(c"leadscrew.update", update)?;
+    hal.ready()?;
+    LOADED.store(Box::into_raw(Box::new(component)), SeqCst);
+    hal.stay();
+    Ok(())
+}
+
+/// Called by rtapi when the module is unloaded; HAL's threads may run on meanwhile.
+#[unsafe(no_mangle)]
+pub extern "C" fn rtapi_app_exit() {
+    let component = LOADED.swap(null_mut(), SeqCst);
+    while IS_WITHIN.load(SeqCst) {
+        std::thread::sleep(Duration::from_micros(100));
+    }
+    if component.is_null() {
+        return;
+    }
+    // SAFETY: from `Box::into_raw` in `load`, and taken out of `LOADED` once. `update` says that it is within before it looks at
+    // `LOADED`, and is not: whenever it is called again, it finds null. (Both orders are sequentially consistent.)
+    let component = unsafe { Box::from_raw(component) };
+    let hal = component.hal;
+    drop(component);
+    ffi::leave(hal); // its pins are not used any more
+}
+
+/// Called by HAL's servo thread, with the period in ns.
+unsafe extern "C" fn update(_: *mut c_void, period: c_long) {
+    IS_WITHIN.store(true, SeqCst);
+    // SAFETY: what `load` has put there, until `rtapi_app_exit` takes it out and waits for `IS_WITHIN`; HAL calls the function in one
+    // thread at a time (it is not exported as reentrant), so that nothing else refers to it meanwhile.
+    if let Some(component) = unsafe { LOADED.load(SeqCst).as_mut() } {
+        let period = u64::try_from(period).unwrap_or(0);
+        if catch_unwind(AssertUnwindSafe(|| component.update(period))).is_err() {
+            component.break_down();
+        }
+    }
+    IS_WITHIN.store(false, SeqCst);
+}

@@ -1,0 +1,92 @@
+//! What lies where in the shared memory.
+//!
+//! ```text
+//!   header   magic, version, what the component has, signs of life, sessions
+//!   rings    set-ups, verdicts │ requests, replies │ steps │ said, records
+//! ```
+//!
+//! A *session* is one control that leads the servo thread, from its set-up to its end. Messages carry its number: what a control
+//! before has left in a ring is not taken for this one's.
+use crate::ring::{Place, WORD};
+
+/// First word: `LEADSCRW`.
+pub(crate) const MAGIC: u64 = u64::from_be_bytes(*b"LEADSCRW");
+/// Of this layout and of the messages in it. Both ends come from one build; another one is refused.
+pub(crate) const VERSION: u64 = 1;
+
+/// Words of the header.
+pub(crate) mod head {
+    /// [`super::MAGIC`], written when everything else is.
+    pub(crate) const MAGIC: usize = 0;
+    /// [`super::VERSION`].
+    pub(crate) const VERSION: usize = 1;
+    /// Checksum of the build: crate version and sizes of what crosses.
+    pub(crate) const BUILD: usize = 2;
+    /// What the component has: a bit for each axis, then spindles from bit 16.
+    pub(crate) const HAS: usize = 3;
+    /// Servo period, ns; 0 until the first one.
+    pub(crate) const PERIOD: usize = 4;
+    /// Servo periods since the component was loaded: its sign of life.
+    pub(crate) const PERIODS: usize = 8;
+    /// Records that found no room.
+    pub(crate) const UNOBSERVED: usize = 10;
+    /// The session whose kernel ticks; 0: none.
+    pub(crate) const SESSION: usize = 16;
+    /// The control's sign of life: it counts.
+    pub(crate) const ALIVE: usize = 24;
+    /// The session that its control has ended.
+    pub(crate) const ENDED: usize = 25;
+    /// The session that was asked for last.
+    pub(crate) const ASKED: usize = 26;
+    /// Words.
+    pub(crate) const SIZE: usize = 32;
+}
+
+/// Steps that may wait in the rings of the control's process …
+pub const STEPS_BEFORE: usize = 1024;
+/// … and here in the usual course; all of the former fit in beside these when a request needs them here.
+pub const STEPS_USUAL: usize = 256;
+
+const fn after(place: Place, slots: usize, words: usize) -> Place {
+    Place { at: place.at + place.size(), slots, words }
+}
+
+pub(crate) const SET_UPS: Place = Place { at: head::SIZE, slots: 2, words: 8192 / WORD };
+pub(crate) const VERDICTS: Place = after(SET_UPS, 4, 2048 / WORD);
+pub(crate) const REQUESTS: Place = after(VERDICTS, 16, 1024 / WORD);
+pub(crate) const REPLIES: Place = after(REQUESTS, 16, LONGEST_RECORD / WORD);
+pub(crate) const STEPS: Place = after(REPLIES, STEPS_BEFORE + STEPS_USUAL, LONGEST_STEP / WORD);
+pub(crate) const SAID: Place = after(STEPS, 1024, 512 / WORD);
+pub(crate) const RECORDS: Place = after(SAID, 2048, LONGEST_RECORD / WORD);
+
+/// Bytes of the longest step: a tap with both strokes of its spindle.
+pub(crate) const LONGEST_STEP: usize = 6144;
+/// Bytes of the longest record or reply.
+pub(crate) const LONGEST_RECORD: usize = 4096;
+
+/// Words of it all.
+pub(crate) const SIZE: usize = RECORDS.at + RECORDS.size();
+
+/// What two builds must have in common.
+pub(crate) fn build() -> u64 {
+    let mut sum: u64 = 0xcbf2_9ce4_8422_2325; // FNV-1a
+    let sizes = [
+        size_of::<servo::Record>(),
+        size_of::<servo::Replied>(),
+        size_of::<servo::Said>(),
+        size_of::<servo::SetUp>(),
+        size_of::<kernel::Request>(),
+        size_of::<motion::Step<motion::Inline>>(),
+        SIZE,
+    ];
+    let numbers = sizes.iter().flat_map(|size| size.to_le_bytes());
+    for byte in env!("CARGO_PKG_VERSION").bytes().chain(numbers) {
+        sum = (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    }
+    sum
+}
+
+/// The name of the shared memory of a component.
+pub(crate) fn name(of: &str) -> String {
+    format!("/leadscrew-{of}")
+}

@@ -1,0 +1,22 @@
+//! Kernel and control in two processes of one computer: rings in shared memory.
+//!
+//! ```text
+//!   control's process                    shared memory                     process of the servo thread
+//!     ControlSide    set-up   ───────►   rings of fixed slots  ───────►    SetUps      beside the servo thread
+//!                    requests, steps ─►  counts, signs of life ───────►    ServoSide   in it
+//!                    ◄──────── replies, said, records  ◄───────────────
+//! ```
+//!
+//! Neither side trusts what it reads ([`mapping`](Mapping): nothing but atomic words; [`ring`](RingReader): counts and lengths that
+//! cannot be are damage; [`servo::decode`]: nothing but what can be). Whoever ends, however it ends, leaves the other one running.
+mod control_side;
+mod layout;
+mod mapping;
+mod ring;
+mod servo_side;
+
+pub use control_side::{ControlSide, Error};
+pub use layout::{STEPS_BEFORE, STEPS_USUAL};
+pub use mapping::Mapping;
+pub use ring::{Damaged, Place, RingReader, RingWriter};
+pub use servo_side::{Made, ServoSide, SetUps, make};
