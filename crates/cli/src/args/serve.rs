@@ -7,6 +7,7 @@ use std::time::Duration;
 
 /// `leadscrew serve`.
 #[derive(Args, Debug, Clone)]
+#[allow(clippy::struct_excessive_bools)] // each is a switch of the command line
 pub(crate) struct ServeArgs {
     #[command(flatten)]
     pub(crate) source: ProgramArgs,
