@@ -48,7 +48,7 @@ pub(crate) struct Component {
 }
 
 impl Component {
-    /// With its pins, and nobody that leads it.
+    /// With its pins, and no control that leads it.
     ///
     /// # Errors
     /// HAL or the operating system refuses something.

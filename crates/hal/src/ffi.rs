@@ -121,7 +121,7 @@ impl<T: PinKind> Pin<T> {
     /// Its value.
     pub(crate) fn get(&self) -> T {
         // SAFETY: `Hal::pin` has put it into HAL's memory, which is mapped as long as the component is a member, and HAL keeps a
-        // valid place in it; whoever writes there writes a value of this type at once, and nothing is assumed of what it is: volatile.
+        // valid place in it; other components write a value of this type at once, and nothing is assumed of what it is: volatile.
         unsafe { self.0.as_ptr().read_volatile().read_volatile() }
     }
 

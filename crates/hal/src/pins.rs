@@ -175,7 +175,7 @@ impl Pins {
         self.sync_error.set(report.sync_error.map_or(0.0, units::Length::value));
     }
 
-    /// Nobody leads the machine: drives off, outputs off, axes told to be where they are.
+    /// No control leads the machine: drives off, outputs off, axes told to be where they are.
     pub(crate) fn off(&mut self) {
         let tool = self.mounted.unwrap_or(0);
         self.write(

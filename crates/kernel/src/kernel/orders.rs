@@ -127,7 +127,7 @@ impl Kernel {
         self.reported = Some((FaultKind::DriveAlarm, of));
     }
 
-    /// Who leads the kernel is gone, or not to be believed any more: the next tick finds this alarm.
+    /// The process that leads the kernel is gone, or not to be believed any more: the next tick finds this alarm.
     pub const fn report_control(&mut self, kind: FaultKind) {
         self.reported = Some((kind, Subject::Machine));
     }
