@@ -16,6 +16,7 @@
 //! | S0406 | values that contradict each other |
 //! | S0407 | unknown name where one of a list is expected |
 //! | S0408 | how many findings are not shown (note) |
+use crate::bases::bases;
 use crate::nearest::nearest;
 use crate::text::{Lines, in_order};
 use diag::Diagnostic;
@@ -71,33 +72,6 @@ pub(crate) fn read_over<T>(
         list if list.is_empty() => Ok(value),
         list => Err(in_order(list)),
     }
-}
-
-/// The documents that one is based on, the nearest first.
-fn bases(
-    root: &DeTable<'_>,
-    extends: &str,
-    base_of: &dyn Fn(&str) -> Option<&'static str>,
-) -> Result<Vec<DeTable<'static>>, (Range<usize>, String)> {
-    /// Bases of bases.
-    const MOST: usize = 8;
-    let named = |table: &DeTable<'_>| {
-        table.get(extends).map(|v| (v.span(), v.get_ref().as_str().map(str::to_owned)))
-    };
-    let mut found: Vec<DeTable<'static>> = Vec::new();
-    let Some((at, mut name)) = named(root) else { return Ok(found) };
-    while found.len() < MOST {
-        let Some(text) = name.as_deref().and_then(base_of) else {
-            let name = name.unwrap_or_default();
-            return Err((at, format!("`{extends}`: there is no machine \"{name}\" to extend")));
-        };
-        found.push(DeTable::parse_recoverable(text).0.into_inner());
-        match found.last().and_then(named) {
-            Some((_, next)) => name = next,
-            None => return Ok(found),
-        }
-    }
-    Err((at, format!("`{extends}`: more than {MOST} machines extend one another")))
 }
 
 struct Findings {
@@ -230,14 +204,19 @@ impl<'d> Keys<'d> {
         self.ask(key).and_then(|v| self.checked_text(key, v))
     }
 
-    /// All entries of this table as text, whose keys its reader accepts; the others are unknown keys.
+    /// All entries of this table and of those that it is based on as text, whose keys its reader accepts; the others are unknown
+    /// keys.
     pub(crate) fn texts<T>(&mut self, accept: impl Fn(&str) -> Option<T>) -> Vec<(T, String)> {
         let mut found = Vec::new();
-        for (key, value) in self.table {
-            let name: &'d str = key.get_ref();
-            let Some(accepted) = accept(name) else { continue };
-            self.asked.push(name);
-            found.extend(self.checked_text(name, value).map(|text| (accepted, text)));
+        for table in std::iter::once(self.table).chain(self.bases.clone()) {
+            for (key, value) in table {
+                let name: &'d str = key.get_ref();
+                let Some(accepted) = accept(name).filter(|_| !self.asked.contains(&name)) else {
+                    continue;
+                };
+                self.asked.push(name);
+                found.extend(self.checked_text(name, value).map(|text| (accepted, text)));
+            }
         }
         found
     }
@@ -319,17 +298,20 @@ impl<'d> Keys<'d> {
         }
         let mut values = Vec::with_capacity(array.len());
         let own = self.table.contains_key(key);
+        let empty = DeTable::new();
         for (at, item) in array.iter().enumerate() {
             let below = |base: &&'d DeTable<'d>| -> Option<&'d DeTable<'d>> {
                 base.get(key)?.get_ref().as_array()?.get(at)?.get_ref().as_table()
             };
-            let bases = self.bases.iter().filter(|_| own).filter_map(below).collect();
+            let bases = self.bases.iter().filter_map(below).collect();
             let DeValue::Table(table) = item.get_ref() else {
                 self.wrong_type(key, item, &format!("a table headed [[{key}]]"));
                 continue;
             };
-            let mut keys =
-                Keys::new(format!("[[{key}]]"), table, item.span(), self.findings, bases);
+            // stated by a base alone: its place in this text is where it could have been stated
+            let (table, place) =
+                if own { (table, item.span()) } else { (&empty, self.place.clone()) };
+            let mut keys = Keys::new(format!("[[{key}]]"), table, place, self.findings, bases);
             values.push(read(&mut keys));
             keys.finish();
         }

@@ -9,6 +9,7 @@
 //! ```
 //!
 //! Units end at this edge: a key or column carries its unit in its name, a field its quantity.
+mod bases;
 pub mod cams;
 pub mod certificate;
 pub mod learning;

@@ -185,6 +185,19 @@ proptest! {
     }
 }
 
+/// Each built-in machine, those too that extend another one, can be extended by a file that states nothing but its name.
+#[test]
+fn a_file_that_extends_a_machine_and_states_a_name_alone_is_that_machine() {
+    for name in machine::EMBEDDED {
+        let text = format!("extends = \"{name}\"\nname = \"mine\"\n");
+        let mine = machine::parse(&text, 0).unwrap_or_else(|found| panic!("{name}: {found:?}"));
+        let base = machine::find(name).unwrap();
+        assert_eq!(mine.name, "mine");
+        let named = machine::MachineFile { name: base.name.clone(), ..mine };
+        assert_eq!(named, base, "{name}");
+    }
+}
+
 /// The bench has no limit of jerk; a file that extends it and says nothing of jerk has none either.
 #[test]
 fn what_is_unlimited_stays_so_in_a_file_that_extends_it() {
