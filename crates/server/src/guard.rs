@@ -68,14 +68,10 @@ fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
     }
     let path = request.uri().path();
     let is_socket = matches!(path, "/api/v1/ws" | "/api/v1/lsp");
-    if (is_socket || !is_read(request.method()))
-        && let Some(origin) = text(headers, header::ORIGIN.as_str())
-    {
-        let from = origin.split_once("://").map(|(_, host)| host.to_ascii_lowercase());
-        if from.as_deref() != Some(host.as_str()) {
-            let reason = "a page from elsewhere may not lead this machine";
-            return Err(ApiError::new(StatusCode::FORBIDDEN, reason));
-        }
+    let changes = is_socket || !is_read(request.method());
+    if changes && headers.get_all(header::ORIGIN).iter().any(|from| !is_of(from, &host)) {
+        let reason = "a page from elsewhere may not lead this machine";
+        return Err(ApiError::new(StatusCode::FORBIDDEN, reason));
     }
     let is_open =
         !path.starts_with("/api/") || matches!(path, "/api/v1/session" | "/api/v1/openapi.json");
@@ -93,6 +89,12 @@ fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
 fn is_file_of_a_run(path: &str) -> bool {
     let of_a_run = path.strip_prefix("/api/v1/runs/").and_then(|rest| rest.split_once('/'));
     of_a_run.is_some_and(|(_, file)| matches!(file, "report" | "certificate"))
+}
+
+/// Is this the origin of a page of ours? One that cannot be read is not.
+fn is_of(origin: &HeaderValue, host: &str) -> bool {
+    let from = origin.to_str().ok().and_then(|origin| origin.split_once("://"));
+    from.is_some_and(|(_, from)| from.eq_ignore_ascii_case(host))
 }
 
 const fn is_read(method: &Method) -> bool {

@@ -1,6 +1,7 @@
 //! Addresses, connections and their limits.
 //!
-//! A connection has to send its header in time, or it is closed; there are so many at once, and one more is answered 503.
+//! A connection has to send its header in time and to take what it has asked for, or it is closed; there are so many at
+//! once, and one more is answered 503.
 use crate::app::App;
 use crate::folder::Folder;
 use crate::mtconnect::{self, Monitoring};
@@ -25,12 +26,15 @@ use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt as _};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Runtime;
 use tokio::sync::{Semaphore, watch};
+use tokio_io_timeout::TimeoutStream;
 use tokio_rustls::TlsAcceptor;
 
 /// Connections at once.
 const MOST_CONNECTIONS: usize = 256;
 /// A header comes within so long; so long may a connection be silent between two requests.
 const HEADER_COMES: Duration = Duration::from_secs(10);
+/// A client that takes nothing of its answer for so long is gone.
+const ANSWER_TAKEN: Duration = Duration::from_secs(10);
 /// Largest header.
 const LARGEST_HEADER: usize = 16 << 10;
 /// Threads that answer: they only wait and copy.
@@ -273,11 +277,13 @@ async fn refuse(mut stream: TcpStream) {
 }
 
 async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, router: Router) {
+    let mut stream = TimeoutStream::new(stream);
+    stream.set_write_timeout(Some(ANSWER_TAKEN));
     let connection = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_COMES)
         .max_buf_size(LARGEST_HEADER)
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
+        .serve_connection(TokioIo::new(Box::pin(stream)), TowerToHyperService::new(router))
         .with_upgrades();
     let _ = connection.await; // a client that has broken off needs no answer
 }
