@@ -1,24 +1,32 @@
 // Every page at three widths, light and dark: no serious finding of axe, nothing beyond the edge, the weight as promised.
 import assert from 'node:assert/strict';
-import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
+import { mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import axe from 'axe-core';
-import { browser, key, open, press, Server, until } from './helpers.mjs';
+import { browser, key, open, press, ready, Server, until } from './helpers.mjs';
 
-const pages = ['machine', 'program', 'offsets', 'results', 'scope', 'alarms'];
+const pages = ['machine', 'program', 'offsets', 'results', 'results/runs', 'scope', 'alarms'];
 const heights = { 360: 780, 1280: 800, 2560: 1440 };
 const shots = process.env.SHOTS;
 let server; let on; let operator;
+// A hole and its thread: every page has something to say.
+const hole = 'G21 G90 G54\nT2 M6\nG43 H2\nS6000 M3\nG0 X12 Y12 Z30\nG99 G83 Z-24 R2 Q8 F900\nG80\nG0 Z50\nT3 M6\nG43 H3\nS3000 M3\nG0 X12 Y12 Z30\nG99 G84 Z-17 R5 F3000\nG80\nG0 Z50\nM30\n';
+
 before(async () => {
   server = await Server.start();
+  writeFileSync(join(server.folder, 'programs/hole.ngc'), hole);
   on = await browser();
   // One tab commands; the others look.
   operator = await open(on, server, { hash: '#program' });
-  await operator.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();
+  await ready(operator, server);
+  await operator.getByRole('button', { name: /^hole\.ngc/ }).click();
   await press(operator, 'Load');
   await until('it is loaded', async () => (await server.status()).program !== null);
+  await press(operator, 'Start');
+  await until('it is cut', async () => (await server.status()).execution === 'PROGRAM_COMPLETED', 180_000);
   if (shots) mkdirSync(shots, { recursive: true });
 });
 after(async () => {
@@ -26,24 +34,29 @@ after(async () => {
   await server?.stop();
 });
 
+const serious = async (page) => {
+  await page.evaluate(axe.source);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+  return violations.filter(({ impact }) => impact === 'serious' || impact === 'critical').map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target).join(' ')}`);
+};
+
+/** Each page in turn: none is wider than its screen, and a screen reader finds what it needs. */
+async function look(names, width, colorScheme, mark = '') {
+  const page = await open(on, server, { viewport: { width, height: heights[width] }, colorScheme });
+  for (const name of names) {
+    await page.goto(`${server.url}/#${name}`);
+    await page.waitForTimeout(350);
+    if (shots) await page.screenshot({ path: `${shots}/${name.replaceAll('/', '-')}${mark}-${width}-${colorScheme}.png` });
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, `${name} is wider than the screen`);
+    if (width < 2560) assert.deepEqual(await serious(page), [], name);
+  }
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+}
+
 for (const width of [360, 1280, 2560]) {
   for (const colorScheme of ['light', 'dark']) {
-    test(`pages at ${width} px, ${colorScheme}`, { timeout: 60_000 }, async () => {
-      const page = await open(on, server, { viewport: { width, height: heights[width] }, colorScheme });
-      for (const name of pages) {
-        await page.goto(`${server.url}/#${name}`);
-        await page.waitForTimeout(350);
-        if (shots) await page.screenshot({ path: `${shots}/${name}-${width}-${colorScheme}.png` });
-        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, `${name} is wider than the screen`);
-        if (width === 2560) continue;
-        await page.evaluate(axe.source);
-        const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
-        const serious = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
-        assert.deepEqual(serious.map(({ id, nodes }) => `${name}: ${id}: ${nodes.map((node) => node.target).join(' ')}`), []);
-      }
-      assert.deepEqual(page.faults, []);
-      await page.context().close();
-    });
+    test(`pages at ${width} px, ${colorScheme}`, { timeout: 60_000 }, () => look(pages, width, colorScheme));
   }
 }
 
@@ -56,13 +69,15 @@ test('every key that is shown is 44 px high at least', async () => {
 test('the keyboard leads it: pages, keys, the list of keys', async () => {
   const page = operator;
   await page.goto(`${server.url}/#machine`);
-  await page.keyboard.press('F2');
-  await until('power is on', async () => (await server.status()).power === 'ON');
+  for (const power of ['OFF', 'ON']) {
+    await page.keyboard.press('F2');
+    await until(`power is ${power}`, async () => (await server.status()).power === power);
+  }
   await page.keyboard.press('?');
   await page.getByRole('dialog').getByText('Stop request').waitFor();
   await page.keyboard.press('Escape');
   await page.keyboard.press('4');
-  await page.getByText('The first hole appears here').waitFor();
+  await page.getByRole('heading', { name: 'Results' }).waitFor();
 });
 
 test('a tool is edited in place, in inches too', async () => {
@@ -111,6 +126,15 @@ test('a program that cannot be cut is refused with its findings, and mended', as
   await page.getByTestId('message').waitFor();
   await page.locator('.findings').getByText('Line 2').first().waitFor();
   await key(page, 'Save').waitFor();
+});
+
+test('an alarm says what it is and what mends it, on a telephone too', async () => {
+  await operator.getByRole('button', { name: 'Stop request' }).click();
+  await until('there is an alarm', async () => (await server.status()).alarms.length > 0);
+  for (const width of [360, 1280]) await look(['machine', 'alarms'], width, 'light', '-stopped');
+  await operator.goto(`${server.url}/#alarms`);
+  const { text, remedy } = (await server.get('alarms')).at(-1);
+  for (const words of [text, remedy]) await operator.locator('main').getByText(words).first().waitFor();
 });
 
 test('the page without the editor weighs 450 kB at most, compressed', (t) => {

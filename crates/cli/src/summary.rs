@@ -96,9 +96,7 @@ fn verdict(outcome: &Outcome) -> String {
             format!("NOT JUDGED: of {}, {counts}", plural(all, "feature"))
         }
         Some(counts) => format!("FAIL: of {}, {counts}", plural(all, "feature")),
-        None if !outcome.watch.breaches().is_empty() => {
-            "FAIL: a safety check was violated".to_owned()
-        }
+        None if outcome.watch.violations() > 0 => "FAIL: a safety check was violated".to_owned(),
         None if all == 0 => "ENDED, no holes or threads to judge".to_owned(),
         None => format!("PASS: {} within tolerance", plural(all, "feature")),
     }

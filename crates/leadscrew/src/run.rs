@@ -359,7 +359,7 @@ impl Finished {
         } else if !not_triggered.is_empty()
             || real_time.is_some_and(|figures| figures.unobserved > 0)
             || !features.iter().all(is_good)
-            || !watch.breaches().is_empty()
+            || watch.violations() > 0
         {
             Ending::OutOfTolerance
         } else {

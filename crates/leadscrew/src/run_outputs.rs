@@ -61,7 +61,7 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
 fn verdict(outcome: &Outcome) -> Verdict {
     let open = |f: &Feature| matches!(f.verdict, verify::Verdict::NotJudged { .. });
     let good = |f: &Feature| f.verdict.is_pass();
-    if !outcome.ended || !outcome.watch.breaches().is_empty() {
+    if !outcome.ended || outcome.watch.violations() > 0 {
         Verdict::Fail
     } else if outcome.features.iter().all(good) {
         if outcome.features.is_empty() { Verdict::NotJudged } else { Verdict::Pass }

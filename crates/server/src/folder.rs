@@ -41,6 +41,8 @@ impl core::fmt::Display for FolderError {
 #[derive(Clone, Debug)]
 pub(crate) struct Folder {
     root: PathBuf,
+    /// Folders of the server's own: where they lie is not for clients.
+    own: Vec<PathBuf>,
 }
 
 impl Folder {
@@ -53,7 +55,7 @@ impl Folder {
             .canonicalize()
             .map_err(|e| format!("cannot open the folder of programs {}: {e}", path.display()))?;
         if root.is_dir() {
-            return Ok(Self { root });
+            return Ok(Self { root, own: Vec::new() });
         }
         Err(format!("{} is no folder: --programs takes one", path.display()))
     }
@@ -63,9 +65,20 @@ impl Folder {
         &self.root
     }
 
-    /// A text without this folder in its paths.
+    /// This folder of the server does not stand in what clients are shown, either.
+    #[must_use]
+    pub(crate) fn hiding(mut self, folder: Option<&Path>) -> Self {
+        let whole = folder.and_then(|folder| folder.canonicalize().ok());
+        self.own.extend(folder.map(Path::to_owned).into_iter().chain(whole));
+        self
+    }
+
+    /// A text without this folder, and those of the server, in its paths.
     pub(crate) fn shown(&self, text: &str) -> String {
-        text.replace(&format!("{}/", self.root.display()), "")
+        let hidden = core::iter::once(&self.root).chain(&self.own);
+        hidden.fold(text.to_owned(), |text, folder| {
+            text.replace(&format!("{}/", folder.display()), "")
+        })
     }
 
     /// A file that is there, for the control.

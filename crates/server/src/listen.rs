@@ -95,6 +95,7 @@ impl Server {
         let tls = certificate.map(|certificate| Tls::of(&certificate, &names)).transpose();
         let tls = tls.map_err(Refused)?;
         let folder = Folder::open(&programs).map_err(Refused)?;
+        let folder = folder.hiding(control.state.as_deref());
         let tokens = token_file.map(|path| Tokens::read(&path)).transpose().map_err(Refused)?;
         let runs = Runs::open(control.state.as_deref(), options.kept_runs).map_err(Refused)?;
         let shows = folder.clone();

@@ -74,6 +74,41 @@ fn a_program_that_was_executed_is_found_with_report_certificate_and_trace() {
 }
 
 /// The header of an answer, and its status.
+/// A program's record is of this program alone, whatever the one before it has left on the workpiece.
+#[test]
+fn each_program_that_is_kept_has_its_own_features_and_its_own_verdict() {
+    let state = tempfile::tempdir().unwrap();
+    let served = Served::keeping(10.0, state.path(), 9);
+    served.power_on();
+    served.home();
+    let at = |x: u32, z: &str| SPOT.replace("X12", &format!("X{x}")).replace("Z-3.3 R2", z);
+    let programs = [
+        ("good", at(12, "Z-3.3 R2"), 1),
+        ("air", at(44, "Z3 R8"), 0),
+        ("next", at(76, "Z-3.3 R2"), 1),
+    ];
+    for (count, (name, text, _)) in (1..).zip(&programs) {
+        assert_eq!(served.put(&format!("/programs/{name}.ngc"), text.as_bytes()).0, 200);
+        served.execute(&format!("{name}.ngc"));
+        runs(&served, "", count);
+    }
+    for (name, _, good) in programs {
+        let run = runs(&served, &format!("?program={name}"), 1).remove(0);
+        let verdict = if good == 1 { "good" } else { "failed" };
+        assert_eq!((&run["verdict"], &run["good"]), (&json!(verdict), &json!(good)), "{run}");
+        let id = run["id"].as_str().unwrap();
+        let features = served.get(&format!("/runs/{id}")).1["features"].clone();
+        assert_eq!(features.as_array().unwrap().len(), 1, "{features}");
+        assert_eq!(features[0]["line"], 6, "{features}");
+        let (_, certificate) = served.get(&format!("/runs/{id}/certificate"));
+        assert_eq!(certificate["count"]["passed"], good, "{certificate}");
+        assert_eq!(certificate["invariants"]["violations"], 0, "{certificate}");
+        let (_, trace) = served.get(&format!("/runs/{id}/trace?signals=x_control_setpoint_mm"));
+        let lasts = trace["to_s"].as_f64().unwrap();
+        assert!((lasts - run["cycle_time_s"].as_f64().unwrap()).abs() < 0.1, "{lasts}: {run}");
+    }
+}
+
 fn headers(served: &Served, path: &str) -> String {
     let host = served.server.address();
     let mut stream = TcpStream::connect(host).unwrap();
@@ -204,4 +239,7 @@ fn a_program_runs_where_the_folder_of_runs_cannot_be_written_and_that_is_said() 
     notice(&served, ["this run is not recorded", "cannot create the folder", "runs"]);
     assert_eq!(served.status()["alarms"], json!([]));
     runs(&served, "", 0);
+    let said = notices(&served);
+    let of_the_server = state.path().display().to_string();
+    assert!(!said.iter().any(|text| text.contains(&of_the_server)), "{said:?}");
 }

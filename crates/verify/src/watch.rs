@@ -408,6 +408,21 @@ mod tests {
         assert!(second.breaches().is_empty());
     }
 
+    /// A tool that the program before has broken is broken in this one too: it is said again.
+    #[test]
+    fn what_goes_on_into_the_next_program_is_its_breach_too() {
+        let mut watch = watched(SpindleOrder::Stop, 0, 0.0, 0.0);
+        let truth = bus::Truth { tool_broken: true, ..bus::Truth::default() };
+        let broken = Sample { truth: Some(truth), ..Sample::default() };
+        watch.sample(&broken);
+        assert_eq!(watch.breaches().len(), 1);
+        watch.begin_program();
+        watch.sample(&broken);
+        watch.sample(&broken);
+        let own = watch.of_program();
+        assert_eq!((own.breaches().len(), own.violations()), (1, 2));
+    }
+
     #[test]
     fn a_hole_in_the_axis_of_the_work_is_drilled_at_the_limit_of_the_surface_speed() {
         let order = SpindleOrder::ConstantSurfaceSpeed {

@@ -98,6 +98,7 @@ export class ProgramEditor {
   /** Another program is edited: its path in the folder, and its text. */
   set(path: string, text: string): void {
     this.#isSet = true;
+    this.#show([]); // what was found was of the text before
     this.#view.dispatch({ changes: { from: 0, to: this.#view.state.doc.length, insert: text }, effects: this.#language.open(path) });
     this.#isSet = false;
   }

@@ -180,7 +180,6 @@ export const alarmTexts = {
   nonePast: 'What a reset has cleared appears here, with its cause and remedy.',
   remedy: 'Remedy',
   time: 'Time',
-  number: 'No.',
   what: 'What has happened',
   place: 'Place',
   at: (time: string) => `at ${time} of machine time`,
@@ -299,7 +298,8 @@ export const programTexts = {
   fixIn: (title: string, line: number) => `${title}, line ${line}`,
   moreFindings: (more: number) => `and ${more} more`,
   outline: 'Tools and subprograms',
-  refused: 'refused',
+  refused: 'cannot be executed',
+  countOfFindings: (count: number) => (count === 1 ? '1 finding' : `${count} findings`),
 };
 
 export const beginTexts = {

@@ -15,7 +15,6 @@ impl Control {
     pub(super) fn switch_power(&mut self, on: bool) -> Result<Accepted, Refusal> {
         if on != (self.power == Power::On) {
             if on {
-                self.nothing_is_left()?;
                 self.executor.kernel.switch_on();
                 self.power = Power::On;
             } else {

@@ -10,7 +10,6 @@
 use super::control::Control;
 use super::kept::Kept;
 use super::request::{Accepted, Refusal};
-use super::state::Need;
 use crate::Refused;
 use crate::job::Session;
 use crate::job::restart::Restart;
@@ -141,11 +140,6 @@ impl Control {
     /// A control before this one has left a tool in the work, or may have.
     pub(super) fn is_tool_left(&self) -> bool {
         self.outside.as_ref().is_some_and(|outside| outside.left.is_some())
-    }
-
-    /// Nothing but a recovery moves where one is.
-    pub(super) fn nothing_is_left(&self) -> Result<(), Refusal> {
-        if self.is_tool_left() { Err(Refusal::State(Need::NoTapInThread)) } else { Ok(()) }
     }
 
     /// What is known of it.

@@ -151,7 +151,7 @@ impl Request {
             ProgramWaitsForConfirmation, Standstill, TapInThread,
         };
         match self {
-            Self::Power(true) => &[EmergencyStopArmed, NoAlarm],
+            Self::Power(true) => &[EmergencyStopArmed, NoAlarm, NoTapInThread],
             Self::Power(false) => &[NoProgramUnderWay, NoTapInThread, Standstill],
             Self::EmergencyStop(true)
             | Self::JogStop
