@@ -79,6 +79,26 @@ test('outline, and what a word does', async () => {
   assert.deepEqual(page.faults, []);
 });
 
+test('a file is uploaded by choosing it, and by dropping it', async () => {
+  const upload = page.getByLabel('Upload a file');
+  await upload.setInputFiles({ name: 'chosen.ngc', mimeType: 'text/plain', buffer: Buffer.from('G21\nG0 X1\nM2\n') });
+  await until('it is shown', async () => /G0 X1/.test(await text()));
+  const drop = (name, content) => page.locator('.program').evaluate((on, [name, content]) => {
+    const data = new DataTransfer();
+    data.items.add(new File([content], name, { type: 'text/plain' }));
+    on.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));
+  }, [name, content]);
+  await drop('dropped.ngc', 'G21\nG0 X2\nM2\n');
+  await until('it is shown', async () => /G0 X2/.test(await text()));
+  const names = (await server.get('programs')).programs.map(({ path }) => path);
+  assert.ok(names.includes('chosen.ngc') && names.includes('dropped.ngc'), names.join());
+  // what is no name within the folder is refused in a sentence, and the text stays
+  await drop('..', 'M2\n');
+  await page.getByTestId('message').waitFor();
+  assert.match(await text(), /G0 X2/);
+  assert.deepEqual(page.faults, []);
+});
+
 test('the server is killed and started again: the editor is told of the text as it is', async () => {
   await server.kill();
   await write('G21 G90\nG0 X900\nM2\n');

@@ -55,6 +55,8 @@ test('killed in a tap, it begins again, says what is known on the whole screen, 
   assert.match(text, new RegExp(`Tool 3, left in hole ${left.hole} of .*plate-12xM6\\.ngc \\(line ${left.line}\\)`));
   assert.match(text, /µm off its thread, known within [\d.]+ µm/);
   assert.match(text, /follows it along the thread/);
+  // Z is not homed: where the tap stands is known by its depth alone
+  assert.match(text, /Where\s+1?\d\.\d\d mm below the surface/);
   assert.ok(Math.abs(left.off_thread_um - stopped.off_helix_um) <= left.within_um, JSON.stringify({ left, stopped }));
   // it takes the whole screen, on every page, and nothing else can be asked for but the emergency stop
   const size = await page.locator('.recovery').boundingBox();

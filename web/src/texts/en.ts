@@ -313,7 +313,7 @@ export const beginTexts = {
 export const recoveryTexts = {
   title: 'A tool stands in its thread',
   where: 'Where',
-  below: (mm: string) => `, ${mm} mm below the surface`,
+  below: (mm: string) => `${mm} mm below the surface`,
   howSure: 'How sure',
   within: (um: string) => `within ${um} µm of its thread`,
   left: (tool: number | null, hole: number | null, program: string | null, line: number | null) =>
