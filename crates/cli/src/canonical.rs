@@ -20,7 +20,7 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     {
         let name = args.program.display().to_string();
         let show = |findings: &[Diagnostic], text: &[u8]| {
-            say::err(&render::text(findings, &Source::alone(&name, text)));
+            say::coloured_err(&render::text(findings, &Source::alone(&name, text)));
         };
         let (path, setup) = (&args.program, session.interp_setup());
         return match args.format {
@@ -33,7 +33,7 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     }
     let text = read_program(&args.program)?;
     let session = Session::load(&args.source.options(), &args.program, &text)?;
-    let out = io::stdout().lock();
+    let out = say::data();
     let (written, findings) = match args.format {
         CanonFormat::Linuxcnc => listing(&session, &text, out),
         CanonFormat::Text => operations(&session, &text, out, line),
@@ -41,7 +41,10 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     };
     say::written(written)?;
     let name = args.program.display().to_string();
-    say::err(&render::text(&findings, &Source { name: &name, text: &text, drawn: &session.drawn }));
+    say::coloured_err(&render::text(
+        &findings,
+        &Source { name: &name, text: &text, drawn: &session.drawn },
+    ));
     let good = !findings.iter().any(Diagnostic::is_error);
     if good && args.left.is_asked() {
         let operations = Operations::of(&text, &session.interp_setup());

@@ -86,9 +86,9 @@ impl Told {
         match self.format {
             FindingsFormat::Text if self.quiet => {
                 let wrong: Vec<_> = shown.iter().filter(|f| f.is_error()).cloned().collect();
-                say::out(&render::text(&wrong, source))
+                say::coloured_out(&render::text(&wrong, source))
             }
-            FindingsFormat::Text => say::out(&render::text(shown, source)),
+            FindingsFormat::Text => say::coloured_out(&render::text(shown, source)),
             FindingsFormat::Json => {
                 self.results.extend(shown.iter().map(|f| render::json(f, source)));
                 Ok(())

@@ -32,7 +32,8 @@ pub(crate) fn command(args: &FormatArgs, quiet: bool) -> Result<bool, Refused> {
                 say::out(&format!("{name}:{line}: not in canonical spacing\n"))?;
             }
         } else if path == Path::new("-") {
-            say::written(std::io::stdout().lock().write_all(&anew))?;
+            let mut out = say::data();
+            say::written(out.write_all(&anew).and_then(|()| out.flush()))?;
         } else if !same {
             replace(&path, &anew)?;
             if !quiet {

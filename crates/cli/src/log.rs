@@ -2,7 +2,7 @@
 //!
 //! Positions are the tool *tip's*, in the work's frame (machine position less G54 less the tool's length); the spindle
 //! angle is not shown modulo a turn, so that in a tap it can be checked against the lead by hand.
-use crate::say;
+use crate::lines::Lines;
 use bus::{Sample, State};
 use canon::{Position, ToolLibrary};
 use control::observers::Observer;
@@ -16,13 +16,14 @@ pub(crate) struct Log {
     zero: Position,
     last: Option<(State, u32)>,
     length: Length,
+    lines: Lines,
 }
 
 impl Log {
     /// A log for a workpiece whose zero is there.
-    pub(crate) fn new(tools: ToolLibrary, zero: Position) -> Self {
-        line("     t s  line  state              x        y        z       rev     rpm");
-        Self { tools, zero, last: None, length: Length::ZERO }
+    pub(crate) fn new(tools: ToolLibrary, zero: Position, mut lines: Lines) -> Self {
+        lines.line("     t s  line  state              x        y        z       rev     rpm");
+        Self { tools, zero, last: None, length: Length::ZERO, lines }
     }
 }
 
@@ -54,7 +55,7 @@ impl Observer for Log {
             (sample.axis(axis).of_linear() - self.zero.linear[axis] - tool).value()
         };
         let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
-        line(&format!(
+        self.lines.line(&format!(
             "{:8.3} {:5}  {:<12} {:>8} {:>8} {:>8} {:>9} {:>7}",
             sample.feedback.time.value(),
             now.1,
@@ -68,7 +69,7 @@ impl Observer for Log {
     }
 
     fn message(&mut self, at: u32, text: &str) {
-        line(&format!("{:8} {at:5}  says: {}", "", text.trim()));
+        self.lines.line(&format!("{:8} {at:5}  says: {}", "", text.trim()));
     }
 
     /// Something that is no change of state.
@@ -133,7 +134,7 @@ impl Observer for Log {
             }
             _ => return,
         };
-        line(&format!("{:8.3} {:5}  {text}", event.time.value(), event.line));
+        self.lines.line(&format!("{:8.3} {:5}  {text}", event.time.value(), event.line));
     }
 }
 
@@ -151,11 +152,6 @@ fn read_input(wait: &InputWait, value: Option<f64>) -> String {
             format!("{kind} input {number}: what was waited for has come")
         }
     }
-}
-
-/// One line. A log that nobody can read stops no machine; what is said at the end tells why.
-fn line(text: &str) {
-    let _ = say::out(&format!("{text}\n"));
 }
 
 /// A number without "-0.00".

@@ -30,6 +30,7 @@ mod console;
 mod format;
 mod interrupt;
 mod left;
+mod lines;
 mod log;
 mod lsp;
 mod machine;
@@ -137,7 +138,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "leadscrew", &mut script);
-            say::out(&String::from_utf8_lossy(&script))?;
+            say::coloured_out(&String::from_utf8_lossy(&script))?;
             Ok(ExitCode::SUCCESS)
         }
     }

@@ -149,7 +149,7 @@ pub(crate) fn listing(
     setup: &interp::Setup,
     show: impl Fn(&[diag::Diagnostic], &[u8]),
 ) -> Result<bool, Refused> {
-    let mut listing = interp::Listing::new(io::stdout().lock());
+    let mut listing = interp::Listing::new(say::data());
     let (mut rest, mut good) = (None, true);
     let mut pieces = Pieces::open(path)?;
     while let Some(piece) = pieces.next()? {
@@ -178,7 +178,7 @@ pub(crate) fn operations(
     line: impl Fn(&canon::Op) -> String,
     show: impl Fn(&[diag::Diagnostic], &[u8]),
 ) -> Result<bool, Refused> {
-    let mut out = io::BufWriter::new(io::stdout().lock());
+    let mut out = say::data();
     let (mut rest, mut good, mut written) = (None, true, Ok(()));
     let mut pieces = Pieces::open(path)?;
     while let Some(piece) = pieces.next()? {

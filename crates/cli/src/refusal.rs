@@ -36,7 +36,7 @@ pub(crate) fn say(refused: &Refused) {
     match refused {
         Refused::Sentence(sentence) => say::err(&format!("error: {sentence}\n")),
         Refused::Findings { name, text, drawn, findings } => {
-            say::err(&render::text(findings, &Source { name, text, drawn }));
+            say::coloured_err(&render::text(findings, &Source { name, text, drawn }));
             let errors = findings.iter().filter(|f| f.is_error()).count();
             let plural = if errors == 1 { "error" } else { "errors" };
             say::err(&format!("{name}: refused, {errors} {plural}\n"));

@@ -2,6 +2,7 @@
 //!
 //! A finding is shown with its own line only, cut to a width that fits a screen, so that a finding in a
 //! line of a hundred megabytes is as cheap and as readable as any other.
+use crate::say;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, renderer::DecorStyle};
 use control::job::subprograms::Drawn;
 use diag::{Diagnostic, Label, Severity, Span};
@@ -59,7 +60,7 @@ fn one(renderer: &Renderer, finding: &Diagnostic, source: &Source<'_>) -> String
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
-    let title = level.primary_title(&*finding.message).id(finding.code);
+    let title = level.primary_title(say::shown(&finding.message)).id(finding.code);
     let (name, bytes) = source.file(finding.span);
     let excerpt = Excerpt::of(bytes, finding.span);
     let beside = |label: &Label| {
@@ -70,12 +71,13 @@ fn one(renderer: &Renderer, finding: &Diagnostic, source: &Source<'_>) -> String
         Some(excerpt) => {
             let mut snippet = Snippet::source(&*excerpt.text)
                 .line_start(finding.span.line as usize)
-                .path(name)
+                .path(say::shown(name))
                 .annotation(AnnotationKind::Primary.span(excerpt.range.clone()));
             for label in finding.labels.iter().filter(|label| beside(label)) {
                 if let Some(at) = excerpt.locate(label.span) {
-                    snippet =
-                        snippet.annotation(AnnotationKind::Context.span(at).label(&*label.text));
+                    snippet = snippet.annotation(
+                        AnnotationKind::Context.span(at).label(say::shown(&label.text)),
+                    );
                 }
             }
             title.element(snippet)
@@ -91,10 +93,10 @@ fn one(renderer: &Renderer, finding: &Diagnostic, source: &Source<'_>) -> String
         })
         .collect();
     for text in &elsewhere {
-        group = group.element(Level::NOTE.message(&**text));
+        group = group.element(Level::NOTE.message(say::shown(text)));
     }
     if let Some(help) = &finding.help {
-        group = group.element(Level::HELP.message(&**help));
+        group = group.element(Level::HELP.message(say::shown(help)));
     }
     renderer.render(&[group])
 }
@@ -122,7 +124,7 @@ impl Excerpt {
         };
         let bytes = &source[from..to];
         let text = std::str::from_utf8(bytes).map_or_else(|_| lossless(bytes), str::to_owned);
-        let text = text.trim_end_matches('\r').to_owned();
+        let text = text.trim_end_matches('\r').replace(is_latin_control, "¿"); // as long, in bytes
         let mut excerpt = Self { text, range: 0..0, first_byte: from };
         excerpt.range = excerpt.locate(span)?;
         Some(excerpt)
@@ -140,6 +142,11 @@ impl Excerpt {
         };
         Some(floor(start)..floor(end))
     }
+}
+
+/// A control character of Latin-1, which the renderer hands on.
+const fn is_latin_control(c: char) -> bool {
+    matches!(c, '\u{80}'..='\u{9f}')
 }
 
 /// Columns of a span: first and one past the last, counted from 1, in characters.

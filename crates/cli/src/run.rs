@@ -1,5 +1,6 @@
 //! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the report files.
 use crate::args::{Format, RunArgs};
+use crate::lines::Lines;
 use crate::log::Log;
 use crate::progress::Progress;
 use crate::recover::advice;
@@ -25,7 +26,8 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     run.is_interrupted = interrupt::came;
     if args.log {
         let (tools, zero) = (run.job.session.tools.clone(), run.job.session.work_zero());
-        run.observers.push(Box::new(Log::new(tools, zero)));
+        let lines = if run.is_real_time() { Lines::beside() } else { Lines::AtOnce };
+        run.observers.push(Box::new(Log::new(tools, zero, lines)));
     }
     let ms = |time: Time| (time.value() * 1e3) as u64;
     let progress = Progress::new(ms(run.planned()), "machining (simulated)");
@@ -57,7 +59,7 @@ fn prove(run: &mut Run, quiet: bool) -> Result<(), Refused> {
     }
     let (program, drawn) = (&run.job.program, &run.job.session.drawn);
     let source = Source { name: &program.name, text: &program.text, drawn };
-    say::err(&render::text(run.findings(), &source));
+    say::coloured_err(&render::text(run.findings(), &source));
     Ok(())
 }
 

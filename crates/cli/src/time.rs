@@ -42,7 +42,10 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
         Format::Text if quiet => {}
         Format::Text => {
             let (text, drawn) = (&job.program.text, &job.session.drawn);
-            say::err(&render::text(&known.findings, &render::Source { name, text, drawn }));
+            say::coloured_err(&render::text(
+                &known.findings,
+                &render::Source { name, text, drawn },
+            ));
             say::out(
                 &(people(&times, name) + &trade(times.shares().motion(), times.without_jerk)),
             )?;

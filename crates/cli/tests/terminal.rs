@@ -101,3 +101,37 @@ fn progress_is_said_in_plain_lines_where_that_is_asked_for() {
     assert!(text.contains("planning: "), "{text}");
     assert_eq!(complained(&leadscrew(&["time", PLATE])), "");
 }
+
+#[test]
+fn no_control_character_of_a_program_or_a_name_reaches_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let hostile = "\u{1b}]0;title\u{7}\u{1b}[31m\u{9b}2J\u{8}";
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let good = path(&format!("{hostile}good.ngc"));
+    let bad = path(&format!("{hostile}bad.ngc"));
+    let missing = path(&format!("{hostile}missing.ngc"));
+    std::fs::write(&good, format!("G21\n(MSG,{hostile})\n(PRINT,{hostile})\nM2\n")).unwrap();
+    std::fs::write(&bad, format!("G21 ({hostile})\nG0 X{hostile} {hostile}\nG1 X1 ({hostile})\n"))
+        .unwrap();
+    let commands: [&[&str]; 12] = [
+        &["run", &good, "--log"],
+        &["run", &bad],
+        &["run", &missing],
+        &["run", &good, "--machine", &missing],
+        &["run", &good, "--tools", &bad],
+        &["run", &good, "--out", &path(&format!("{hostile}/{hostile}"))],
+        &["check", &good, &bad, &missing],
+        &["time", &bad],
+        &["fmt", "--check", &good, &bad],
+        &["canon", &bad, "--format", "json"],
+        &["recover", "--simulator", &missing],
+        &["simulator", "--listen", &bad],
+    ];
+    for command in commands {
+        let output = leadscrew(command);
+        for text in [said(&output), complained(&output)] {
+            let obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+            assert!(!text.contains(obeyed), "{command:?}: {text:?}");
+        }
+    }
+}

@@ -40,8 +40,9 @@ use crate::{
 use core::fmt::Display;
 use diag::Diagnostic;
 
-/// More pecks than this in one hole are a slip of the pen.
+/// More pecks than this in one hole are a slip of the pen, and more in all holes of a block: each is held until the block is over.
 const MAX_PECKS: f64 = 10_000.0;
+const MAX_PECKS_OF_BLOCK: f64 = 100_000.0;
 
 pub(crate) fn cycle<S: Sink>(
     words: &Words,
@@ -73,6 +74,7 @@ pub(crate) fn cycle<S: Sink>(
     }
     let initial = *modes.initial.get_or_insert(modes.at[n]);
     let pattern = pattern(words, modes, settings, cycle, code, &sticky, initial)?;
+    check_pecks_of_block(words, settings, repeats, &pattern)?;
     check_spindle(words, modes, settings, cycle, code)?;
     if modes.sticky.is_none() || words.g(GGroup::Motion).is_some() {
         modes.repetition = 0;
@@ -99,6 +101,29 @@ pub(crate) fn cycle<S: Sink>(
     }
     if !exact {
         out.say(&Call::PathControl { corners: modes.corners, merge: Some(modes.merge) });
+    }
+    Ok(())
+}
+
+/// Pecks are moves that are held in memory until their block is over.
+fn check_pecks_of_block(
+    words: &Words,
+    settings: &Settings,
+    repeats: u32,
+    pattern: &Pattern,
+) -> Outcome {
+    if !matches!(pattern.cycle, Cycle::ChipBreak | Cycle::Peck) {
+        return Ok(());
+    }
+    let letter = settings.rules.repeats;
+    let pecks = f64::from(repeats) * ((pattern.r - pattern.bottom) / pattern.peck).ceil();
+    if pecks > MAX_PECKS_OF_BLOCK {
+        let name = letter as char;
+        let text = format!(
+            "{name}{repeats} of these holes would make {pecks} pecks in one block: at most {MAX_PECKS_OF_BLOCK} are made; \
+             a larger Q or a smaller {name} works"
+        );
+        return refuse("I0511", words.span(letter), text);
     }
     Ok(())
 }

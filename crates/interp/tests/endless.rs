@@ -1,5 +1,5 @@
 //! Loops that never end are refused as soon as nothing in them changes; loops that end are not.
-use interp::{Dialect, MissingTools, Ops, Setup};
+use interp::{Dialect, MissingTools, Ops, Setup, check, example_setup};
 
 fn found(dialect: Dialect, program: &str) -> Vec<String> {
     let missing_tools = MissingTools::StandIn;
@@ -77,4 +77,19 @@ fn a_loop_that_ends_is_not_refused_however_little_changes_in_it() {
     for program in o_words {
         assert_eq!(found(Dialect::LinuxCnc, program), [""; 0], "{program}");
     }
+}
+
+#[test]
+fn the_pecks_of_one_block_are_bounded_before_any_is_made() {
+    let errors = |block: &str| -> Vec<String> {
+        let text = format!("G21 G90\nT1 M6\nS1000 M3\nG0 X0 Y0 Z20\nG91 {block}\nG80\nM2\n");
+        let found = check(text.as_bytes(), &example_setup(Dialect::LinuxCnc));
+        let errors = found.into_iter().filter(diag::Diagnostic::is_error);
+        errors.map(|found| format!("{} {}", found.code, found.message)).collect()
+    };
+    let found = errors("G83 X0.01 Z-20 R-5 Q0.003 F900 L3000");
+    assert!(found.len() == 1 && found[0].starts_with("I0511 L3000 of these holes"), "{found:?}");
+    assert!(found[0].contains("20001000 pecks"), "{found:?}");
+    assert!(errors("G73 X0.01 Z-20 R-5 Q0.02 F900 L101")[0].starts_with("I0511"));
+    assert_eq!(errors("G73 X0.01 Z-20 R-5 Q0.02 F900 L100"), [""; 0]);
 }

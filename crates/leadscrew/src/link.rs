@@ -107,6 +107,11 @@ impl Link {
         Ok(Self { remote: Some(remote), state: Some((slots, identity)), recovered })
     }
 
+    /// The machine's time passes by the clock.
+    pub(crate) fn is_real_time(&self) -> bool {
+        self.remote.as_ref().is_some_and(|remote| remote.welcome().real_time)
+    }
+
     /// The plant, and who keeps its record.
     pub(crate) fn join(
         self,

@@ -194,6 +194,11 @@ impl Run {
         Ok(())
     }
 
+    /// Time does not wait for what looks on: by the clock, here or in the machine simulator.
+    pub fn is_real_time(&self) -> bool {
+        self.options.real_time.is_some() || self.link.is_real_time()
+    }
+
     /// What is known of the program: empty before it is proved.
     pub fn findings(&self) -> &[diag::Diagnostic] {
         self.job.proved.as_ref().map_or(&[], |proved| &proved.known.findings)

@@ -69,6 +69,11 @@ impl Reader<'_> {
         self.take().map(f64::from_le_bytes)
     }
 
+    /// A number that is one.
+    pub(crate) fn finite(&mut self) -> Option<f64> {
+        self.f64().filter(|value| value.is_finite())
+    }
+
     /// A yes or no; nothing else is either.
     pub(crate) fn flag(&mut self) -> Option<bool> {
         match self.u8()? {

@@ -26,11 +26,13 @@
 //! next one is told of the tool whatever has become of its files, and may move nothing before it has stated it.
 //!
 //! A frame that is not whole, not this version's, or not in sequence ends the connection: what a drive is told is
-//! certain, or it is not told. Axes and spindles that say nothing are left out by a mask.
+//! certain, or it is not told. Neither is a command with a number that is none, or that ties an axis or a spindle which there is not.
+//! Axes and spindles that say nothing are left out by a mask.
 mod bytes;
 mod frame;
 mod message;
 mod remote;
+mod truth;
 
 pub use frame::{LONGEST, VERSION, decode, encode};
 pub use message::{Engagement, Evidence, Hello, Message, Observed, Order, Sense, Stop, Welcome};

@@ -1,8 +1,9 @@
 //! What is said.
 use crate::bytes::{Reader, Writer};
+use crate::truth::{read_truth, write_truth};
 use bus::{
     ANALOGUE, AXES, AxisCommand, AxisFeedback, Command, Feedback, SPINDLES, Signals,
-    SpindleCommand, SpindleFeedback, ToolBreak, Truth,
+    SpindleCommand, SpindleFeedback, Truth,
 };
 use units::{Angle, Coordinate, CoordinateSpeed, Force, Length, Spin, Time, Torque};
 
@@ -202,13 +203,13 @@ impl Message {
 }
 
 /// A bit for each that is not its default.
-fn mask<T: PartialEq + Default>(all: &[T]) -> u16 {
+pub(crate) fn mask<T: PartialEq + Default>(all: &[T]) -> u16 {
     let nothing = T::default();
     all.iter().enumerate().filter(|(_, one)| **one != nothing).fold(0, |m, (i, _)| m | 1 << i)
 }
 
 /// The indices in a mask; `None` if it has others.
-fn indices(mask: u16, of: usize) -> Option<impl Iterator<Item = usize>> {
+pub(crate) fn indices(mask: u16, of: usize) -> Option<impl Iterator<Item = usize>> {
     (u32::from(mask) < 1 << of).then(|| (0..of).filter(move |i| mask & (1 << i) != 0))
 }
 
@@ -308,35 +309,43 @@ fn write_command(w: &mut Writer<'_>, command: &Command) {
     }
 }
 
+/// What drives are told is a number, and of axes and spindles that there are.
 fn read_command(r: &mut Reader<'_>) -> Option<Command> {
     let mut command = Command::default();
     for index in indices(r.u16()?, AXES)? {
         command.axes[index] = AxisCommand {
             enable: r.flag()?,
-            position: Coordinate::new(r.f64()?),
-            speed: CoordinateSpeed::new(r.f64()?),
-            force: Force::n(r.f64()?),
+            position: Coordinate::new(r.finite()?),
+            speed: CoordinateSpeed::new(r.finite()?),
+            force: Force::n(r.finite()?),
         };
     }
     for index in indices(r.u16()?, SPINDLES)? {
         command.spindles[index] = SpindleCommand {
             enable: r.flag()?,
-            angle: Angle::rev(r.f64()?),
-            spin: Spin::rev_per_s(r.f64()?),
-            torque: Torque::n_m(r.f64()?),
+            angle: Angle::rev(r.finite()?),
+            spin: Spin::rev_per_s(r.finite()?),
+            torque: Torque::n_m(r.finite()?),
         };
     }
     command.tool = r.u32()?;
     command.flood = r.flag()?;
     command.mist = r.flag()?;
     command.outputs = read_signals(r)?;
+    if !command.outputs.analogue.iter().all(|value| value.is_finite()) {
+        return None;
+    }
     command.coupled = if r.flag()? {
+        let (axis, spindle) = (r.u8()?, r.u8()?);
+        if usize::from(axis) >= AXES || usize::from(spindle) >= SPINDLES {
+            return None;
+        }
         Some(bus::Coupled {
-            axis: r.u8()?,
-            spindle: r.u8()?,
-            angle: Angle::rev(r.f64()?),
-            place: Length::mm(r.f64()?),
-            lead: units::Lead::mm_per_rev(r.f64()?),
+            axis,
+            spindle,
+            angle: Angle::rev(r.finite()?),
+            place: Length::mm(r.finite()?),
+            lead: units::Lead::mm_per_rev(r.finite()?),
         })
     } else {
         None
@@ -434,67 +443,4 @@ fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
     feedback.inputs = read_signals(r)?;
     let truth = if r.flag()? { Some(read_truth(r)?) } else { None };
     Some(Observed { feedback, truth })
-}
-
-fn write_truth(w: &mut Writer<'_>, truth: &Truth) {
-    let axes: [(Coordinate, Force); AXES] =
-        core::array::from_fn(|i| (truth.axes[i], truth.axis_forces[i]));
-    w.u16(mask(&axes));
-    for (place, force) in axes.iter().filter(|one| **one != Default::default()) {
-        w.f64s([place.value(), force.value()]);
-    }
-    let spindles: [(Angle, Spin, Torque); SPINDLES] =
-        core::array::from_fn(|i| (truth.spindles[i], truth.spins[i], truth.spindle_torques[i]));
-    w.u16(mask(&spindles));
-    for (angle, spin, torque) in spindles.iter().filter(|one| **one != Default::default()) {
-        w.f64s([angle.value(), spin.value(), torque.value()]);
-    }
-    w.f64s([
-        truth.tool_deflection.value(),
-        truth.tool_turn.value(),
-        truth.cutting_torque.value(),
-        truth.cutting_force.value(),
-    ]);
-    w.u8(truth.tool_broken.into());
-    match truth.broken_by {
-        None => w.u8(0),
-        Some(ToolBreak::Stress { torque, force, most_torque, most_force }) => {
-            w.u8(1);
-            w.f64s([torque.value(), force.value(), most_torque.value(), most_force.value()]);
-        }
-        Some(ToolBreak::Sideways { by, most }) => {
-            w.u8(2);
-            w.f64s([by.value(), most.value()]);
-        }
-    }
-}
-
-fn read_truth(r: &mut Reader<'_>) -> Option<Truth> {
-    let mut truth = Truth::default();
-    for index in indices(r.u16()?, AXES)? {
-        truth.axes[index] = Coordinate::new(r.f64()?);
-        truth.axis_forces[index] = Force::n(r.f64()?);
-    }
-    for index in indices(r.u16()?, SPINDLES)? {
-        truth.spindles[index] = Angle::rev(r.f64()?);
-        truth.spins[index] = Spin::rev_per_s(r.f64()?);
-        truth.spindle_torques[index] = Torque::n_m(r.f64()?);
-    }
-    truth.tool_deflection = Length::mm(r.f64()?);
-    truth.tool_turn = Angle::rev(r.f64()?);
-    truth.cutting_torque = Torque::n_m(r.f64()?);
-    truth.cutting_force = Force::n(r.f64()?);
-    truth.tool_broken = r.flag()?;
-    truth.broken_by = match r.u8()? {
-        0 => None,
-        1 => Some(ToolBreak::Stress {
-            torque: Torque::n_m(r.f64()?),
-            force: Force::n(r.f64()?),
-            most_torque: Torque::n_m(r.f64()?),
-            most_force: Force::n(r.f64()?),
-        }),
-        2 => Some(ToolBreak::Sideways { by: Length::mm(r.f64()?), most: Length::mm(r.f64()?) }),
-        _ => return None,
-    };
-    Some(truth)
 }

@@ -13,6 +13,7 @@
 //! outlive every control.
 mod process;
 mod retained;
+mod seat;
 mod serve;
 
 use bus::DriveReaction;

@@ -32,6 +32,8 @@ pub struct SimulatorProcess {
     /// The latest first.
     cuts: Vec<Time>,
     sessions: u64,
+    /// Changes with each control, and when the mains fail.
+    session: u64,
     /// Since the session began: of the axis from the helix while tied to the spindle; of the force on the tap.
     off_helix: Length,
     force_n: f64,
@@ -95,6 +97,7 @@ impl SimulatorProcess {
             last: Command::default(),
             cuts,
             sessions: 0,
+            session: 0,
             off_helix: Length::ZERO,
             force_n: 0.0,
             real_time: options.real_time,
@@ -107,6 +110,7 @@ impl SimulatorProcess {
     /// What it says when a control connects.
     pub(super) fn welcome(&mut self) -> Welcome {
         self.sessions += 1;
+        self.session += 1;
         (self.off_helix, self.force_n) = (Length::ZERO, 0.0);
         self.retained.begin_session();
         Welcome {
@@ -120,6 +124,11 @@ impl SimulatorProcess {
             evidence: self.retained.evidence(),
             observed: self.observed(),
         }
+    }
+
+    /// Which session it is; it is over for a control that has begun another one.
+    pub(super) const fn session(&self) -> u64 {
+        self.session
     }
 
     /// Its name.
@@ -197,6 +206,7 @@ impl SimulatorProcess {
             self.run_down(why);
         }
         if why == Alone::Power {
+            self.session += 1;
             self.lose_turns();
         }
     }

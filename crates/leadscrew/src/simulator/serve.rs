@@ -1,11 +1,15 @@
-//! One control after the other.
+//! One control after the other, and orders at any time.
 use super::process::{Alone, SimulatorProcess};
+use super::seat::{Seat, is_gone};
 use control::Refused;
 use control::clock;
+use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use wire::{Error, Message, Order, Port};
+use wire::{Engagement, Error, Hello, Message, Observed, Order, Port};
 
 /// How long a client that connects may take to state what it wants.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -27,34 +31,60 @@ impl SimulatorProcess {
     }
 }
 
+/// Connections at a time; more are closed at once.
+const MOST_CONNECTIONS: usize = 64;
+
 impl Listening {
     /// For people: which machine it is, and which encoders.
     pub fn name(&self) -> String {
         self.simulator.who()
     }
 
-    /// One control after the other, until a client orders the end. `lost` is told why a control is gone that did not
-    /// just end.
-    pub fn serve(mut self, mut lost: impl FnMut(&Error)) {
-        loop {
-            let Ok((stream, _)) = self.listener.accept() else { continue };
-            match session(&mut self.simulator, stream) {
-                Ok(After::Next) => {}
-                Ok(After::Quit) => {
-                    let _ = std::fs::remove_file(&self.path); // removed already
-                    return;
+    /// One control after the other, and orders meanwhile, until a client orders the end. `lost` is told why a control is gone
+    /// that did not just end.
+    pub fn serve(self, lost: impl FnMut(&Error) + Send) {
+        let Self { simulator, listener, path } = self;
+        let served = Served {
+            simulator: Mutex::new(simulator),
+            seat: Seat::default(),
+            ended: AtomicBool::new(false),
+        };
+        let (lost, connections) = (Mutex::new(lost), AtomicUsize::new(0));
+        std::thread::scope(|scope| {
+            while !served.ended.load(Ordering::Acquire) {
+                let Ok((stream, _)) = listener.accept() else { continue };
+                if served.ended.load(Ordering::Acquire) {
+                    break;
                 }
-                Err(why) => lost(&why),
+                if connections.fetch_add(1, Ordering::AcqRel) >= MOST_CONNECTIONS {
+                    connections.fetch_sub(1, Ordering::AcqRel);
+                    continue;
+                }
+                let connection = || {
+                    if let Err(why) = served.connection(stream, &path) {
+                        lock(&lost)(&why);
+                    }
+                    connections.fetch_sub(1, Ordering::AcqRel);
+                };
+                let thread = std::thread::Builder::new().name("connection".into());
+                if thread.spawn_scoped(scope, connection).is_err() {
+                    connections.fetch_sub(1, Ordering::AcqRel); // the client sees it closed
+                }
             }
-        }
+        });
+        let _ = std::fs::remove_file(&path); // removed already
     }
 }
 
-/// What comes after a session.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum After {
-    Next,
-    Quit,
+/// What the threads of all connections share.
+struct Served {
+    simulator: Mutex<SimulatorProcess>,
+    seat: Seat,
+    ended: AtomicBool,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A socket of that name, in place of one at which no process listens any more.
@@ -62,6 +92,13 @@ fn listen(path: &Path) -> Result<UnixListener, Refused> {
     let failed = |e| Refused::because(format!("cannot listen at {}: {e}", path.display()));
     match UnixListener::bind(path) {
         Err(e) if e.kind() == std::io::ErrorKind::AddrInUse => {
+            let about = std::fs::symlink_metadata(path).map_err(failed)?;
+            if !about.file_type().is_socket() {
+                let path = path.display();
+                return Err(Refused::because(format!(
+                    "cannot listen at {path}: it is no socket, and stays as it is; name a path where there is nothing"
+                )));
+            }
             if UnixStream::connect(path).is_ok() {
                 let path = path.display();
                 return Err(Refused::because(format!(
@@ -75,65 +112,196 @@ fn listen(path: &Path) -> Result<UnixListener, Refused> {
     }
 }
 
-fn session(simulator: &mut SimulatorProcess, stream: UnixStream) -> Result<After, Error> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    let pace = stream.try_clone()?;
-    let mut port = Port::new(stream);
-    match port.take()? {
-        Message::Order(order) => {
-            match order {
-                Order::PowerCut => simulator.leave_alone(Alone::Power),
-                Order::ToolIsFree => simulator.tool_is_free(),
-                Order::Status | Order::Quit => {}
+impl Served {
+    /// One client, until it is gone.
+    fn connection(&self, stream: UnixStream, path: &Path) -> Result<(), Error> {
+        stream.set_read_timeout(Some(PATIENCE))?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        let own = stream.try_clone()?;
+        let mut port = Port::new(stream);
+        let message = match port.take() {
+            Err(Error::Gone(_)) => return Ok(()), // it has asked for nothing
+            other => other?,
+        };
+        match message {
+            Message::Order(order) => self.order(order, &mut port, &own, path),
+            Message::Hello(hello) => self.hello(&hello, &mut port, &own),
+            Message::Welcome(_)
+            | Message::Refused(_)
+            | Message::Command(..)
+            | Message::Observed(_)
+            | Message::Told(_) => {
+                port.send(&Message::Refused("expected a greeting or an order".into()))
             }
-            port.send(&Message::Told(simulator.status()))?;
-            return Ok(if order == Order::Quit { After::Quit } else { After::Next });
-        }
-        Message::Hello(hello) if hello.machine != simulator.name() => {
-            let (has, wants) = (simulator.name(), hello.machine);
-            port.send(&Message::Refused(format!(
-                "this machine simulator is a {has}, and {} is set up for a {wants}: name the machine with --machine {has}",
-                hello.name
-            )))?;
-            return Ok(After::Next);
-        }
-        Message::Hello(_) => port.send(&Message::Welcome(simulator.welcome()))?,
-        Message::Welcome(_)
-        | Message::Refused(_)
-        | Message::Command(..)
-        | Message::Observed(_)
-        | Message::Told(_) => {
-            port.send(&Message::Refused("expected a greeting or an order".into()))?;
-            return Ok(After::Next);
         }
     }
-    let ended = if simulator.real_time {
-        in_real_time(simulator, &mut port, &pace)
-    } else {
-        pace.set_read_timeout(None)?;
-        in_lock_step(simulator, &mut port)
-    };
-    if let Err(Error::Refused(why)) = &ended {
-        // one that is gone already does not hear it
-        let _ = port.send(&Message::Refused(why.clone()));
+
+    /// An order is done between two periods of the control that has the machine, for a client that waits for its answer.
+    fn order(
+        &self,
+        order: Order,
+        port: &mut Port<UnixStream>,
+        own: &UnixStream,
+        path: &Path,
+    ) -> Result<(), Error> {
+        self.seat.settle();
+        if is_gone(own) {
+            return Ok(()); // nobody wants it any more
+        }
+        match order {
+            Order::Status => {}
+            Order::PowerCut => self.power_cut(),
+            Order::ToolIsFree => {
+                match self.seat.take("who states that no tool is in the work", own) {
+                    Ok(_held) => lock(&self.simulator).tool_is_free(),
+                    Err(Error::Refused(why)) => return port.send(&Message::Refused(why)),
+                    Err(why) => return Err(why),
+                }
+            }
+            Order::Quit => {
+                self.power_cut();
+                self.ended.store(true, Ordering::Release);
+            }
+        }
+        let status = lock(&self.simulator).status();
+        let told = port.send(&Message::Told(status));
+        if order == Order::Quit {
+            // the thread that listens looks whether it is over when somebody comes
+            let _ = UnixStream::connect(path);
+        }
+        told
     }
-    simulator.leave_alone(if matches!(ended, Ok(())) { Alone::Power } else { Alone::Link });
-    match ended {
-        // the whole cabinet is dark: no message is sent
-        Ok(()) => Ok(After::Next),
-        Err(Error::Gone(e)) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(After::Next),
-        Err(Error::Gone(e)) if e.kind() == std::io::ErrorKind::ConnectionReset => Ok(After::Next),
-        Err(why) => Err(why),
+
+    /// The mains fail: the drives are alone, and the whole cabinet is dark for the control.
+    fn power_cut(&self) {
+        lock(&self.simulator).leave_alone(Alone::Power);
+        self.seat.cut();
+    }
+
+    /// A control reports.
+    fn hello(
+        &self,
+        hello: &Hello,
+        port: &mut Port<UnixStream>,
+        own: &UnixStream,
+    ) -> Result<(), Error> {
+        let has = lock(&self.simulator).name().to_owned();
+        if hello.machine != has {
+            return port.send(&Message::Refused(format!(
+                "this machine simulator is a {has}, and {} is set up for a {}: name the machine with --machine {has}",
+                hello.name, hello.machine
+            )));
+        }
+        let _held = match self.seat.take(&hello.name, own) {
+            Ok(held) => held,
+            Err(Error::Refused(why)) => return port.send(&Message::Refused(why)),
+            Err(Error::Gone(_)) => return Ok(()),
+            Err(why) => return Err(why),
+        };
+        let (welcome, session, real_time) = {
+            let mut simulator = lock(&self.simulator);
+            (simulator.welcome(), simulator.session(), simulator.real_time)
+        };
+        port.send(&Message::Welcome(welcome))?;
+        let ended = if real_time {
+            self.in_real_time(session, port, own)
+        } else {
+            own.set_read_timeout(None)?;
+            self.in_lock_step(session, port)
+        };
+        match &ended {
+            Ok(()) | Err(Error::Gone(_)) => {} // who is gone already does not hear it
+            Err(why) => drop(port.send(&Message::Refused(why.to_string()))),
+        }
+        let mut simulator = lock(&self.simulator);
+        if simulator.session() == session {
+            simulator.leave_alone(if ended.is_ok() { Alone::Power } else { Alone::Link });
+        }
+        match ended {
+            // the whole cabinet is dark: no message is sent
+            Ok(()) => Ok(()),
+            Err(Error::Gone(e)) if is_end(e.kind()) => Ok(()),
+            Err(why) => Err(why),
+        }
+    }
+
+    /// Let the machine obey for a period; `None`: its mains have failed.
+    fn obey(
+        &self,
+        session: u64,
+        command: &bus::Command,
+        engagement: Option<Engagement>,
+    ) -> Result<Option<Observed>, Error> {
+        let mut simulator = lock(&self.simulator);
+        if simulator.session() != session {
+            return Ok(None);
+        }
+        simulator.hear(engagement).map_err(Error::Refused)?;
+        Ok(simulator.obey(command).then(|| simulator.observed()))
+    }
+
+    /// Time waits for the control. Returns when the power is cut.
+    fn in_lock_step(&self, session: u64, port: &mut Port<UnixStream>) -> Result<(), Error> {
+        loop {
+            let (command, engagement) = command(&port.take()?)?;
+            let Some(observed) = self.obey(session, &command, engagement)? else { return Ok(()) };
+            port.send(&Message::Observed(observed))?;
+        }
+    }
+
+    /// Time does not wait for the control: what comes too late acts a period later.
+    fn in_real_time(
+        &self,
+        session: u64,
+        port: &mut Port<UnixStream>,
+        pace: &UnixStream,
+    ) -> Result<(), Error> {
+        let (period, watchdog) = {
+            let simulator = lock(&self.simulator);
+            (Duration::from_secs_f64(simulator.period().value()), simulator.watchdog)
+        };
+        let mut last = (bus::Command::default(), None);
+        let mut has_spoken = false;
+        let mut silent = Duration::ZERO;
+        let mut due = clock::now() + period;
+        loop {
+            let left = due.saturating_duration_since(clock::now());
+            pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
+            let answer = if let Some(message) = port.take_soon()? {
+                last = command(&message)?;
+                (silent, has_spoken) = (Duration::ZERO, true);
+                true
+            } else {
+                silent += period;
+                false
+            };
+            std::thread::sleep(due.saturating_duration_since(clock::now()));
+            // a machine simulator that was late itself has not waited for the control: its time begins anew from here
+            due = clock::now().max(due) + period;
+            if silent.as_secs_f64() > watchdog.value() {
+                return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
+            }
+            let observed =
+                if has_spoken { self.obey(session, &last.0, last.1)? } else { self.wait(session) };
+            let Some(observed) = observed else { return Ok(()) };
+            if answer {
+                port.send(&Message::Observed(observed))?;
+            }
+        }
+    }
+
+    /// A period in which the control has not said anything yet: it has stated nothing.
+    fn wait(&self, session: u64) -> Option<Observed> {
+        let mut simulator = lock(&self.simulator);
+        let is_on = simulator.session() == session && simulator.obey(&bus::Command::default());
+        is_on.then(|| simulator.observed())
     }
 }
 
 /// A command, as something that may be due.
-fn command(simulator: &mut SimulatorProcess, message: &Message) -> Result<bus::Command, Error> {
+fn command(message: &Message) -> Result<(bus::Command, Option<Engagement>), Error> {
     match message {
-        Message::Command(command, engagement) => {
-            simulator.hear(*engagement).map_err(Error::Refused)?;
-            Ok(*command)
-        }
+        Message::Command(command, engagement) => Ok((*command, *engagement)),
         Message::Hello(_)
         | Message::Welcome(_)
         | Message::Refused(_)
@@ -145,52 +313,8 @@ fn command(simulator: &mut SimulatorProcess, message: &Message) -> Result<bus::C
     }
 }
 
-/// Time waits for the control. Returns when the power is cut.
-fn in_lock_step(
-    simulator: &mut SimulatorProcess,
-    port: &mut Port<UnixStream>,
-) -> Result<(), Error> {
-    loop {
-        let order = command(simulator, &port.take()?)?;
-        if !simulator.obey(&order) {
-            return Ok(());
-        }
-        port.send(&Message::Observed(simulator.observed()))?;
-    }
-}
-
-/// Time does not wait for the control: what comes too late acts a period later.
-fn in_real_time(
-    simulator: &mut SimulatorProcess,
-    port: &mut Port<UnixStream>,
-    pace: &UnixStream,
-) -> Result<(), Error> {
-    let period = Duration::from_secs_f64(simulator.period().value());
-    let mut last = bus::Command::default();
-    let mut silent = Duration::ZERO;
-    let mut due = clock::now() + period;
-    loop {
-        let left = due.saturating_duration_since(clock::now());
-        pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
-        let answer = if let Some(message) = port.take_soon()? {
-            last = command(simulator, &message)?;
-            silent = Duration::ZERO;
-            true
-        } else {
-            silent += period;
-            false
-        };
-        std::thread::sleep(due.saturating_duration_since(clock::now()));
-        // a machine simulator that was late itself has not waited for the control: its time begins anew from here
-        due = clock::now().max(due) + period;
-        if silent.as_secs_f64() > simulator.watchdog.value() {
-            return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
-        }
-        if !simulator.obey(&last) {
-            return Ok(());
-        }
-        if answer {
-            port.send(&Message::Observed(simulator.observed()))?;
-        }
-    }
+/// The other end has closed the connection.
+fn is_end(kind: std::io::ErrorKind) -> bool {
+    use std::io::ErrorKind::{BrokenPipe, ConnectionReset, UnexpectedEof};
+    matches!(kind, UnexpectedEof | ConnectionReset | BrokenPipe)
 }

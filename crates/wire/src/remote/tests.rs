@@ -1,4 +1,5 @@
 //! Both ends, in one process.
+#![allow(clippy::unwrap_used)] // a test may panic
 use super::*;
 use crate::{LONGEST, VERSION};
 use bus::{AXES, Machine, SPINDLES};
@@ -81,7 +82,7 @@ fn command() -> Command {
         enable: true,
         position: Coordinate::new(1.5),
         speed: CoordinateSpeed::new(-20.0),
-        force: Force::n(f64::INFINITY),
+        force: Force::n(-1e9),
     };
     command.spindles[1] = bus::SpindleCommand {
         enable: false,
@@ -247,6 +248,39 @@ fn a_refusal_is_handed_on() {
     let no = [Message::Refused("the machine simulator is a lathe".into())];
     let refused = Remote::connect(script(&no), hello()).unwrap_err();
     assert_eq!(refused.to_string(), "the machine simulator is a lathe");
+}
+
+#[test]
+fn a_command_that_no_drive_can_obey_is_no_command() {
+    let read = |command: Command| {
+        let mut frame = Vec::new();
+        encode(&Message::Command(command, None), 0, &mut frame);
+        decode(&frame).map(|_| ()).map_err(|e| e.to_string())
+    };
+    assert_eq!(read(command()), Ok(()));
+    let spoil: [fn(&mut Command, f64); 9] = [
+        |c, wrong| c.axes[8].position = Coordinate::new(wrong),
+        |c, wrong| c.axes[8].speed = CoordinateSpeed::new(wrong),
+        |c, wrong| c.axes[8].force = Force::n(wrong),
+        |c, wrong| c.spindles[1].angle = Angle::rev(wrong),
+        |c, wrong| c.spindles[1].spin = Spin::rev_per_s(wrong),
+        |c, wrong| c.spindles[1].torque = Torque::n_m(wrong),
+        |c, wrong| c.outputs.analogue[0] = wrong,
+        |c, wrong| c.coupled.as_mut().unwrap().place = Length::mm(wrong),
+        |c, wrong| c.coupled.as_mut().unwrap().lead = Lead::mm_per_rev(wrong),
+    ];
+    for spoil in spoil {
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut command = command();
+            spoil(&mut command, wrong);
+            assert!(read(command).unwrap_err().contains("says what cannot be"));
+        }
+    }
+    for (axis, spindle) in [(9, 0), (255, 0), (2, 2), (2, 255)] {
+        let mut command = command();
+        command.coupled = command.coupled.map(|c| bus::Coupled { axis, spindle, ..c });
+        assert!(read(command).is_err(), "axis {axis}, spindle {spindle}");
+    }
 }
 
 proptest! {
