@@ -11,9 +11,10 @@
 //! runs down in its own time. With `--real-time` a period lasts as long as on a machine, and a control that is late gets its
 //! last command repeated until the drives' watchdog has had enough. Workpiece, tap and encoders live here and
 //! outlive every control.
+mod exclusive;
 mod process;
 mod retained;
-mod seat;
+
 mod serve;
 
 use bus::DriveReaction;

@@ -1,6 +1,6 @@
 //! One control after the other, and orders at any time.
+use super::exclusive::{ExclusiveControl, is_gone};
 use super::process::{Alone, SimulatorProcess};
-use super::seat::{Seat, is_gone};
 use control::Refused;
 use control::clock;
 use std::os::unix::fs::FileTypeExt;
@@ -46,7 +46,7 @@ impl Listening {
         let Self { simulator, listener, path } = self;
         let served = Served {
             simulator: Mutex::new(simulator),
-            seat: Seat::default(),
+            exclusive: ExclusiveControl::default(),
             ended: AtomicBool::new(false),
         };
         let (lost, connections) = (Mutex::new(lost), AtomicUsize::new(0));
@@ -79,7 +79,7 @@ impl Listening {
 /// What the threads of all connections share.
 struct Served {
     simulator: Mutex<SimulatorProcess>,
-    seat: Seat,
+    exclusive: ExclusiveControl,
     ended: AtomicBool,
 }
 
@@ -144,7 +144,7 @@ impl Served {
         own: &UnixStream,
         path: &Path,
     ) -> Result<(), Error> {
-        self.seat.settle();
+        self.exclusive.settle();
         if is_gone(own) {
             return Ok(()); // nobody wants it any more
         }
@@ -152,7 +152,7 @@ impl Served {
             Order::Status => {}
             Order::PowerCut => self.power_cut(),
             Order::ToolIsFree => {
-                match self.seat.take("who states that no tool is in the work", own) {
+                match self.exclusive.take("who states that no tool is in the work", own) {
                     Ok(_held) => lock(&self.simulator).tool_is_free(),
                     Err(Error::Refused(why)) => return port.send(&Message::Refused(why)),
                     Err(why) => return Err(why),
@@ -175,7 +175,7 @@ impl Served {
     /// The mains fail: the drives are alone, and the whole cabinet is dark for the control.
     fn power_cut(&self) {
         lock(&self.simulator).leave_alone(Alone::Power);
-        self.seat.cut();
+        self.exclusive.cut();
     }
 
     /// A control reports.
@@ -192,7 +192,7 @@ impl Served {
                 hello.name, hello.machine
             )));
         }
-        let _held = match self.seat.take(&hello.name, own) {
+        let _held = match self.exclusive.take(&hello.name, own) {
             Ok(held) => held,
             Err(Error::Refused(why)) => return port.send(&Message::Refused(why)),
             Err(Error::Gone(_)) => return Ok(()),

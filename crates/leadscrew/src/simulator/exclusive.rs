@@ -1,7 +1,7 @@
 //! Who controls the machine: one at a time, and nobody waits in line for it.
 //!
 //! ```text
-//!   control A ══► seat: A ─► gone ─► drives run down ─► seat: free
+//!   control A ══► control: A ─► gone ─► drives run down ─► control: free
 //!   control B ──► refused at once: A has the machine          └──► B, if it is still there
 //!   order     ──► a thread of its own: answered between two periods of A
 //! ```
@@ -20,7 +20,7 @@ const LOOKS_AGAIN: Duration = Duration::from_millis(100);
 
 /// See the module's header.
 #[derive(Debug, Default)]
-pub(super) struct Seat {
+pub(super) struct ExclusiveControl {
     holder: Mutex<Option<Holder>>,
     freed: Condvar,
 }
@@ -32,18 +32,18 @@ struct Holder {
     stream: UnixStream,
 }
 
-/// The seat, until it is dropped.
+/// The machine is had by one control, until this is dropped.
 #[derive(Debug)]
-pub(super) struct Held<'a>(&'a Seat);
+pub(super) struct HasControl<'a>(&'a ExclusiveControl);
 
-impl Drop for Held<'_> {
+impl Drop for HasControl<'_> {
     fn drop(&mut self) {
         *self.0.lock() = None;
         self.0.freed.notify_all();
     }
 }
 
-impl Seat {
+impl ExclusiveControl {
     fn lock(&self) -> MutexGuard<'_, Option<Holder>> {
         self.holder.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -52,7 +52,7 @@ impl Seat {
     ///
     /// # Errors
     /// Another one has it; or who wanted it is gone.
-    pub(super) fn take(&self, name: &str, stream: &UnixStream) -> Result<Held<'_>, Error> {
+    pub(super) fn take(&self, name: &str, stream: &UnixStream) -> Result<HasControl<'_>, Error> {
         let own = stream.try_clone()?;
         let mut holder = self.settled();
         if let Some(Holder { name, stream }) = &*holder {
@@ -66,7 +66,7 @@ impl Seat {
         }
         *holder = Some(Holder { name: name.to_owned(), stream: own });
         drop(holder);
-        Ok(Held(self))
+        Ok(HasControl(self))
     }
 
     /// Wait until nothing is left of a control that is gone.
@@ -119,37 +119,37 @@ mod tests {
 
     #[test]
     fn a_second_control_is_refused_and_named_the_first() {
-        let seat = Seat::default();
+        let machine = ExclusiveControl::default();
         let [(ours, theirs), (other, _their)] = [(); 2].map(|()| UnixStream::pair().unwrap());
-        let held = seat.take("a control", &ours).unwrap();
-        let why = seat.take("another", &other).unwrap_err().to_string();
+        let held = machine.take("a control", &ours).unwrap();
+        let why = machine.take("another", &other).unwrap_err().to_string();
         assert!(why.starts_with("a control") && why.contains("has this machine"), "{why}");
         drop((held, theirs));
-        assert!(seat.take("another", &other).is_ok());
+        assert!(machine.take("another", &other).is_ok());
     }
 
     #[test]
     fn who_is_gone_gets_nothing() {
-        let seat = Seat::default();
+        let machine = ExclusiveControl::default();
         let (ours, theirs) = UnixStream::pair().unwrap();
         assert!(!is_gone(&ours));
         drop(theirs);
         assert!(is_gone(&ours));
-        assert!(matches!(seat.take("a control", &ours), Err(Error::Gone(_))));
+        assert!(matches!(machine.take("a control", &ours), Err(Error::Gone(_))));
         let (there, _their) = UnixStream::pair().unwrap();
-        assert!(seat.take("another", &there).is_ok(), "the seat was kept for nobody");
+        assert!(machine.take("another", &there).is_ok(), "it was kept for nobody");
     }
 
     #[test]
     fn what_is_left_of_a_control_that_is_gone_is_waited_for() {
-        let seat = Seat::default();
+        let machine = ExclusiveControl::default();
         let (ours, theirs) = UnixStream::pair().unwrap();
         let (other, _their) = UnixStream::pair().unwrap();
-        let held = seat.take("a control", &ours).unwrap();
+        let held = machine.take("a control", &ours).unwrap();
         drop(theirs); // its drives run down from here …
         std::thread::scope(|scope| {
             let next = std::thread::Builder::new()
-                .spawn_scoped(scope, || seat.take("another", &other).map(drop));
+                .spawn_scoped(scope, || machine.take("another", &other).map(drop));
             std::thread::sleep(Duration::from_millis(20));
             drop(held); // … to here
             next.unwrap().join().unwrap().unwrap();
