@@ -131,11 +131,16 @@ pub(crate) fn advance(
         }
         Course::Leaving(mut retreat) => {
             let (_, over) = couple(stretch, &chain, period, drives);
+            if over && !stretch.ends {
+                return Pass::Over; // the next stretch goes on in this period, and so does the way out
+            }
             retreat.advance(period.value(), true, drives);
-            let out = retreat.is_out();
-            chain.course =
-                if out { Course::Braking(speeds(drives)) } else { Course::Leaving(retreat) };
-            if over && !stretch.ends && !out { Pass::Over } else { Pass::Busy }
+            chain.course = if retreat.is_out() {
+                Course::Braking(speeds(drives))
+            } else {
+                Course::Leaving(retreat)
+            };
+            Pass::Busy
         }
         Course::Braking(mut speeds) => {
             for (axis, speed) in drives.axes[..THREADING_AXES].iter_mut().zip(&mut speeds) {
