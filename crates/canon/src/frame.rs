@@ -83,6 +83,12 @@ impl ProgramFrame {
         }
     }
 
+    /// How a block in machine coordinates is written (G53): in the program's unit, without any offset.
+    #[must_use]
+    pub fn of_machine(self) -> Self {
+        Self { unit: self.unit, x_is_diameter: self.x_is_diameter, ..Self::default() }
+    }
+
     /// Coordinate of an axis as the program would write it, in its unit (degrees for a rotary axis), where the machine's
     /// is `value` mm; `None` where the frame is turned about Z so that X and Y mix.
     pub fn written(&self, axis: Axis, value: f64) -> Option<f64> {

@@ -92,6 +92,9 @@ fn a_fix_writes_the_feed_that_the_axes_can() {
 fn a_fix_writes_the_coordinate_that_the_axis_can_reach() {
     mended("G21 G90\nG0 X900\nM2\n", "M0301", "Write X250");
     mended("G20 G90\nG54\nG0 X900\nM2\n", "M0301", "Write X9.8425");
+    // machine coordinates, whatever the work offset in force
+    mended("G21 G90 G54\nG53 G0 X-600\nM2\n", "M0301", "Write X-500");
+    mended("G20 G90 G54\nG53 G0 X-30\nM2\n", "M0301", "Write X-19.685");
 }
 
 #[test]

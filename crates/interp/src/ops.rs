@@ -1,5 +1,6 @@
 //! A program as a stream of operations, and a program's diagnostics alone.
 use crate::{
+    codes::GGroup,
     dialect::DepthFrom,
     interpreter::{Interpreter, Progress},
     resolve::Resolver,
@@ -76,6 +77,9 @@ impl<'s> Ops<'s> {
             () => Counting::Absolute,
         };
         let frame = self.resolver.program_frame(modes.system, modes.diameter);
+        if executor.words.g(GGroup::NonModal) == Some(530) {
+            return frame.of_machine();
+        }
         ProgramFrame { counting, ..frame }
     }
 

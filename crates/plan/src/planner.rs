@@ -121,6 +121,8 @@ pub struct Planner {
     /// In and out.
     last_strokes: [Option<(StrokeRequest, Stroke)>; 2],
     warned_still: bool,
+    /// Where each axis was said to be beyond its travel.
+    beyond_at: [Option<f64>; Axis::ALL.len()],
     /// The last tap left the spindle reversed: forward again after the rapid back.
     reversed_along: Option<Axis>,
     /// Stretches of a turned thread that has not ended.
@@ -245,6 +247,7 @@ impl Planner {
             contact: None,
             last_strokes: [None; 2],
             warned_still: false,
+            beyond_at: [None; Axis::ALL.len()],
             reversed_along: None,
             chain: Vec::new(),
             came_from: CameFrom::default(),

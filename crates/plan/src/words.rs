@@ -88,8 +88,8 @@ fn in_unit(frame: &ProgramFrame, value: f64) -> String {
 pub(crate) fn word(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
     let value = match frame.written(axis, machine) {
         Some(value) if is_rotary(axis) => number(value),
-        Some(value) if frame.work_offset != 0 => in_unit(frame, value),
-        _ => number(machine),
+        Some(value) => in_unit(frame, value),
+        None => number(machine),
     };
     format!("{}{value}", axis.letter())
 }
@@ -116,16 +116,13 @@ pub(crate) fn advised(
     machine: f64,
     rounding: Rounding,
 ) -> Advised {
-    let inches = frame.unit == LengthUnit::Inch && !is_rotary(axis) && frame.work_offset != 0;
+    let inches = frame.unit == LengthUnit::Inch && !is_rotary(axis);
     let steps = if inches { 1e4 } else { 1e3 };
     let said = |letter: char, value: f64| {
         let value = rounding.of(value, steps);
         let number = if inches { in_unit(frame, value) } else { number(value) };
         Advised { letter, number, is_way: false }
     };
-    if frame.work_offset == 0 {
-        return said(axis.letter(), machine);
-    }
     let from = match axis {
         Axis::A | Axis::B | Axis::C => frame.from.rotary[axis.index() - 3].in_deg(),
         _ => frame.from.along(axis).value(),
@@ -157,6 +154,12 @@ pub(crate) fn place(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
             let diameter =
                 if axis == Axis::X && frame.x_is_diameter { " (a diameter)" } else { "" };
             format!("{} of {code}{diameter}", word(frame, axis, machine))
+        }
+        None if !is_rotary(axis) => {
+            let value = frame.written(axis, machine).unwrap_or(machine);
+            let diameter = if axis == Axis::X && frame.x_is_diameter { "a diameter, " } else { "" };
+            let unit = frame.unit.symbol();
+            format!("{} {unit} ({diameter}machine coordinate)", in_unit(frame, value))
         }
         _ => {
             let unit = axis.kind().unit();

@@ -9,7 +9,7 @@ use crate::words::{
     Rounding, WHICH_UNIT, advice, advised, bare_length, feed, feed_that_works, instead, is_rotary,
     length, modal, place, word,
 };
-use alloc::{format, vec, vec::Vec};
+use alloc::{format, string::String, vec, vec::Vec};
 use canon::{Arc, Axis, Feed, LengthUnit, Position, ProgramFrame};
 use diag::{Diagnostic, Span};
 use motion::{Path, Profile, coordinate, radius};
@@ -42,7 +42,13 @@ impl Planner {
         let is_straight = paths.iter().all(|path| matches!(path, Path::Line { .. }));
         for out in all {
             refused = true;
-            self.beyond_travel(job.span, &out, is_straight);
+            // an axis that rests where a move before has left it is not this one's
+            let rests =
+                paths.first().is_some_and(|path| coordinate(path.from(), out.axis) == out.reaches);
+            let said = self.beyond_at[out.axis.index()].replace(out.reaches);
+            if !(rests && said == Some(out.reaches)) {
+                self.beyond_travel(job.span, &out, is_straight);
+            }
         }
         refused
     }
@@ -58,14 +64,12 @@ impl Planner {
         let unit_help = is_of_other_unit(&frame, out);
         self.findings.merge(Cause { code: "M0301", which }, by, || {
             let is_written =
-                frame.work_offset != 0 && frame.written(axis, out.reaches).is_some();
-            let unit = axis.kind().unit();
+                frame.work_offset_code().is_some() && frame.written(axis, out.reaches).is_some();
             let (by, travel) = if is_written && !is_rotary(axis) {
                 let travel = [out.travel.0, out.travel.1].map(|at| word(&frame, axis, at));
                 (length(&frame, by), format!("{} to {}", travel[0], travel[1]))
             } else {
-                let travel = [out.travel.0, out.travel.1].map(number);
-                (format!("{}{unit}", number(by)), format!("{} to {}{unit}", travel[0], travel[1]))
+                in_machine_coordinates(&frame, axis, by, out.travel)
             };
             let wrong = format!(
                 "{} would go to {}, {by} beyond its travel of {travel}",
@@ -223,4 +227,22 @@ pub(super) fn clipped(
         "said once; later moves may be slowed down likewise"
     };
     Diagnostic::warning("M0304", span, text).with_help(help).with_remedy(words)
+}
+
+/// A length and a travel along an axis, in machine coordinates.
+fn in_machine_coordinates(
+    frame: &ProgramFrame,
+    axis: Axis,
+    by: f64,
+    travel: (f64, f64),
+) -> (String, String) {
+    if is_rotary(axis) {
+        let unit = axis.kind().unit();
+        let travel = format!("{} to {}{unit}", number(travel.0), number(travel.1));
+        return (format!("{}{unit}", number(by)), travel);
+    }
+    let unit = frame.unit.symbol();
+    let travel =
+        format!("{} to {} {unit}", bare_length(frame, travel.0), bare_length(frame, travel.1));
+    (length(frame, by), travel)
 }
