@@ -5,7 +5,7 @@
 //!   leadscrew simulator … --on-link-loss REACTION ◄── relay, which kills at t ◄── leadscrew run: pecks, threads, gears, …
 //!            │ SIGKILL at t
 //!            ▼
-//!   drives alone ─► looked at: dry run, no record, a refused run ─► nothing may have changed
+//!   drives alone ─► looked at: dry run, a refused run; no record, an old one, a foreign one ─► nothing may have changed
 //!            ▼
 //!   leadscrew recover ─► what it says  ◄── compared ──► what the simulated machine knows
 //! ```
@@ -143,6 +143,7 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
     let mut all = Row::default();
     let mut random = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     for feature in &FEATURES {
+        let others = Others::of(binary, feature);
         for reaction in REACTIONS {
             let mut row = Row::default();
             for case in 0..count {
@@ -153,7 +154,10 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
                 let share = (f64::from(case) + (random % 1000) as f64 / 1000.0) / f64::from(count);
                 let at = from + (to - from) * share;
                 row.cases += 1;
-                if let Err(why) = trial(binary, feature, reaction, at, case, &mut row) {
+                let trial = others.as_ref().map_err(Clone::clone).and_then(|others| {
+                    trial((binary, feature, others), reaction, at, case, &mut row)
+                });
+                if let Err(why) = trial {
                     row.problems.push(format!("{}, {reaction}, {at:.6} s: {why}", feature.name));
                 }
             }
@@ -179,6 +183,46 @@ impl Drop for Behind {
     }
 }
 
+/// State folders in which there is a record, and not that of the tool in the work.
+struct Others(tempfile::TempDir);
+
+/// All machines are of this epoch; a foreign one has another number.
+const EPOCH: [&str; 2] = ["--epoch", "7"];
+const FOREIGN: [&str; 2] = ["--serial", "2"];
+
+impl Others {
+    /// As complete runs leave them: `old` on this very machine, as if restored from before, and `foreign` on another one.
+    fn of(binary: &Path, feature: &Feature) -> Result<Self, String> {
+        let kept = tempfile::tempdir().map_err(|e| e.to_string())?;
+        for (name, number) in [("old", &[][..]), ("foreign", &FOREIGN)] {
+            let trial = Trial::new(binary, feature)?;
+            let _simulator = trial.simulator(number)?;
+            let ran = trial.run("state").output().map_err(|e| e.to_string())?;
+            let record = trial.folder.path().join("state");
+            std::fs::rename(&record, kept.path().join(name)).map_err(|e| {
+                format!(
+                    "no record of {}: {e}: {}",
+                    feature.name,
+                    String::from_utf8_lossy(&ran.stderr)
+                )
+            })?;
+        }
+        Ok(Self(kept))
+    }
+
+    /// Beside a trial's own.
+    fn copy(&self, to: &Path) -> std::io::Result<()> {
+        for name in ["old", "foreign"] {
+            std::fs::create_dir(to.join(name))?;
+            for file in std::fs::read_dir(self.0.path().join(name))? {
+                let file = file?;
+                std::fs::copy(file.path(), to.join(name).join(file.file_name()))?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// One case, in a folder of its own.
 struct Trial<'a> {
     binary: &'a Path,
@@ -186,7 +230,33 @@ struct Trial<'a> {
     feature: &'a Feature,
 }
 
-impl Trial<'_> {
+impl<'a> Trial<'a> {
+    fn new(binary: &'a Path, feature: &'a Feature) -> Result<Self, String> {
+        let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+        for (name, text) in [
+            ("part.nc", feature.program),
+            ("tools.toml", include_str!("../../programs/tools.toml")),
+            ("cams.toml", include_str!("../../programs/cams.toml")),
+            ("chip-break.toml", CHIP_BREAK),
+        ] {
+            std::fs::write(folder.path().join(name), text).map_err(|e| e.to_string())?;
+        }
+        Ok(Self { binary, folder, feature })
+    }
+
+    /// Its machine, listening.
+    fn simulator(&self, options: &[&str]) -> Result<Behind, String> {
+        let listen = ["simulator", "--listen", "simulator", "--tools", "tools.toml"];
+        let listen = [&listen[..], &EPOCH, options, self.feature.options].concat();
+        let simulator =
+            self.leadscrew(&listen).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+        let mut simulator = Behind(simulator.map_err(|e| e.to_string())?);
+        let mut line = String::new();
+        let said = simulator.0.stdout.take().ok_or("the machine simulator says nothing")?;
+        BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
+        Ok(simulator)
+    }
+
     fn leadscrew(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(self.binary);
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
@@ -230,30 +300,15 @@ impl Trial<'_> {
 }
 
 fn trial(
-    binary: &Path,
-    feature: &Feature,
+    (binary, feature, others): (&Path, &Feature, &Others),
     reaction: &str,
     at: f64,
     case: u32,
     row: &mut Row,
 ) -> Result<(), String> {
-    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
-    for (name, text) in [
-        ("part.nc", feature.program),
-        ("tools.toml", include_str!("../../programs/tools.toml")),
-        ("cams.toml", include_str!("../../programs/cams.toml")),
-        ("chip-break.toml", CHIP_BREAK),
-    ] {
-        std::fs::write(folder.path().join(name), text).map_err(|e| e.to_string())?;
-    }
-    let trial = Trial { binary, folder, feature };
-    let listen = ["simulator", "--listen", "simulator", "--tools", "tools.toml"];
-    let listen = [&listen[..], &["--on-link-loss", reaction], feature.options].concat();
-    let simulator = trial.leadscrew(&listen).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
-    let mut simulator = Behind(simulator.map_err(|e| e.to_string())?);
-    let mut line = String::new();
-    let said = simulator.0.stdout.take().ok_or("the machine simulator says nothing")?;
-    BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
+    let trial = Trial::new(binary, feature)?;
+    others.copy(trial.folder.path()).map_err(|e| e.to_string())?;
+    let _simulator = trial.simulator(&["--on-link-loss", reaction])?;
     let relay = Relay::in_place_of(&trial.folder.path().join("simulator"), &[at]);
     let relay = relay.map_err(|e| e.to_string())?;
     let ran = relay.output(&mut trial.run("state")).map_err(|e| e.to_string())?;
@@ -268,30 +323,28 @@ fn trial(
 }
 
 /// What only looks changes nothing and denies nothing: a rehearsal, a run that is refused, and both with a state folder that
-/// knows nothing.
+/// knows nothing, or something else.
 fn look(trial: &Trial<'_>, before: &Value, case: u32) -> Result<(), String> {
     let kept = !before["tool_in_work"].is_null();
-    match case % 4 {
+    match case % 6 {
         0 => {}
         1 => {
             trial.recover("state", &["--dry-run"])?;
             trial.recover("state", &["--dry-run"])?;
         }
-        2 => {
-            let answer = trial.recover("missing", &[])?;
-            if answer["outcome"] != "refused" {
-                return Err(format!("without a record it says: {answer}"));
+        2 if kept => refuses_to_run(trial, "state")?,
+        2 => {}
+        other => {
+            let state = ["missing", "old", "foreign"][other as usize % 3];
+            let answer = trial.recover(state, &[])?;
+            let denied = answer["outcome"] == "nothing-to-do" && !kept && state == "old";
+            if answer["outcome"] != "refused" && !denied {
+                return Err(format!("with a state folder that is {state} it says: {answer}"));
+            }
+            if kept {
+                refuses_to_run(trial, state)?;
             }
         }
-        _ if kept => {
-            for state in ["state", "missing"] {
-                let code = trial.run(state).output().map_err(|e| e.to_string())?.status.code();
-                if code != Some(2) {
-                    return Err(format!("a run with a tool in the work ends with {code:?}"));
-                }
-            }
-        }
-        _ => {}
     }
     let now = trial.status()?;
     for key in ["stop", "tool_in_work", "tool_broken", "tap_in_thread"] {
@@ -300,6 +353,13 @@ fn look(trial: &Trial<'_>, before: &Value, case: u32) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+fn refuses_to_run(trial: &Trial<'_>, state: &str) -> Result<(), String> {
+    match trial.run(state).output().map_err(|e| e.to_string())?.status.code() {
+        Some(2) => Ok(()),
+        code => Err(format!("a run with a tool in the work, state {state}, ends with {code:?}")),
+    }
 }
 
 fn judge(before: &Value, answer: &Value, after: &Value, row: &mut Row) -> Result<(), String> {

@@ -88,7 +88,12 @@ fn main() -> ExitCode {
 
 /// A command line that is none, or that asks for help: as clap has it, and in JSON where that is asked for.
 fn misread(wrong: &clap::Error) -> ExitCode {
-    let _ = wrong.print(); // standard error is closed
+    let plain = wrong.render().to_string();
+    if say::shown(&plain) == plain {
+        let _ = wrong.print(); // standard error is closed
+    } else {
+        say::err(&plain); // what was typed has control characters
+    }
     let refused = wrong.use_stderr();
     if refused && args::asks_for_json(std::env::args()) {
         let text = wrong.render().to_string();

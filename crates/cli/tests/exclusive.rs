@@ -9,6 +9,7 @@ use bus::{Command, Machine as _};
 use common::{complained, leadscrew, said};
 use simulator::{Simulator, number, one_tap};
 use std::os::unix::net::UnixStream;
+use units::{Coordinate, CoordinateSpeed, Force};
 use wire::{Hello, Remote};
 
 /// A control that has the machine and does nothing with it, and its line.
@@ -62,6 +63,35 @@ fn orders_are_answered_while_a_control_has_the_machine() {
     assert_eq!(quit.status.code(), Some(0), "{}", complained(&quit));
     second.exchange(&Command::default());
     assert!(second.lost().is_some(), "there is no machine any more");
+}
+
+#[test]
+fn a_command_that_no_control_would_give_is_not_obeyed() {
+    type Spoil = fn(&mut Command);
+    let spoils: [(&str, Spoil); 5] = [
+        ("says what cannot be", |c| c.axes[2].position = Coordinate::new(f64::NAN)),
+        ("says what cannot be", |c| c.axes[2].force = Force::n(f64::NAN)),
+        ("jumps from", |c| c.axes[2].position -= Coordinate::new(5.0)),
+        ("beyond its stops", |c| c.axes[2].position = Coordinate::new(-1e4)),
+        ("is ordered", |c| c.axes[2].speed = CoordinateSpeed::new(1e4)),
+    ];
+    for (why, spoil) in spoils {
+        let simulator = Simulator::start(&[]);
+        let (mut first, _line) = control(&simulator);
+        let stands = first.feedback().axes[2].position;
+        let mut command = Command::default();
+        command.axes[2].enable = true;
+        command.axes[2].position = stands;
+        command.axes[2].force = Force::n(3000.0); // which holds its weight
+        first.exchange(&command);
+        assert!(first.lost().is_none(), "{:?}", first.lost());
+        spoil(&mut command);
+        first.exchange(&command);
+        let lost = first.lost().map(ToString::to_string).unwrap_or_default();
+        assert!(lost.contains(why), "{lost}");
+        let after = simulator.status();
+        assert!((number(&after, "z_mm") - stands.value()).abs() < 0.5, "{why}: {after:#}");
+    }
 }
 
 #[test]

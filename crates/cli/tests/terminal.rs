@@ -113,7 +113,9 @@ fn no_control_character_of_a_program_or_a_name_reaches_the_terminal() {
     std::fs::write(&good, format!("G21\n(MSG,{hostile})\n(PRINT,{hostile})\nM2\n")).unwrap();
     std::fs::write(&bad, format!("G21 ({hostile})\nG0 X{hostile} {hostile}\nG1 X1 ({hostile})\n"))
         .unwrap();
-    let commands: [&[&str]; 12] = [
+    let commands: [&[&str]; 14] = [
+        &[hostile],
+        &["run", &good, hostile, "--seed", hostile],
         &["run", &good, "--log"],
         &["run", &bad],
         &["run", &missing],

@@ -1,8 +1,8 @@
 //! The simulated machine with its drives and encoders, as a process of its own at a Unix socket.
 //!
 //! ```text
-//!   control ══ Unix socket ══► session: command ─► exchange ─► feedback
-//!                  │ ends, is silent, or the power is cut
+//!   control ══ Unix socket ══► session: command ─► monitor ─► exchange ─► feedback
+//!                  │ ends, is silent, orders what no drive obeys, or the power is cut
 //!                  ▼
 //!              drives left alone: coast, quick stop or coupled stop ─► everything stands ─► next session
 //! ```
@@ -11,6 +11,7 @@
 //! runs down in its own time. With `--real-time` a period lasts as long as on a machine, and a control that is late gets its
 //! last command repeated until the drives' watchdog has had enough. Workpiece, tap and encoders live here and
 //! outlive every control.
+mod command_monitor;
 mod exclusive;
 mod process;
 mod retained;

@@ -1,5 +1,6 @@
 //! The machine simulator itself: the simulated machine, what its encoders keep, and its drives when they are alone.
 use super::SimulatorOptions;
+use super::command_monitor::CommandMonitor;
 use super::retained::{Retained, least_certain};
 use bus::{Command, DriveReaction, Feedback, Machine, SPINDLES, Truth};
 use control::Refused;
@@ -28,6 +29,7 @@ pub struct SimulatorProcess {
     turns_lost: [bool; SPINDLES],
     stop: Stop,
     retained: Retained,
+    monitor: CommandMonitor,
     last: Command,
     /// The latest first.
     cuts: Vec<Time>,
@@ -94,6 +96,7 @@ impl SimulatorProcess {
             turns_lost: [false; SPINDLES],
             stop: Stop::None,
             retained: Retained::default(),
+            monitor: CommandMonitor::new(file),
             last: Command::default(),
             cuts,
             sessions: 0,
@@ -113,6 +116,7 @@ impl SimulatorProcess {
         self.session += 1;
         (self.off_helix, self.force_n) = (Length::ZERO, 0.0);
         self.retained.begin_session();
+        self.monitor.begin_session();
         Welcome {
             machine: self.name.clone(),
             serial: self.serial,
@@ -169,12 +173,16 @@ impl SimulatorProcess {
         self.retained.tool_is_free();
     }
 
-    /// Obey for a period; `false`: the mains have failed instead.
-    pub(super) fn obey(&mut self, command: &Command) -> bool {
+    /// Obey for a period a command that comes so many periods after the last one; `false`: the mains have failed instead.
+    ///
+    /// # Errors
+    /// The drives obey no such command.
+    pub(super) fn obey(&mut self, command: &Command, periods: u32) -> Result<bool, String> {
         let now = self.machine.feedback().time;
         if self.cuts.pop_if(|at| *at <= now).is_some() {
-            return false;
+            return Ok(false);
         }
+        self.monitor.check(command, &self.machine.feedback(), periods)?;
         self.last = *command;
         let before = self.machine.feedback();
         let after = self.machine.exchange(command);
@@ -187,7 +195,7 @@ impl SimulatorProcess {
         if let Some(off) = self.machine.off_helix().filter(|_| command.coupled.is_some()) {
             self.off_helix = self.off_helix.max(off.abs());
         }
-        true
+        Ok(true)
     }
 
     /// Remember the largest force on the tap.

@@ -229,22 +229,23 @@ impl Served {
     fn obey(
         &self,
         session: u64,
-        command: &bus::Command,
-        engagement: Option<Engagement>,
+        (command, engagement): &(bus::Command, Option<Engagement>),
+        periods: u32,
     ) -> Result<Option<Observed>, Error> {
         let mut simulator = lock(&self.simulator);
         if simulator.session() != session {
             return Ok(None);
         }
-        simulator.hear(engagement).map_err(Error::Refused)?;
-        Ok(simulator.obey(command).then(|| simulator.observed()))
+        simulator.hear(*engagement).map_err(Error::Refused)?;
+        let is_on = simulator.obey(command, periods).map_err(Error::Refused)?;
+        Ok(is_on.then(|| simulator.observed()))
     }
 
     /// Time waits for the control. Returns when the power is cut.
     fn in_lock_step(&self, session: u64, port: &mut Port<UnixStream>) -> Result<(), Error> {
         loop {
-            let (command, engagement) = command(&port.take()?)?;
-            let Some(observed) = self.obey(session, &command, engagement)? else { return Ok(()) };
+            let command = command(&port.take()?)?;
+            let Some(observed) = self.obey(session, &command, 1)? else { return Ok(()) };
             port.send(&Message::Observed(observed))?;
         }
     }
@@ -261,7 +262,7 @@ impl Served {
             (Duration::from_secs_f64(simulator.period().value()), simulator.watchdog)
         };
         let mut last = (bus::Command::default(), None);
-        let mut has_spoken = false;
+        let (mut has_spoken, mut periods) = (false, 1);
         let mut silent = Duration::ZERO;
         let mut due = clock::now() + period;
         loop {
@@ -269,6 +270,7 @@ impl Served {
             pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
             let answer = if let Some(message) = port.take_soon()? {
                 last = command(&message)?;
+                periods = 1 + (silent.as_secs_f64() / period.as_secs_f64()).round() as u32;
                 (silent, has_spoken) = (Duration::ZERO, true);
                 true
             } else {
@@ -282,7 +284,7 @@ impl Served {
                 return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
             }
             let observed =
-                if has_spoken { self.obey(session, &last.0, last.1)? } else { self.wait(session) };
+                if has_spoken { self.obey(session, &last, periods)? } else { self.wait(session)? };
             let Some(observed) = observed else { return Ok(()) };
             if answer {
                 port.send(&Message::Observed(observed))?;
@@ -291,10 +293,13 @@ impl Served {
     }
 
     /// A period in which the control has not said anything yet: it has stated nothing.
-    fn wait(&self, session: u64) -> Option<Observed> {
+    fn wait(&self, session: u64) -> Result<Option<Observed>, Error> {
         let mut simulator = lock(&self.simulator);
-        let is_on = simulator.session() == session && simulator.obey(&bus::Command::default());
-        is_on.then(|| simulator.observed())
+        if simulator.session() != session {
+            return Ok(None);
+        }
+        let is_on = simulator.obey(&bus::Command::default(), 1).map_err(Error::Refused)?;
+        Ok(is_on.then(|| simulator.observed()))
     }
 }
 
