@@ -10,6 +10,7 @@ use canon::{Axis, Position, ToolKind};
 use control::job::{ProgramOptions, restart};
 use control::operation::{
     Control, ControlOptions, Event, Execution, ExecutionEvent, Jog, Power, Request, ToolField,
+    said_of,
 };
 use std::collections::VecDeque;
 use std::path::Path;
@@ -293,7 +294,10 @@ impl Bench {
     fn transitions(&mut self) -> Result<(), String> {
         while let Some(event) = self.control.next_event() {
             let Event::Execution(now) = event else {
-                let text = format!("{event:?}");
+                let text = match &event {
+                    Event::Feature(feature) => said_of(feature),
+                    event => format!("{event:?}"),
+                };
                 self.no_hole |= text.contains("hole: ") && !text.contains("hole: good");
                 self.tell(&text);
                 continue;

@@ -45,6 +45,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         },
         names: args.host_name.clone(),
         kept_runs: KeptRuns { most: args.runs.max(1), most_bytes: args.runs_mb << 20 },
+        metrics: !args.no_metrics,
         mtconnect: (!args.no_mtconnect).then_some(server::MOST_OBSERVATIONS),
     })
     .map_err(|refused| Refused::because(refused.0))?;

@@ -7,8 +7,8 @@ use crate::device::Device;
 use crate::documents::{Asset, CUTTING_TOOL};
 use control::operation::hosted::{Journaled, Picture};
 use control::operation::{Alarm, Event, Execution, Mode, Status, said_of};
-use std::collections::VecDeque;
 use std::sync::Arc;
+use units::Length;
 use verify::{Feature, FeatureKind, Verdict};
 
 /// Samples are observed so often, ms.
@@ -44,10 +44,6 @@ pub(crate) struct Feed {
     faults: u64,
     /// An alarm is there since this machine time.
     alarm_since: Option<f64>,
-    /// Features of the picture up to the last one that an event has named.
-    features: usize,
-    /// Features that events have named, with their machine time, and whose measures are not observed yet.
-    named: VecDeque<(f64, String)>,
     /// The program's text and line of the block that was observed last.
     block: Option<(usize, u32)>,
     pub(crate) assets: Vec<Asset>,
@@ -85,7 +81,6 @@ impl Feed {
             buffer.observe(at.mode, now, Value::Word(status.mode));
         }
         self.clear_alarms(seen, device, buffer);
-        self.features(seen, device, buffer);
         self.tools(seen, device, buffer);
         self.states(seen, device, buffer);
         if now >= self.samples_ms {
@@ -106,7 +101,6 @@ impl Feed {
         buffer.observe(at.mode, now, Value::Word(status.mode));
         buffer.observe(at.part_count, now, Value::Count(0));
         self.is_automatic = status.mode == Mode::Automatic.name();
-        self.features = seen.picture.features.len();
         buffer.observe(at.alarms, now, Value::Normal);
         let told = |alarm: &Alarm| {
             let is_told =
@@ -147,10 +141,7 @@ impl Feed {
                 self.fault(alarm, when, device, buffer);
             }
             Event::Notice(notice) => buffer.push(at.message, when, text(&(seen.shown)(notice))),
-            Event::Feature(feature) => {
-                buffer.push(at.feature, when, text(feature));
-                self.named.push_back((event.time.value(), feature.clone()));
-            }
+            Event::Feature(cut) => feature(cut, when, device, buffer),
             Event::DrivesReady => {} // the pictures have power
         }
     }
@@ -173,45 +164,6 @@ impl Feed {
         if is_after && picture.alarms.iter().all(|alarm| alarm.is_cleared) {
             self.alarm_since = None;
             buffer.observe(device.at.alarms, seen.unix_ms, Value::Normal);
-        }
-    }
-
-    /// What was cut, each time anew.
-    fn features(&mut self, seen: &Observable<'_>, device: &Device, buffer: &mut Buffer) {
-        let (at, features) = (&device.at, &seen.picture.features);
-        self.features = self.features.min(features.len());
-        // what an event has not named is half cut: its measures are not its last ones
-        while let Some((time, named)) = self.named.pop_front() {
-            let is_named = |feature: &Feature| said_of(feature) == named;
-            let ahead = features[self.features..].iter().position(is_named);
-            let ahead = ahead.map(|ahead| self.features + ahead);
-            let Some(found) = ahead.or_else(|| features.iter().rposition(is_named)) else {
-                if seen.picture.status.time_s <= time {
-                    self.named.push_front((time, named)); // the picture is from before
-                    return;
-                }
-                continue; // the workpiece was changed meanwhile
-            };
-            self.features = self.features.max(found + 1);
-            let feature = &features[found];
-            let (sync, depth, class) = measures(feature);
-            let verdict = match feature.verdict {
-                Verdict::Pass => "GOOD",
-                Verdict::Fail { .. } => "FAILED",
-                Verdict::NotJudged { .. } => "NOT_JUDGED",
-            };
-            buffer.push(at.verdict, seen.unix_ms, Value::Word(verdict));
-            let measures = [
-                (at.sync_error, sync.map(|value| number(value, 5))),
-                (at.depth_error, depth.map(|value| number(value, 5))),
-                (at.class, class.map(text)),
-            ];
-            for (item, value) in measures {
-                match value {
-                    Some(value) => buffer.push(item, seen.unix_ms, value),
-                    None => buffer.observe(item, seen.unix_ms, Value::Unavailable),
-                }
-            }
         }
     }
 
@@ -298,6 +250,34 @@ impl Feed {
     }
 }
 
+/// What was cut, each time anew.
+fn feature(feature: &Feature, when: u64, device: &Device, buffer: &mut Buffer) {
+    let at = &device.at;
+    let millimetres = |length: Length| number(length.value(), 5);
+    let class = match &feature.kind {
+        FeatureKind::Thread(thread) => Some(thread.class_name()),
+        _ => None,
+    };
+    let verdict = match feature.verdict {
+        Verdict::Pass => "GOOD",
+        Verdict::Fail { .. } => "FAILED",
+        Verdict::NotJudged { .. } => "NOT_JUDGED",
+    };
+    buffer.push(at.feature, when, text(&said_of(feature)));
+    buffer.push(at.verdict, when, Value::Word(verdict));
+    let measures = [
+        (at.sync_error, feature.sync_error_max().map(millimetres)),
+        (at.depth_error, feature.depth_error().map(millimetres)),
+        (at.class, class.map(text)),
+    ];
+    for (item, value) in measures {
+        match value {
+            Some(value) => buffer.push(item, when, value),
+            None => buffer.observe(item, when, Value::Unavailable),
+        }
+    }
+}
+
 fn samples(status: &Status, now: u64, device: &Device, buffer: &mut Buffer) {
     let at = &device.at;
     let mut observe = |item: usize, value: f64| {
@@ -312,20 +292,6 @@ fn samples(status: &Status, now: u64, device: &Device, buffer: &mut Buffer) {
         observe(at.ordered, spindle.ordered_rpm);
         observe(at.measured, spindle.measured_rpm);
         observe(at.load, spindle.load_percent.unwrap_or(f64::NAN));
-    }
-}
-
-/// Of a feature: largest sync error and depth error, mm, and its class, as far as it has them.
-fn measures(feature: &Feature) -> (Option<f64>, Option<f64>, Option<&'static str>) {
-    match &feature.kind {
-        FeatureKind::Hole(hole) => (None, Some(hole.depth_error.value()), None),
-        FeatureKind::Thread(thread) => (
-            Some(thread.sync_error_max.value()),
-            Some(thread.depth_error.value()),
-            Some(thread.class_name()),
-        ),
-        FeatureKind::Turned(thread) => (Some(thread.sync_error_max.value()), None, None),
-        FeatureKind::Polygon(_) | FeatureKind::Cam(_) | FeatureKind::Gear(_) => (None, None, None),
     }
 }
 

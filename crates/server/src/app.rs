@@ -1,6 +1,7 @@
 //! What all handlers share.
 use crate::answer::ApiError;
 use crate::folder::Folder;
+use crate::metrics::Metering;
 use crate::mtconnect::Monitoring;
 use crate::rights::Rights;
 use crate::runs::Runs;
@@ -22,6 +23,14 @@ const MOST_EDITORS: usize = 4;
 /// The fields of a status by their names.
 pub(crate) type Fields = Map<String, Value>;
 
+/// What programs that only watch may read; `None`: they may not.
+pub(crate) struct Watching {
+    /// The `MTConnect` agent.
+    pub(crate) monitoring: Option<Arc<Monitoring>>,
+    /// What Prometheus reads.
+    pub(crate) metering: Option<Arc<Metering>>,
+}
+
 /// What all handlers share.
 pub(crate) struct App {
     pub(crate) client: Client,
@@ -32,8 +41,7 @@ pub(crate) struct App {
     /// Editors with a language server.
     pub(crate) editors: Arc<Semaphore>,
     pub(crate) tokens: Option<Tokens>,
-    /// The `MTConnect` agent; `None`: there is none.
-    pub(crate) monitoring: Option<Arc<Monitoring>>,
+    pub(crate) watching: Watching,
     /// Told of each picture.
     pub(crate) pictures: watch::Receiver<u64>,
     pub(crate) sockets: Arc<Semaphore>,
@@ -49,7 +57,7 @@ impl App {
     pub(crate) fn new(
         client: Client,
         (folder, runs, program): (Folder, Runs, ProgramOptions),
-        (tokens, monitoring): (Option<Tokens>, Option<Arc<Monitoring>>),
+        (tokens, watching): (Option<Tokens>, Watching),
         pictures: watch::Receiver<u64>,
         hosts: Vec<String>,
     ) -> Self {
@@ -60,7 +68,7 @@ impl App {
             program,
             editors: Arc::new(Semaphore::new(MOST_EDITORS)),
             tokens,
-            monitoring,
+            watching,
             pictures,
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
             hosts,

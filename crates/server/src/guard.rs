@@ -39,7 +39,7 @@ pub(crate) async fn guard(
     next: Next,
 ) -> Response {
     let path = request.uri().path();
-    let is_data = path.starts_with("/api/") || path.starts_with("/mtconnect");
+    let is_data = ["/api/", "/mtconnect", "/metrics"].iter().any(|base| path.starts_with(base));
     let mut response = match look(&app, &mut request) {
         Ok(()) => next.run(request).await,
         Err(error) => error.into_response(),

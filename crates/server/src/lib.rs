@@ -15,6 +15,7 @@
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
 //! | `mtconnect` | the `MTConnect` agent's addresses and streams |
+//! | `metrics` | what Prometheus reads |
 //! | `language` | the language server for an editor of the page |
 //! | `wire` | what goes over the wire, as types |
 //! | `runs` | the history of runs: folders, what is kept, columns of traces |
@@ -30,6 +31,7 @@ mod folder;
 mod guard;
 mod language;
 mod listen;
+mod metrics;
 mod mtconnect;
 mod page;
 mod rights;

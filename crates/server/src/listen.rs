@@ -2,8 +2,9 @@
 //!
 //! A connection has to send its header in time and to take what it has asked for, or it is closed; there are so many at
 //! once, and one more is answered 503.
-use crate::app::App;
+use crate::app::{App, Watching};
 use crate::folder::Folder;
+use crate::metrics::{self, Metering};
 use crate::mtconnect::{self, Monitoring};
 use crate::page::Page;
 use crate::runs::{KeptRuns, Recorder, Runs};
@@ -69,6 +70,8 @@ pub struct ServerOptions {
     pub kept_runs: KeptRuns,
     /// An `MTConnect` agent answers below `/mtconnect`, which keeps so many observations; `None`: there is none.
     pub mtconnect: Option<usize>,
+    /// Metrics are answered at `/metrics`.
+    pub metrics: bool,
 }
 
 /// A control that is served, until it is dropped.
@@ -119,13 +122,19 @@ impl Server {
             .map_err(|e| Refused(format!("cannot listen on {address}: {e}")))?;
         let address = listener.local_addr().map_err(|e| Refused(e.to_string()))?;
         let hosts = hosts(&names, address.port());
-        let monitoring = options.mtconnect.map(|most| Monitoring::new(&hosted.client(), most));
-        let monitoring = monitoring.map(Arc::new);
-        let open = (tokens, monitoring);
+        let client = hosted.client();
+        let watching = Watching {
+            monitoring: options.mtconnect.map(|most| Arc::new(Monitoring::new(&client, most))),
+            metering: options.metrics.then(|| Arc::new(Metering::new(&client))),
+        };
+        let open = (tokens, watching);
         let app = App::new(hosted.client(), (folder, runs, program), open, pictures, hosts);
         let app = Arc::new(app);
-        if let Some(monitoring) = &app.monitoring {
+        if let Some(monitoring) = &app.watching.monitoring {
             runtime.spawn(mtconnect::feed(Arc::clone(&app), Arc::clone(monitoring), pace));
+        }
+        if let Some(metering) = &app.watching.metering {
+            runtime.spawn(metrics::feed(Arc::clone(&app), Arc::clone(metering)));
         }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
@@ -218,19 +227,27 @@ fn router(app: Arc<App>) -> Router {
                     .with_remedy("/api/v1/openapi.json lists them")
                     .into_response();
             }
-            if request.uri().path().starts_with("/mtconnect") {
-                let reason = "this control is served without an MTConnect agent";
-                return crate::answer::ApiError::new(StatusCode::NOT_FOUND, reason)
-                    .with_remedy("serve it without --no-mtconnect")
-                    .into_response();
+            for (base, what, switch) in [
+                ("/mtconnect", "an MTConnect agent", "--no-mtconnect"),
+                ("/metrics", "metrics", "--no-metrics"),
+            ] {
+                if request.uri().path().starts_with(base) {
+                    let reason = format!("this control is served without {what}");
+                    return crate::answer::ApiError::new(StatusCode::NOT_FOUND, reason)
+                        .with_remedy(format!("serve it without {switch}"))
+                        .into_response();
+                }
             }
             page.answer(&request)
         }
     };
-    let router = match app.monitoring {
-        Some(_) => routes::router().merge(mtconnect::router()),
-        None => routes::router(),
-    };
+    let mut router = routes::router();
+    if app.watching.monitoring.is_some() {
+        router = router.merge(mtconnect::router());
+    }
+    if app.watching.metering.is_some() {
+        router = router.merge(metrics::router());
+    }
     router
         .fallback(rest)
         .layer(axum::middleware::from_fn_with_state(Arc::clone(&app), guard::guard))

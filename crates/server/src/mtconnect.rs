@@ -178,7 +178,7 @@ const fn status(code: ErrorCode) -> StatusCode {
 fn answer(State(app): State<Arc<App>>, path: &str, request: &Request) -> Response {
     let form = Notation::asked(request.headers());
     // there is one where its addresses are
-    let Some(monitoring) = app.monitoring.clone() else {
+    let Some(monitoring) = app.watching.monitoring.clone() else {
         return StatusCode::NOT_FOUND.into_response();
     };
     match Asked::of(&app, &monitoring, path, request) {

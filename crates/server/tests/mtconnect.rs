@@ -69,7 +69,8 @@ fn values<'a>(all: &'a [(u64, String, String)], id: &str) -> Vec<&'a str> {
 
 #[test]
 fn a_run_with_a_hold_an_alarm_and_a_recovery_is_observed_event_by_event() {
-    let served = Served::at_pace(40.0);
+    // slowly enough that a loaded computer sees the holds and taps that it waits for
+    let served = Served::at_pace(8.0);
     served.power_on();
     served.home();
     served.accepted(json!({ "request": "load", "program": "plate.ngc" }));
@@ -97,6 +98,15 @@ fn a_run_with_a_hold_an_alarm_and_a_recovery_is_observed_event_by_event() {
         let unmet = status["unmet"].as_array().unwrap();
         !unmet.iter().any(|unmet| unmet["need"] == "no_program_under_way")
     });
+    // what stood half cut is judged when its tool is out, and is an event like any other
+    let cut = served.get("/features").1.as_array().unwrap().len();
+    assert!(cut > 0);
+    let named = || {
+        let (_, events) = served.get("/events?after=0");
+        let events = events["events"].as_array().unwrap().iter();
+        events.filter(|event| event["event"] == "feature").count()
+    };
+    assert_eq!(named(), cut);
     served.accepted(json!({ "request": "reset" }));
     served.until("it begins again", |_| {
         served.request(&json!({ "request": "power", "on": true }));
@@ -132,9 +142,9 @@ fn a_run_with_a_hold_an_alarm_and_a_recovery_is_observed_event_by_event() {
     assert_eq!(values(&all, "cont_alarms").last(), Some(&"Normal"), "the reset has cleared it");
     assert_eq!(values(&all, "path_part_count").last(), Some(&"1"));
     let verdicts = values(&all, "path_verdict");
-    // what stands half cut after the stop is judged for /features, and is no event
     assert_eq!(verdicts.len() - 1, of("feature", "text").len());
     let judged = served.get("/features").1;
+    assert_eq!(judged.as_array().unwrap().len(), verdicts.len() - 1);
     let judged: Vec<_> = judged.as_array().unwrap().iter().map(|f| &f["class"]).collect();
     let classes = values(&all, "path_class").into_iter().filter(|class| *class != "UNAVAILABLE");
     let classes: Vec<_> = classes.collect();

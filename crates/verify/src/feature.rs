@@ -38,15 +38,33 @@ pub struct Feature {
 }
 
 impl Feature {
+    /// Largest distance of a thread from its coupling; `None`: it has none.
+    pub const fn sync_error_max(&self) -> Option<Length> {
+        match &self.kind {
+            FeatureKind::Thread(thread) => Some(thread.sync_error_max),
+            FeatureKind::Turned(thread) => Some(thread.sync_error_max),
+            _ => None,
+        }
+    }
+
+    /// Depth less the programmed one; `None`: it has none.
+    pub const fn depth_error(&self) -> Option<Length> {
+        match &self.kind {
+            FeatureKind::Hole(hole) => Some(hole.depth_error),
+            FeatureKind::Thread(thread) => Some(thread.depth_error),
+            _ => None,
+        }
+    }
+
     /// `"hole"`, `"thread"`, `"polygon"`, `"cam"` or `"turned thread"`.
     pub const fn kind_name(&self) -> &'static str {
         match self.kind {
-            FeatureKind::Hole(_) => "hole",
-            FeatureKind::Thread(_) => "thread",
-            FeatureKind::Polygon(_) => "polygon",
-            FeatureKind::Cam(_) => "cam",
-            FeatureKind::Turned(_) => "turned thread",
-            FeatureKind::Gear(_) => "gear",
+            FeatureKind::Hole(_) => FeatureKind::NAMES[0],
+            FeatureKind::Thread(_) => FeatureKind::NAMES[1],
+            FeatureKind::Polygon(_) => FeatureKind::NAMES[2],
+            FeatureKind::Cam(_) => FeatureKind::NAMES[3],
+            FeatureKind::Turned(_) => FeatureKind::NAMES[4],
+            FeatureKind::Gear(_) => FeatureKind::NAMES[5],
         }
     }
 
@@ -151,6 +169,13 @@ pub enum FeatureKind {
     Turned(Box<crate::TurnedThread>),
     /// Hobbed teeth.
     Gear(Box<crate::Gear>),
+}
+
+impl FeatureKind {
+    /// Names of all kinds, as [`Feature::kind_name`] has them.
+    pub const NAMES: [&str; 6] = ["hole", "thread", "polygon", "cam", "turned thread", "gear"];
+    /// Of these, those that have a sync error.
+    pub const SYNCHRONISED: [&str; 2] = [Self::NAMES[1], Self::NAMES[4]];
 }
 
 /// A hole as it was made.

@@ -279,6 +279,18 @@ impl Judge {
         }
     }
 
+    /// Nothing more is done to what was ordered before this op, unless a coupling still holds: it is judged.
+    pub fn settle(&mut self, next_op: u32) {
+        for order in &mut self.orders {
+            if matches!(order.what, What::Hole(_) | What::Turned(_)) {
+                order.end.get_or_insert(next_op);
+            }
+        }
+        while self.orders.front().is_some_and(|order| order.end.is_some()) {
+            self.close();
+        }
+    }
+
     /// The features judged so far, for a progress display.
     pub fn features(&self) -> &[Feature] {
         &self.features

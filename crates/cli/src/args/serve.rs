@@ -64,6 +64,9 @@ pub(crate) struct ServeArgs {
     /// Do not let programs read the machine as an MTConnect 2.4 agent, below /mtconnect
     #[arg(long)]
     pub(crate) no_mtconnect: bool,
+    /// Do not let programs read metrics, as Prometheus does, at /metrics
+    #[arg(long)]
+    pub(crate) no_metrics: bool,
     /// Make a token, add its hash to this file, say it once and end
     #[arg(long, value_name = "FILE", conflicts_with = "token_file")]
     pub(crate) new_token: Option<PathBuf>,

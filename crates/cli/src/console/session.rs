@@ -2,7 +2,7 @@
 use super::command::Command;
 use super::show;
 use crate::refusal;
-use control::operation::{Control, Event, Jog, Refusal, Request, Status};
+use control::operation::{Control, Event, Jog, Refusal, Request, Status, said_of};
 use units::Time;
 
 /// Why a line has failed.
@@ -38,7 +38,8 @@ pub(super) fn happened(event: &Event) -> String {
         Event::Mode(mode) => mode.name().to_owned(),
         Event::DrivesReady => "the drives are ready".to_owned(),
         Event::Alarm(alarm) => format!("{}\n            {}", alarm.text, alarm.remedy),
-        Event::Notice(text) | Event::Feature(text) => text.clone(),
+        Event::Notice(text) => text.clone(),
+        Event::Feature(feature) => said_of(feature),
     }
 }
 

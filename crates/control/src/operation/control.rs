@@ -90,7 +90,7 @@ pub struct Control {
     pub(super) seed: u64,
     drives_were_ready: bool,
     pub(super) has_told_lost_drives: bool,
-    told_features: usize,
+    pub(super) told_features: usize,
 }
 
 /// What is set on the control, and in force.
@@ -460,7 +460,7 @@ impl Control {
             && let Some(under_way) = &self.under_way
         {
             for feature in &under_way.running.judged_so_far()[self.told_features..] {
-                self.events.push(Event::Feature(super::status::said_of(feature)));
+                self.events.push(Event::Feature(Box::new(feature.clone())));
             }
             self.told_features = judged;
             let first = under_way.first;
@@ -483,6 +483,6 @@ impl Control {
             self.is_recovering = false;
             self.after_recovery();
         }
-        self.told_features = self.workpiece.judge.features().len();
+        self.settle();
     }
 }

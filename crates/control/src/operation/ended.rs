@@ -1,6 +1,6 @@
 //! A program that has ended, with all that report, certificate and history are made from; and the folder in which it is recorded.
 use super::control::Control;
-use super::event::Alarm;
+use super::event::{Alarm, Event};
 use crate::clock::unix_ms;
 use crate::job::Session;
 use crate::job::preflight::Proved;
@@ -48,6 +48,19 @@ impl EndedProgram {
 }
 
 impl Control {
+    /// What a program has left half cut is judged when its tool is out.
+    pub(super) fn settle(&mut self) {
+        let is_over = self.executor.kernel.is_standing() && !self.is_recovering;
+        if !self.workpiece.judge.is_settled() && is_over && !self.is_tap_in_thread() {
+            self.workpiece.judge.settle(self.next_op);
+        }
+        let judged = self.workpiece.judge.features();
+        for feature in judged.get(self.told_features..).unwrap_or_default() {
+            self.events.push(Event::Feature(Box::new(feature.clone())));
+        }
+        self.told_features = judged.len();
+    }
+
     /// From now on record each program, with every period, in a folder of its own below this one.
     pub fn record_programs(&mut self, folder: PathBuf) {
         self.runs = Some(folder);

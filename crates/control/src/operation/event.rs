@@ -3,6 +3,7 @@ use super::state::{Execution, Mode};
 use kernel::Fault;
 use std::collections::VecDeque;
 use units::Time;
+use verify::Feature;
 
 /// Events that are kept for a client that has not asked yet; then the oldest go, and are counted.
 const MOST_EVENTS: usize = 1024;
@@ -54,8 +55,8 @@ pub enum Event {
     Alarm(Alarm),
     /// Something that the operator should know.
     Notice(String),
-    /// A feature was cut and judged: what, and its verdict.
-    Feature(String),
+    /// A feature was cut and judged.
+    Feature(Box<Feature>),
 }
 
 /// Events that wait to be asked for.

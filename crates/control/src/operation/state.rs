@@ -162,6 +162,9 @@ pub enum Mode {
 }
 
 impl Mode {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Automatic, Self::ManualDataInput, Self::Manual];
+
     /// As `MTConnect` writes it.
     pub const fn name(self) -> &'static str {
         match self {

@@ -343,19 +343,17 @@ impl Control {
         good + failed + not_judged
     }
 
-    /// Without a copy of them, as long as nothing is half cut.
     fn counted(&self) -> FeatureCount {
         match &self.under_way {
             Some(under_way) => count(under_way.running.judged_so_far()),
-            None if self.workpiece.judge.is_settled() => count(self.workpiece.judge.features()),
-            None => count(&self.judged()),
+            None => count(self.workpiece.judge.features()),
         }
     }
 
     fn judged(&self) -> Vec<Feature> {
         match &self.under_way {
             Some(under_way) => under_way.running.judged_so_far().to_vec(),
-            None => self.workpiece.judge.clone().finish(),
+            None => self.workpiece.judge.features().to_vec(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What requests are answered, and what has happened.
 use super::{AlarmBody, Shown};
 use control::operation::hosted::{FindingData, Journaled};
-use control::operation::{Accepted, Event};
+use control::operation::{Accepted, Event, said_of};
 use serde::Serialize;
 
 /// A request is accepted.
@@ -90,9 +90,9 @@ impl EventBody {
                 body.alarm = Some(AlarmBody::of(alarm, shown));
             }
             Event::Notice(text) => body.text = Some(shown(text)),
-            Event::Feature(text) => {
+            Event::Feature(feature) => {
                 body.event = "feature";
-                body.text = Some(text.clone());
+                body.text = Some(said_of(feature));
             }
         }
         body

@@ -41,6 +41,7 @@ pub struct How {
     pub simulator: Option<PathBuf>,
     pub real_time: Option<RealTimeOptions>,
     pub mtconnect: Option<usize>,
+    pub metrics: bool,
 }
 
 impl Default for How {
@@ -56,6 +57,7 @@ impl Default for How {
             simulator: None,
             real_time: None,
             mtconnect: Some(server::MOST_OBSERVATIONS),
+            metrics: true,
         }
     }
 }
@@ -113,6 +115,7 @@ impl Served {
             names: Vec::new(),
             kept_runs: how.kept,
             mtconnect: how.mtconnect,
+            metrics: how.metrics,
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()

@@ -1,0 +1,119 @@
+//! `/metrics`: what Prometheus and its like read of the machine, by GET alone.
+//!
+//! ```text
+//!   events   ─► counters, histograms ┐
+//!   pictures ─► gauges               ┴─► OpenMetrics 1.0, or the older text format where that is asked for
+//! ```
+//!
+//! A text is made at most once for each picture, however many ask for it.
+mod process;
+mod registry;
+mod text;
+
+use crate::answer::ApiError;
+use crate::app::App;
+use crate::guard;
+use axum::Router;
+use axum::body::Bytes;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, Method, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::any;
+use control::operation::hosted::{Client, Picture};
+use registry::ControlMetrics;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// `OpenMetrics`, as its clients ask for it.
+const OPEN: &str = "application/openmetrics-text";
+
+/// The metrics of a control, and the last text that was made of them.
+pub(crate) struct Metering {
+    metrics: Mutex<ControlMetrics>,
+    /// Number of the picture of which they were made, and both forms.
+    made: Mutex<(u64, MetricTexts)>,
+}
+
+/// What is served.
+#[derive(Clone, Debug, Default)]
+struct MetricTexts {
+    open: Bytes,
+    plain: Bytes,
+}
+
+impl Metering {
+    /// Of a control.
+    pub(crate) fn new(client: &Client) -> Self {
+        let metrics = ControlMetrics::of(client.machine(), &client.latest().status);
+        Self { metrics: Mutex::new(metrics), made: Mutex::default() }
+    }
+
+    fn texts(&self, picture: &Picture) -> MetricTexts {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        if made.0 != picture.number {
+            let metrics = self.metrics.lock().unwrap_or_else(PoisonError::into_inner);
+            let open = metrics.text(&picture.status);
+            drop(metrics);
+            let plain = text::plain(&open);
+            *made = (picture.number, MetricTexts { open: open.into(), plain: plain.into() });
+        }
+        made.1.clone()
+    }
+}
+
+/// Events are counted, until the control has ended.
+pub(crate) async fn feed(app: Arc<App>, metering: Arc<Metering>) {
+    let mut pictures = app.pictures.clone();
+    let mut last = 0;
+    while {
+        last = count(&app, &metering, last);
+        pictures.changed().await.is_ok()
+    } {}
+}
+
+/// What has happened after an event; the last event that there is.
+fn count(app: &App, metering: &Metering, after: u64) -> u64 {
+    let (events, _, last) = app.client.events_after(after);
+    if !events.is_empty() {
+        let picture = app.client.latest();
+        let program =
+            picture.status.program.as_ref().map(|program| app.folder.shown(&program.name));
+        let mut metrics = metering.metrics.lock().unwrap_or_else(PoisonError::into_inner);
+        for event in &events {
+            metrics.count(event, program.as_deref().unwrap_or_default());
+        }
+    }
+    last
+}
+
+/// Its address.
+pub(crate) fn router() -> Router<Arc<App>> {
+    Router::new().route("/metrics", any(answer))
+}
+
+async fn answer(State(app): State<Arc<App>>, request: Request) -> Response {
+    // there are some where their address is
+    let Some(metering) = &app.watching.metering else {
+        return StatusCode::NOT_FOUND.into_response();
+    };
+    if let Err(why) = guard::may_watch(&app, request.headers()) {
+        return guard::no_token(why).into_response();
+    }
+    if !matches!(*request.method(), Method::GET | Method::HEAD) {
+        let error = ApiError::new(StatusCode::METHOD_NOT_ALLOWED, "metrics are only read: GET");
+        return ([(header::ALLOW, "GET, HEAD")], error).into_response();
+    }
+    let texts = metering.texts(&app.client.latest());
+    if is_open(request.headers()) {
+        let kind = format!("{OPEN}; version=1.0.0; charset=utf-8");
+        ([(header::CONTENT_TYPE, kind)], texts.open).into_response()
+    } else {
+        let kind = "text/plain; version=0.0.4; charset=utf-8";
+        ([(header::CONTENT_TYPE, kind)], texts.plain).into_response()
+    }
+}
+
+/// Whether `OpenMetrics` is asked for.
+fn is_open(headers: &HeaderMap) -> bool {
+    let accept = headers.get(header::ACCEPT).and_then(|value| value.to_str().ok());
+    accept.is_some_and(|accept| accept.contains(OPEN))
+}
