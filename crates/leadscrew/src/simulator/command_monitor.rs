@@ -11,7 +11,7 @@
 //! | what | most |
 //! |---|---|
 //! | setpoint of an axis | its hard stops |
-//! | from one setpoint to the next | 1.25·V for as long as the command was under way, and 0.1 mm |
+//! | from one setpoint to the next | 1.25·V for as long as passed between the readings that they answer, and 0.1 mm |
 //! | speed that is ordered: of an axis, of a spindle | 1.25·V; 1.25 of the highest |
 //! | speed of an axis by its encoder | 1.5·V, and 20 mm/s |
 //!
@@ -39,6 +39,8 @@ pub(super) struct CommandMonitor {
     last: [Option<f64>; AXES],
     /// Readings of the last period.
     read: Option<[f64; AXES]>,
+    /// Times of the last two readings that the control was told.
+    told: [Time; 2],
 }
 
 /// What an axis can be asked for.
@@ -69,6 +71,7 @@ impl CommandMonitor {
             spins: spins.collect(),
             last: [None; AXES],
             read: None,
+            told: [Time::ZERO; 2],
         }
     }
 
@@ -77,16 +80,17 @@ impl CommandMonitor {
         (self.last, self.read) = ([None; AXES], None);
     }
 
-    /// Whether it can be obeyed, so many periods after the last one.
+    /// The control is told readings of this time: its next command answers them. One that has missed periods goes on from where
+    /// it would be.
+    pub(super) const fn tell(&mut self, time: Time) {
+        self.told = [self.told[1], time];
+    }
+
+    /// Whether it can be obeyed.
     ///
     /// # Errors
     /// One sentence.
-    pub(super) fn check(
-        &mut self,
-        command: &Command,
-        feedback: &Feedback,
-        periods: u32,
-    ) -> Result<(), String> {
+    pub(super) fn check(&mut self, command: &Command, feedback: &Feedback) -> Result<(), String> {
         let readings = core::array::from_fn(|i| feedback.axes[i].position.value());
         let before = self.read.replace(readings);
         for (index, bounds) in self.axes.iter().enumerate() {
@@ -97,8 +101,8 @@ impl CommandMonitor {
             };
             let (to, speed) = (order.position.value(), order.speed.value());
             let last = self.last[index].replace(to);
-            let period = Time::s(self.period_s * f64::from(periods.max(1)));
-            bounds.check(to, last, (speed, period))?;
+            let passed = (self.told[1] - self.told[0]).max(Time::s(self.period_s));
+            bounds.check(to, last, (speed, passed))?;
             if let Some(before) = before {
                 bounds.check_runs((readings[index] - before[index]) / self.period_s)?;
             }
@@ -122,7 +126,7 @@ impl AxisBounds {
         &self,
         to: f64,
         last: Option<f64>,
-        (speed, period): (f64, Time),
+        (speed, passed): (f64, Time),
     ) -> Result<(), String> {
         let letter = self.letter.letter();
         let most = ORDERED * self.speed;
@@ -136,10 +140,10 @@ impl AxisBounds {
                 "axis {letter}: the setpoint {to:.3} is beyond its stops at {from:.3} and {up_to:.3}"
             ));
         }
-        let way = most * period.value() + RENAMED_MM;
+        let way = most * passed.value() + RENAMED_MM;
         if let Some(last) = last.filter(|last| (to - last).abs() > way) {
             return Err(format!(
-                "axis {letter}: the setpoint jumps from {last:.3} to {to:.3}, and {way:.3} is its way in a period"
+                "axis {letter}: the setpoint jumps from {last:.3} to {to:.3}, and {way:.3} is its way in that time"
             ));
         }
         Ok(())
@@ -179,7 +183,7 @@ mod tests {
             command.spindles[0].spin = Spin::rpm(rpm);
             let mut feedback = Feedback::default();
             feedback.axes[Z].position = Coordinate::new(reading);
-            result = monitor.check(&command, &feedback, 1);
+            result = monitor.check(&command, &feedback);
         }
         result
     }
@@ -215,17 +219,18 @@ mod tests {
     }
 
     #[test]
-    fn a_command_that_comes_late_may_be_as_much_further() {
+    fn a_control_that_has_missed_periods_goes_on_from_where_it_would_be() {
         let file = machine_file::load("tapping-center").unwrap();
         let mut monitor = CommandMonitor::new(&file);
-        let mut at = |position: f64, periods| {
+        let mut at = |ms: f64, position: f64| {
             let mut command = Command::default();
             command.axes[Z].enable = true;
             command.axes[Z].position = Coordinate::new(position);
-            monitor.check(&command, &Feedback::default(), periods)
+            monitor.tell(Time::s(ms * 1e-3));
+            monitor.check(&command, &Feedback::default())
         };
-        assert_eq!(at(-100.0, 1), Ok(()));
-        assert_eq!(at(-101.5, 8), Ok(()));
-        assert!(at(-103.0, 1).is_err());
+        assert_eq!((at(0.0, -100.0), at(0.25, -100.2)), (Ok(()), Ok(())));
+        assert_eq!(at(2.25, -101.8), Ok(()));
+        assert!(at(2.5, -103.4).is_err());
     }
 }

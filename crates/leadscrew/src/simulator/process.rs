@@ -126,7 +126,7 @@ impl SimulatorProcess {
             turns_lost: self.turns_lost,
             stop: self.stop,
             evidence: self.retained.evidence(),
-            observed: self.observed(),
+            observed: self.answer(),
         }
     }
 
@@ -173,16 +173,23 @@ impl SimulatorProcess {
         self.retained.tool_is_free();
     }
 
-    /// Obey for a period a command that comes so many periods after the last one; `false`: the mains have failed instead.
+    /// What the control is told, which its next command answers.
+    pub(super) fn answer(&mut self) -> Observed {
+        let observed = self.observed();
+        self.monitor.tell(observed.feedback.time);
+        observed
+    }
+
+    /// Obey for a period; `false`: the mains have failed instead.
     ///
     /// # Errors
     /// The drives obey no such command.
-    pub(super) fn obey(&mut self, command: &Command, periods: u32) -> Result<bool, String> {
+    pub(super) fn obey(&mut self, command: &Command) -> Result<bool, String> {
         let now = self.machine.feedback().time;
         if self.cuts.pop_if(|at| *at <= now).is_some() {
             return Ok(false);
         }
-        self.monitor.check(command, &self.machine.feedback(), periods)?;
+        self.monitor.check(command, &self.machine.feedback())?;
         self.last = *command;
         let before = self.machine.feedback();
         let after = self.machine.exchange(command);

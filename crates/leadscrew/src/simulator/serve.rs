@@ -225,27 +225,27 @@ impl Served {
         }
     }
 
-    /// Let the machine obey for a period; `None`: its mains have failed.
+    /// Let the machine obey for a period, and what the control is told of it if it `asks`; `None`: its mains have failed.
     fn obey(
         &self,
         session: u64,
         (command, engagement): &(bus::Command, Option<Engagement>),
-        periods: u32,
+        asks: bool,
     ) -> Result<Option<Observed>, Error> {
         let mut simulator = lock(&self.simulator);
         if simulator.session() != session {
             return Ok(None);
         }
         simulator.hear(*engagement).map_err(Error::Refused)?;
-        let is_on = simulator.obey(command, periods).map_err(Error::Refused)?;
-        Ok(is_on.then(|| simulator.observed()))
+        let is_on = simulator.obey(command).map_err(Error::Refused)?;
+        Ok(is_on.then(|| if asks { simulator.answer() } else { simulator.observed() }))
     }
 
     /// Time waits for the control. Returns when the power is cut.
     fn in_lock_step(&self, session: u64, port: &mut Port<UnixStream>) -> Result<(), Error> {
         loop {
             let command = command(&port.take()?)?;
-            let Some(observed) = self.obey(session, &command, 1)? else { return Ok(()) };
+            let Some(observed) = self.obey(session, &command, true)? else { return Ok(()) };
             port.send(&Message::Observed(observed))?;
         }
     }
@@ -262,7 +262,7 @@ impl Served {
             (Duration::from_secs_f64(simulator.period().value()), simulator.watchdog)
         };
         let mut last = (bus::Command::default(), None);
-        let (mut has_spoken, mut periods) = (false, 1);
+        let mut has_spoken = false;
         let mut silent = Duration::ZERO;
         let mut due = clock::now() + period;
         loop {
@@ -270,11 +270,12 @@ impl Served {
             pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
             let answer = if let Some(message) = port.take_soon()? {
                 last = command(&message)?;
-                periods = 1 + (silent.as_secs_f64() / period.as_secs_f64()).round() as u32;
                 (silent, has_spoken) = (Duration::ZERO, true);
                 true
             } else {
-                silent += period;
+                if has_spoken {
+                    silent += period; // before that no drive is on
+                }
                 false
             };
             std::thread::sleep(due.saturating_duration_since(clock::now()));
@@ -284,7 +285,7 @@ impl Served {
                 return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
             }
             let observed =
-                if has_spoken { self.obey(session, &last, periods)? } else { self.wait(session)? };
+                if has_spoken { self.obey(session, &last, answer)? } else { self.wait(session)? };
             let Some(observed) = observed else { return Ok(()) };
             if answer {
                 port.send(&Message::Observed(observed))?;
@@ -298,7 +299,7 @@ impl Served {
         if simulator.session() != session {
             return Ok(None);
         }
-        let is_on = simulator.obey(&bus::Command::default(), 1).map_err(Error::Refused)?;
+        let is_on = simulator.obey(&bus::Command::default()).map_err(Error::Refused)?;
         Ok(is_on.then(|| simulator.observed()))
     }
 }
