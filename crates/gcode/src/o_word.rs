@@ -83,9 +83,15 @@ impl Line<'_, '_> {
             self.at = self.text.len();
             return Ok(keyword);
         }
-        while self.block.arguments.len() < most && self.peek() == b'[' {
-            let argument: Value = self.whole_value()?;
-            self.block.arguments.push(argument);
+        while self.block.arguments.len() < most {
+            match self.peek() {
+                b'[' => {
+                    let argument: Value = self.whole_value()?;
+                    self.block.arguments.push(argument);
+                }
+                b'(' => self.bracket_comment()?,
+                _ => break,
+            }
         }
         if self.block.arguments.len() < least {
             return self.fault_here(Problem::BracketAfter(text));

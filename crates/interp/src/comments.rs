@@ -118,8 +118,7 @@ fn parameter(text: &str, values: &Values) -> Option<(usize, Option<f64>)> {
 fn directive(text: &str) -> Option<(usize, usize)> {
     match text.as_bytes() {
         [b'%', b'd', ..] => Some((2, 0)),
-        [b'%', b'f', ..] => Some((2, 6)),
-        [b'%', b'l', b'f', ..] => Some((3, 6)),
+        [b'%', b'f', ..] => Some((2, 4)),
         [b'%', b'.', digit @ b'0'..=b'9', b'f', ..] => Some((4, usize::from(digit - b'0'))),
         _ => None,
     }

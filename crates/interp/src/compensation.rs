@@ -243,7 +243,7 @@ pub(crate) fn arc_beside<S: Sink>(
     let direction = way.direction(way.to);
     let end = compensation.beside(way.to, direction);
     let sweep = sweep_rad(way.from, way.to, centre, turns);
-    let curve = if first {
+    let curve = if first && compensation.radius > 0.0 {
         let inwards = times(minus(centre, way.to), 1.0 / programmed);
         let centre =
             lead_in::entry_centre(words, modes, [way.from, end], inwards, inside, programmed)?;
@@ -287,6 +287,11 @@ fn corner<S: Sink>(
     let Some(compensation) = modes.compensation.clone() else { return Ok(next.from) };
     let at = compensation.at.unwrap_or(next.from);
     let Some(last) = compensation.last else { return Ok(at) };
+    if compensation.radius == 0.0 {
+        // the tool is on the way itself, which has its own corners
+        settle(words, modes, None, out)?;
+        return Ok(next.from);
+    }
     // The offset end lies beside the corner: there the last move has the corner's direction.
     let before = last.direction(at);
     let after = next.direction(next.from);

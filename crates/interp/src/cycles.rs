@@ -94,8 +94,8 @@ pub(crate) fn cycle<S: Sink>(
     if !exact {
         out.say(&Call::PathControl { corners: Corners::ExactPath, merge: None });
     }
-    for _ in 0..repeats {
-        step_in_plane(words, modes, [a, b])?;
+    for step in 0..repeats {
+        step_in_plane(words, modes, [a, b], step)?;
         let throw_rpm = chips::throw_after_this(modes, sticky.chips);
         holes::hole(words, modes, settings, &pattern, throw_rpm, out);
     }
@@ -128,10 +128,18 @@ fn check_pecks_of_block(
     Ok(())
 }
 
-/// Where the next hole is, along the plane's two axes.
-fn step_in_plane(words: &Words, modes: &mut Modes, axes: [usize; 2]) -> Outcome {
+/// Where the next hole is, along the plane's two axes; so many were made by this block.
+fn step_in_plane(words: &Words, modes: &mut Modes, axes: [usize; 2], made: u32) -> Outcome {
     if words.any(POLAR) {
         [modes.at[0], modes.at[1]] = target::polar(words, modes)?;
+        return Ok(());
+    }
+    if modes.incremental && words.step_turns_deg != 0.0 {
+        // on a circle: each step is the one before, turned
+        let [x, y] = axes.map(|axis| target::axis_word(words, modes, axis).unwrap_or(0.0));
+        let (sin, cos) = (words.step_turns_deg * f64::from(made)).to_radians().sin_cos();
+        modes.at[axes[0]] += x * cos - y * sin;
+        modes.at[axes[1]] += x * sin + y * cos;
         return Ok(());
     }
     for axis in axes {
@@ -198,6 +206,12 @@ fn sticky(
         let text = format!("G{code} needs R, the level just above the work");
         return refuse("I0504", span, text);
     };
+    let written = [words.get(b'R').is_some(), target::axis_word(words, modes, n).is_some()];
+    let meant = kept.map(|k| k.by_way).filter(|_| settings.rules.keeps_levels);
+    let by_way = core::array::from_fn(|i| match meant {
+        Some(meant) if !written[i] => meant[i],
+        _ => modes.incremental,
+    });
     let Some(bottom) = target::axis_word(words, modes, n).or(kept.map(|k| k.bottom)) else {
         let text = format!("G{code} needs {axis}, the depth");
         return refuse("I0505", span, text);
@@ -251,7 +265,7 @@ fn sticky(
     };
     let chips = kept.and_then(|k| k.chips);
     let shift = boring::shift_words(words, cycle, kept.and_then(|k| k.shift))?;
-    Ok(Sticky { r, bottom, dwell, peck, tap, shift, chips, plane: modes.plane })
+    Ok(Sticky { r, bottom, by_way, dwell, peck, tap, shift, chips, plane: modes.plane })
 }
 
 fn pattern(
@@ -271,14 +285,12 @@ fn pattern(
         let (r, clear) = (initial, initial);
         return Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore });
     }
-    let (r, bottom) = if modes.incremental {
-        let r = initial + sticky.r;
-        match settings.cycles.depth_from {
-            DepthFrom::RPlane => (r, r + sticky.bottom),
-            DepthFrom::InitialLevel => (r, initial + sticky.bottom),
-        }
-    } else {
-        (sticky.r, sticky.bottom)
+    let [r_by_way, bottom_by_way] = sticky.by_way;
+    let r = if r_by_way { initial + sticky.r } else { sticky.r };
+    let bottom = match settings.cycles.depth_from {
+        _ if !bottom_by_way => sticky.bottom,
+        DepthFrom::RPlane => r + sticky.bottom,
+        DepthFrom::InitialLevel => initial + sticky.bottom,
     };
     if r < bottom {
         return Err(upside_down(words, modes, settings, code, r, bottom).into());

@@ -66,7 +66,8 @@ impl Snapshot {
         self.file = 0;
         self.positions.clear();
         self.place = Span::default();
-        (self.ended, self.begun, self.percent) = (false, false, false);
+        (self.ended, self.begun) = (false, false);
+        (self.percent, self.spoke) = (false, false);
         self.executed = 0;
         self.forget_findings(setup);
         begin_anew(&mut self.executor, setup, tool);

@@ -256,13 +256,38 @@ impl Outline {
     }
 }
 
+/// Where the `%` that ends a text stands, or the text itself ends: what comes behind is not the program's.
+fn end_of_tape(source: &[u8]) -> usize {
+    let mut has_begun = false;
+    for at in memchr::memchr_iter(b'%', source) {
+        let from = memchr::memrchr(b'\n', &source[..at]).map_or(0, |end| end + 1);
+        let to = memchr::memchr(b'\n', &source[at..]).map_or(source.len(), |length| at + length);
+        if source[from..to].trim_ascii() != b"%" {
+            continue;
+        }
+        if has_begun || !source[..from].split(|byte| *byte == b'\n').all(says_nothing) {
+            return from;
+        }
+        has_begun = true;
+    }
+    source.len()
+}
+
+/// A blank line, or a comment alone.
+fn says_nothing(line: &[u8]) -> bool {
+    let line = line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line).trim_ascii();
+    let is_comment = || line[0] == b'(' && memchr::memchr(b')', line) == Some(line.len() - 1);
+    line.is_empty() || line[0] == b';' || is_comment()
+}
+
 /// The O-words of a text from a line on (byte and number), which are not joined yet.
 fn read(source: &[u8], file: u16, from: At) -> (Vec<Mark>, Vec<Diagnostic>) {
     let (mut parser, mut block) = (Parser::new(source, file), Block::new());
     parser.seek(from.0, from.1);
     let mut marks = Vec::new();
     let mut faults = Vec::new();
-    while parser.next_o_word(&mut block) {
+    let end = end_of_tape(source);
+    while parser.next_o_word(&mut block) && (block.span.start as usize) < end {
         let Some(word) = block.o.filter(|_| !block.faulty) else { continue };
         let key = key(&block, word.label).unwrap_or_default();
         if key.is_empty() && word.keyword != Keyword::Call {

@@ -37,6 +37,8 @@ pub(crate) struct Program<'s> {
     pub(crate) ahead: u32,
     pub(crate) begun: bool,
     pub(crate) percent: bool,
+    /// A block of it said something.
+    pub(crate) spoke: bool,
     pub(crate) executed: u64,
     /// The block after which it is stopped.
     pub(crate) last: u64,
@@ -80,6 +82,7 @@ impl<'s> Program<'s> {
             ahead: 0,
             begun: false,
             percent: false,
+            spoke: false,
             executed: 0,
             last: setup.limits.blocks,
             diagnostics: Vec::new(),
@@ -104,6 +107,7 @@ impl<'s> Program<'s> {
             return self.end_of_file().map(|()| false);
         }
         self.executed += 1;
+        self.spoke |= self.block.faulty || !(self.block.is_blank() || self.block.percent);
         if self.executed > self.last {
             return self.too_long().map(|()| false);
         }
@@ -167,8 +171,9 @@ impl<'s> Program<'s> {
         self.reread.next(self.file, parser, &mut self.block)
     }
 
+    /// The first `%` begins the program, whatever blank lines and comments stand before it; the next one ends it.
     pub(crate) fn percent_sign<S: Sink>(&mut self, out: &mut Out<'_, S>) {
-        if self.percent || self.executed > 1 && self.file == 0 && self.executor.modes.line > 0 {
+        if self.percent || self.spoke && self.file == 0 {
             out.say(&Call::Finish);
             self.ended = true;
         }

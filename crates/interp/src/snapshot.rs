@@ -27,6 +27,7 @@ pub struct Snapshot {
     pub(crate) ended: bool,
     pub(crate) begun: bool,
     pub(crate) percent: bool,
+    pub(crate) spoke: bool,
     has_o_words: bool,
     pub(crate) executed: u64,
     last: u64,
@@ -104,6 +105,7 @@ impl<'s> Interpreter<'s> {
             ended: it.ended,
             begun: it.begun,
             percent: it.percent,
+            spoke: it.spoke,
             has_o_words: it.steered,
             executed: it.executed,
             last: it.last,
@@ -126,6 +128,7 @@ impl<'s> Interpreter<'s> {
         program.ended = from.ended;
         program.begun = from.begun;
         program.percent = from.percent;
+        program.spoke = from.spoke;
         program.executed = from.executed;
         program.last = from.last;
         program.diagnostics.clone_from(&from.diagnostics);

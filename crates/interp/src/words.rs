@@ -35,6 +35,8 @@ pub(crate) struct Words {
     pub(crate) unread: Letters,
     /// Its ways are written by letters of their own: Fanuc's U, V and W.
     pub(crate) by_increments: bool,
+    /// So much the step to the next hole of a cycle turns, hole by hole, degrees.
+    pub(crate) step_turns_deg: f64,
     /// How far the block was executed.
     pub(crate) stage: Stage,
 }
@@ -55,6 +57,7 @@ impl Words {
             rules,
             unread: 0,
             by_increments: false,
+            step_turns_deg: 0.0,
             stage: Stage::Words,
         }
     }
@@ -65,6 +68,7 @@ impl Words {
         self.place = Place { span: block.span, number: block.number.map(|n| n as u32) };
         (self.present, self.unread, self.stage) = (0, 0, Stage::Words);
         (self.cycle_off, self.by_increments) = (false, false);
+        self.step_turns_deg = 0.0;
         if self.any_code {
             self.g = [NONE; G_GROUPS];
             self.m = [NONE; M_GROUPS];

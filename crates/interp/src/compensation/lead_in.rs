@@ -32,7 +32,7 @@ pub(super) fn begin_straight<S: Sink>(
     let beside_next = settings.rules.start_up == StartUp::BesideNext;
     let Some(compensation) = &mut modes.compensation else { return Ok(()) };
     let (distance, radius) = (length(minus(way.to, way.from)), compensation.radius);
-    if beside_next && distance == 0.0 {
+    if (beside_next || radius == 0.0) && distance == 0.0 {
         // along the tool alone: the next move of the plane starts up
         let end = minus(way.to, compensation.shift);
         push::push_line(modes, rapid, to, end, out);

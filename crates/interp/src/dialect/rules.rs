@@ -29,6 +29,8 @@ pub(crate) struct Rules {
     pub(crate) depth_from: DepthFrom,
     /// G98 is in force where a program begins.
     pub(crate) starts_at_initial_level: bool,
+    /// R and Z that a cycle keeps stay where they were meant, when G90 or G91 comes between.
+    pub(crate) keeps_levels: bool,
     /// Letter that counts a cycle's repetitions.
     pub(crate) repeats: u8,
     /// No repetition at all is allowed: it makes no hole.

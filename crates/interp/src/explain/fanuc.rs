@@ -257,4 +257,10 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nG0 X40. C0\nG98 F100\nG12.1\nG1 X-40.\nG13.1\nM30",
         "O1\nG0 X40. C0\nG98 F100\nG12.1\nG1 C10.\nX-40.\nG13.1\nM30",
     ),
+    f(
+        "I1062",
+        "Holes that K repeats by a radius and an angle that both grow lie on no circle.",
+        "O1\nF100 S500 M3\nG16\nG99 G81 X20. Y0 Z-10. R2.\nG91 X5. Y30. K3\nM30",
+        "O1\nF100 S500 M3\nG16\nG99 G81 X20. Y0 Z-10. R2.\nG91 Y30. K3\nM30",
+    ),
 ];

@@ -228,11 +228,13 @@ pub(crate) struct Spindle {
     pub(crate) surface_speed: f64,
 }
 
-/// What a cycle keeps for the blocks that repeat it: the words as written, so that G91 reads them anew.
+/// What a cycle keeps for the blocks that repeat it: the words as written, and how they were meant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sticky {
     pub(crate) r: f64,
     pub(crate) bottom: f64,
+    /// R and Z are ways, as under G91.
+    pub(crate) by_way: [bool; 2],
     pub(crate) dwell: Option<f64>,
     pub(crate) peck: Option<f64>,
     pub(crate) tap: TapWords,

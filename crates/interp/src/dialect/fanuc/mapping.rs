@@ -195,6 +195,15 @@ impl Fanuc {
         if in_plane {
             if let Some(polar) = &mut self.mapping.polar {
                 let now = [from[a] - polar.origin[0], from[b] - polar.origin[1]];
+                if cycle && by {
+                    if words[a].is_some() && words[b].is_some() && ex.words.get(b'L').is_some() {
+                        let text = "holes of a radius and an angle that both grow lie on no circle and on no line";
+                        let fault = error("I1062", ex.words.place.span, text);
+                        let help = "write each hole in a block of its own, without K";
+                        return Err(fault.with_help(help).into());
+                    }
+                    ex.words.step_turns_deg = words[b].unwrap_or(0.0);
+                }
                 [target[a], target[b]] = polar.place(now, [words[a], words[b]], by);
             } else {
                 self.warn_of_one_word(ex, [a, b], &words, &from, by);
@@ -311,7 +320,7 @@ fn plane(ex: &Executor) -> Plane {
 }
 
 /// Whether the block's words are increments.
-fn incremental(ex: &Executor) -> bool {
+pub(super) fn incremental(ex: &Executor) -> bool {
     ex.words.g(GGroup::Distance).map_or(ex.modes.incremental, |code| code == 910)
 }
 

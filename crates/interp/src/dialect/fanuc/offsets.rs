@@ -8,6 +8,7 @@
 //! ```
 use crate::{
     Parameters,
+    dialect::fanuc::mapping::incremental,
     dialect::fanuc::sense::Sense,
     dialect::fanuc::state::{Fanuc, Said},
     dialect::fanuc::tool_offsets::{Part, ToolVariable},
@@ -45,7 +46,7 @@ impl Fanuc {
                 };
                 let part = if matches!(kind, 12 | 13) { Part::Radius } else { Part::Z };
                 let which = ToolVariable { tool: p, part, wear: matches!(kind, 1 | 11 | 13) };
-                let now = if ex.modes.incremental { self.tool_value(ex, which) } else { 0.0 };
+                let now = if incremental(ex) { self.tool_value(ex, which) } else { 0.0 };
                 self.set_tool(ex, which, now + value);
                 Ok(())
             }
@@ -76,7 +77,7 @@ impl Fanuc {
             let Some(word) = ex.words.take(letter) else { continue };
             let unit = if axis < 3 { ex.modes.units.in_mm() } else { 1.0 };
             let mm = self.radius(axis, word * unit);
-            let now = if ex.modes.incremental { ex.store.numbered.at(first + axis) } else { 0.0 };
+            let now = if incremental(ex) { ex.store.numbered.at(first + axis) } else { 0.0 };
             ex.store.numbered.set(first + axis, now + mm);
         }
         if ex.modes.compensating() && (system == 0 || system == usize::from(ex.modes.system)) {
@@ -110,7 +111,7 @@ impl Fanuc {
             let more = ex.words.take(step);
             any |= word.is_some() || more.is_some();
             let now = self.tool_value(ex, which);
-            if let Some(more) = more.or(word.filter(|_| ex.modes.incremental)) {
+            if let Some(more) = more.or(word.filter(|_| incremental(ex))) {
                 self.set_tool(ex, which, now + more);
             } else if let Some(value) = word {
                 self.set_tool(ex, which, value);

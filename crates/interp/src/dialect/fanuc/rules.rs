@@ -21,6 +21,7 @@ pub(crate) const MILL: Rules = Rules {
     external_offset: true,
     lead_along_axis: true,
     keeps_speed: true,
+    keeps_levels: true,
     reads_up_to_fault: true,
     ..linuxcnc::RULES
 };

@@ -95,11 +95,31 @@ const fn place(part: Part) -> Option<usize> {
     }
 }
 
+/// Where the imaginary tool nose lies, seen from the nose's centre: Fanuc's number of the shared language's, and the other way
+/// round.
+///
+/// ```text
+///   X ↑  Z →      Fanuc  2 6 1      shared  3 8 4
+///                        7 · 5              7 · 5
+///                        3 8 4              2 6 1
+/// ```
+const fn nose(number: u32) -> u32 {
+    match number {
+        1 => 4,
+        2 => 3,
+        3 => 2,
+        4 => 1,
+        6 => 8,
+        8 => 6,
+        other => other,
+    }
+}
+
 impl Fanuc {
     /// Its value in program units.
     pub(super) fn tool_value(&self, ex: &Executor, which: ToolVariable) -> f64 {
         let entry = ex.tools.entry(which.tool);
-        let Some(at) = place(which.part) else { return f64::from(entry.orientation) };
+        let Some(at) = place(which.part) else { return f64::from(nose(entry.orientation)) };
         let wear = self.wear_of(ex, which.tool)[at];
         let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
         let mm = if which.wear { wear } else { sum - wear };
@@ -119,7 +139,7 @@ impl Fanuc {
     pub(super) fn set_tool(&mut self, ex: &mut Executor, which: ToolVariable, value: f64) {
         let mut entry = ex.tools.entry(which.tool);
         match place(which.part) {
-            None => entry.orientation = value.clamp(0.0, 9.0) as u32,
+            None => entry.orientation = nose(value.clamp(0.0, 9.0) as u32),
             Some(at) => {
                 let mm = self.radius(at, value * ex.modes.units.in_mm());
                 let known = self.wear_of(ex, which.tool);

@@ -36,8 +36,9 @@ impl Fanuc {
             let Some(value) = value else { continue };
             self.kept.word(word.letter, value);
             let text = source.get(word.span.start as usize..word.span.end as usize);
-            let counts =
-                matches!(word.value, Value::Number(_)) && !text.is_some_and(|t| t.contains(&b'.'));
+            // a number in brackets is an expression, in which numbers are whole units
+            let is_meant = |text: &[u8]| text.contains(&b'.') || text.contains(&b'[');
+            let counts = matches!(word.value, Value::Number(_)) && !text.is_some_and(is_meant);
             said.push(Said { letter: word.letter, value, counts, span: word.span });
         }
         self.said = said;

@@ -27,6 +27,7 @@ pub(crate) const RULES: Rules = Rules {
     external_offset: false,
     lead_along_axis: false,
     keeps_speed: false,
+    keeps_levels: false,
     grinds_by_feed: false,
     reads_up_to_fault: false,
 };
