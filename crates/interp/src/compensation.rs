@@ -80,14 +80,25 @@ pub(crate) fn compensation<S: Sink>(
 ) -> Outcome {
     match words.g(GGroup::Compensation) {
         None => Ok(()),
-        Some(400) => {
-            modes.unknown.clear(Unknown::COMPENSATION);
-            compensation_off(words, modes, out)?;
-            out.say(&Call::Note("cutter radius compensation off"));
-            Ok(())
-        }
-        Some(code) => compensation_on(words, modes, tools, code, out),
+        Some(code) => switch(words, modes, tools, code, out),
     }
+}
+
+/// One of them.
+pub(crate) fn switch<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    tools: &mut Tools,
+    code: u16,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    if code != 400 {
+        return compensation_on(words, modes, tools, code, out);
+    }
+    modes.unknown.clear(Unknown::COMPENSATION);
+    compensation_off(words, modes, out)?;
+    out.say(&Call::Note("cutter radius compensation off"));
+    Ok(())
 }
 
 /// The tool goes on beside the last programmed point; the next move leads back onto the programmed way.

@@ -369,7 +369,7 @@ impl Flow {
             Some(recording) => cycle::cut_profile(
                 &mut it.executor.words,
                 &mut it.executor.modes,
-                &it.executor.settings,
+                (&it.executor.settings, &mut it.executor.tools),
                 &recording,
                 out,
             ),

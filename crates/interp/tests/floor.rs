@@ -174,3 +174,21 @@ fn a_format_of_print_has_as_many_decimals_as_linuxcnc_writes() {
     });
     assert_eq!(said.unwrap().trim(), "1.234568 1.2346 1 1.23");
 }
+
+/// Fanuc: what a profile's blocks say of the side of the way is meant where G70 finishes it, as if they stood there alone.
+#[test]
+fn a_profile_is_finished_on_the_side_that_its_blocks_say() {
+    let head = "O1\nG21 G18 G97 S500 M3\nG98 F100\nG10 P10001 R1. Q3\nT0101\nG0 X50. Z2.\n";
+    let profile = "N10 G0 G42 X20.\nG1 Z-20.\nX40. Z-30.\nZ-40.\n";
+    for last in ["N20 G40 X50.\n", "N20 X50.\n"] {
+        let finish = "G71 U2. R1.\nG71 P10 Q20 U0.5 W0.1\n";
+        let rest = "G70 P10 Q20\nM30\n";
+        let cycle = format!("{head}{finish}{profile}{last}{rest}");
+        let alone = format!("{head}{profile}{last}G40 G0 X50. Z2.\nM30\n");
+        let [cycle, alone] = [cycle, alone].map(|text| places(&ops(&text, Dialect::FanucLatheA)));
+        // from the profile's begin to the end of its last cylinder
+        let wanted = &alone[1..alone.len() - 3];
+        let found = cycle.windows(wanted.len()).filter(|part| part == &wanted).count();
+        assert_eq!(found, 1, "{wanted:?} in {cycle:?}");
+    }
+}

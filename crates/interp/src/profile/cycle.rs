@@ -22,6 +22,7 @@ use crate::{
     profile::roughing::{Manner, Part, Roughing, rough},
     profile::shape::{Facing, Profile, Stroke, Unfit},
     target,
+    tools::Tools,
     words::Words,
 };
 use canon::Plane;
@@ -88,7 +89,7 @@ fn roughing(words: &Words, tenths: u16) -> Outcome<ProfileOrder> {
 pub(crate) fn cut_profile<S: Sink>(
     words: &mut Words,
     modes: &mut Modes,
-    settings: &Settings,
+    (settings, tools): (&Settings, &mut Tools),
     recording: &Recording,
     out: &mut Out<'_, S>,
 ) -> Outcome {
@@ -127,7 +128,10 @@ pub(crate) fn cut_profile<S: Sink>(
     }
     modes.motion = Motion::Feed;
     for stroke in strokes {
-        cut(words, modes, settings, stroke, out)?;
+        match stroke {
+            Stroke::Side(code) => compensation::switch(words, modes, tools, code, out)?,
+            stroke => cut(words, modes, settings, stroke, out)?,
+        }
     }
     Ok(())
 }
@@ -162,6 +166,7 @@ pub(crate) fn cut<S: Sink>(
             out.say(&Call::FeedRate { rate, duration_s: None });
             Ok(())
         }
+        Stroke::Side(_) => Ok(()), // grooves have none
     }
 }
 

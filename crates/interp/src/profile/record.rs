@@ -34,6 +34,9 @@ fn take_down<S: Sink>(
     recording: &mut Recording,
     out: &mut Out<'_, S>,
 ) -> Outcome {
+    if let Some(code) = words.g(GGroup::Compensation) {
+        recording.side(code);
+    }
     let motion = match words.g(GGroup::Motion) {
         Some(code @ 0..=30) => {
             recording.motion = Motion::from_code(code);

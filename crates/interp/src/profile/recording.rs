@@ -28,6 +28,8 @@ pub(crate) struct Recording {
     pub(crate) moves: Vec<(Way, Corner)>,
     /// F of the moves that have one.
     pub(crate) feeds: Vec<(usize, f64)>,
+    /// G40, G41 and G42, each with how many moves stand before it, the one to the begin among them.
+    pub(crate) sides: Vec<(usize, u16)>,
     pub(crate) warned: bool,
 }
 
@@ -46,6 +48,7 @@ impl Recording {
             begin: None,
             moves: Vec::new(),
             feeds: Vec::new(),
+            sides: Vec::new(),
             warned: false,
         }
     }
@@ -65,11 +68,22 @@ impl Recording {
         Some(corner::profile(begin, &self.moves))
     }
 
-    /// Along it with the feeds of its blocks, and back: as it is finished on a Fanuc.
+    /// A block says on which side of the way the tool is.
+    pub(crate) fn side(&mut self, code: u16) {
+        self.sides.push((usize::from(self.begin.is_some()) + self.moves.len(), code));
+    }
+
+    /// Along it with the feeds of its blocks and on their side, and back: as it is finished on a Fanuc.
     pub(crate) fn with_feeds(&self, start: Flat) -> Vec<Stroke> {
-        let mut strokes: Vec<_> = self.begin.map(Stroke::Rapid).into_iter().collect();
+        let side_before = |moves: usize| {
+            let here = self.sides.iter().filter(move |(at, _)| *at == moves);
+            here.map(|(_, code)| Stroke::Side(*code))
+        };
+        let mut strokes: Vec<_> = side_before(0).collect();
+        strokes.extend(self.begin.map(Stroke::Rapid));
         let mut feeds = self.feeds.iter().peekable();
         for (i, (way, _)) in self.moves.iter().enumerate() {
+            strokes.extend(side_before(i + 1));
             while let Some((_, feed)) = feeds.next_if(|(first, _)| *first <= i) {
                 strokes.push(Stroke::Feed(*feed));
             }
@@ -77,6 +91,9 @@ impl Recording {
                 None => Stroke::Line(way.to),
                 Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
             });
+        }
+        if self.sides.last().is_some_and(|(_, code)| *code != 400) {
+            strokes.push(Stroke::Side(400));
         }
         strokes.push(Stroke::Rapid(start));
         strokes

@@ -23,6 +23,8 @@ pub(crate) enum Stroke {
     },
     /// From here on.
     Feed(f64),
+    /// From here on the tool is beside the way: G40, G41 or G42, in tenths.
+    Side(u16),
 }
 
 /// Why a profile cannot be cut.
@@ -162,6 +164,7 @@ impl Facing {
                 turns: turns * self.sense(),
             },
             Stroke::Feed(feed) => Stroke::Feed(feed),
+            Stroke::Side(code) => Stroke::Side(code),
         }
     }
 }

@@ -273,7 +273,7 @@ impl Fanuc {
         cycle::cut_profile(
             &mut it.executor.words,
             &mut it.executor.modes,
-            &it.executor.settings,
+            (&it.executor.settings, &mut it.executor.tools),
             &recording,
             out,
         )
