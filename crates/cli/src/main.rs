@@ -50,6 +50,7 @@ mod simulator;
 mod summary;
 mod tables;
 mod time;
+mod trace;
 mod typed;
 mod worst;
 
@@ -139,6 +140,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Machine(order) => machine::command(order).map(|()| ExitCode::SUCCESS),
+        Command::Trace(order) => trace::command(order, cli.quiet).map(|()| ExitCode::SUCCESS),
         Command::Man { of } => man::command(of.as_deref()).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -110,6 +110,44 @@ impl Folder {
     }
 }
 
+/// A file in the making. Dropped without [`NewFile::finish`], it vanishes, and what was at its place stays.
+#[derive(Debug)]
+pub struct NewFile {
+    destination: PathBuf,
+    file: tempfile::NamedTempFile,
+}
+
+impl NewFile {
+    /// Begin a file that shall become `destination`.
+    ///
+    /// # Errors
+    /// Nothing can be written there.
+    pub fn begin(destination: &Path) -> Result<Self, Error> {
+        let begun = hidden(".leadscrew-", FILE_MODE).tempfile_in(parent(destination));
+        let file = begun.map_err(|cause| Error::file("create", destination, cause))?;
+        Ok(Self { destination: destination.to_owned(), file })
+    }
+
+    /// Where it is written.
+    pub fn as_file(&self) -> &File {
+        self.file.as_file()
+    }
+
+    /// It is whole: put it on the disk and under its name.
+    ///
+    /// # Errors
+    /// The file system refuses; what was there is there still.
+    pub fn finish(self) -> Result<(), Error> {
+        let Self { destination, file } = self;
+        let placed = || {
+            file.as_file().sync_all()?;
+            file.persist(&destination).map_err(|e| e.error)?;
+            sync_folder(parent(&destination))
+        };
+        placed().map_err(|cause| Error::file("write", &destination, cause))
+    }
+}
+
 /// Write one file so that a reader sees the old or the new one, never half of it.
 ///
 /// # Errors

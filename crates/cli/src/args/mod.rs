@@ -14,6 +14,7 @@ mod run;
 mod serve;
 mod simulator;
 mod text;
+mod trace;
 
 use crate::progress::Shown;
 pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
@@ -30,6 +31,7 @@ pub(crate) use simulator::{RecoverArgs, SimulatorArgs};
 pub(crate) use text::{
     CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
 };
+pub(crate) use trace::{TraceCommand, TraceFormat};
 
 /// An open numerical control for spindle-synchronised machining.
 #[derive(Parser, Debug)]
@@ -211,6 +213,9 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
     /// The machines Leadscrew knows, and files that describe others
     #[command(subcommand)]
     Machine(MachineCommand),
+    /// What a run or the page's scope has recorded: a summary, and other formats
+    #[command(subcommand)]
+    Trace(TraceCommand),
     /// Write a shell's completion script to standard output
     #[command(
         after_help = "Example: leadscrew completions bash > /etc/bash_completion.d/leadscrew"
@@ -250,6 +255,7 @@ impl Command {
             | Self::Fmt(_)
             | Self::Lsp(_)
             | Self::Machine(_)
+            | Self::Trace(_)
             | Self::Completions { .. }
             | Self::Man { .. } => false,
         }

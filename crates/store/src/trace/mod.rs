@@ -28,13 +28,37 @@
 //! machining are 2.4 million rows, 60 MB.
 //!
 //! Rows go out in groups of [`GROUP_ROWS`]; what is held in memory does not grow with the run.
+mod convert;
+mod protobuf;
 mod read;
+mod summary;
 mod write;
 
+pub use convert::{Format, convert};
 pub use read::{Group, Reader};
+pub use summary::{ColumnSummary, Summary};
 pub use write::Writer;
 
 use crate::machine::MachineFile;
+
+/// Units by the end of a column's name, the longer ones first.
+const UNITS: [(&str, &str); 10] = [
+    ("_n_m", "N·m"),
+    ("_mm", "mm"),
+    ("_um", "µm"),
+    ("_deg", "°"),
+    ("_rev", "rev"),
+    ("_rpm", "rev/min"),
+    ("_n", "N"),
+    ("_s", "s"),
+    ("_percent", "%"),
+    ("_nm", "N·m"),
+];
+
+/// The unit of a column, by the end of its name; empty: it has none.
+pub fn unit_of(column: &str) -> &'static str {
+    UNITS.iter().find(|(end, _)| column.ends_with(end)).map_or("", |(_, unit)| unit)
+}
 
 /// Rows that are held and written together.
 pub const GROUP_ROWS: usize = 1 << 16;

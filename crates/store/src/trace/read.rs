@@ -4,7 +4,7 @@ use crate::Error;
 use parquet::{
     basic::{Repetition, Type as Physical},
     column::reader::get_typed_column_reader,
-    data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int32Type},
+    data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type},
     errors::ParquetError,
     file::reader::{FileReader, RowGroupReader, SerializedFileReader},
 };
@@ -36,6 +36,11 @@ pub struct Group {
 }
 
 impl Group {
+    /// Rows.
+    pub fn rows(&self) -> usize {
+        self.numbers.first().map_or(self.line.len(), |(_, values)| values.len())
+    }
+
     /// A column of numbers by name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.numbers.iter().find(|(n, _)| n == name).map(|(_, values)| values.as_slice())
@@ -58,6 +63,20 @@ impl Reader {
     pub fn about(&self, key: &str) -> Option<&str> {
         let known = self.file.metadata().file_metadata().key_value_metadata()?;
         known.iter().find(|pair| pair.key == key)?.value.as_deref()
+    }
+
+    /// All that the file says of itself, but for what readers of tables keep there.
+    pub fn facts(&self) -> Vec<(String, String)> {
+        let known = self.file.metadata().file_metadata().key_value_metadata();
+        let facts = known.into_iter().flatten();
+        let facts = facts.filter(|pair| !pair.key.contains(':'));
+        facts.filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?))).collect()
+    }
+
+    /// Names of the columns, in their order.
+    pub fn columns(&self) -> Vec<String> {
+        let schema = self.file.metadata().file_metadata().schema_descr();
+        schema.columns().iter().map(|column| column.name().to_owned()).collect()
     }
 
     /// Rows altogether.
@@ -97,6 +116,13 @@ fn read_group(group: &dyn RowGroupReader, rows: usize) -> Result<Group, String> 
         match (column.physical_type(), name.as_str()) {
             (Physical::DOUBLE, _) => {
                 let (values, known) = values::<DoubleType>(group, index, rows)?;
+                let values = if required { values } else { with_gaps(&values, &known) };
+                read.numbers.push((name, values));
+            }
+            // what the page's scope has saved
+            (Physical::FLOAT, _) => {
+                let (values, known) = values::<FloatType>(group, index, rows)?;
+                let values: Vec<f64> = values.into_iter().map(f64::from).collect();
                 let values = if required { values } else { with_gaps(&values, &known) };
                 read.numbers.push((name, values));
             }
