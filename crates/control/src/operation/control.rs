@@ -3,6 +3,7 @@
 //! In lock-step what paces the time calls [`Control::period`] once per servo period, and nothing moves while none is called.
 //! In real time the servo thread keeps the time, and [`Control::period`] looks at what it has done. A [`Request`] acts
 //! from the next period on.
+use super::drives::InWork;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
@@ -73,6 +74,8 @@ pub struct Control {
     pub(super) is_resetting: bool,
     /// A recovery is on its way.
     pub(super) is_recovering: bool,
+    /// What a recovery takes out, until it is out: another alarm may end the recovery before.
+    pub(super) in_work: Option<InWork>,
     /// Axes that are homed after those that are homed now.
     pub(super) to_home: Vec<config::AxisHoming>,
     /// Where the handwheel has sent each axis.
@@ -158,6 +161,7 @@ impl Control {
             is_hold_asked: false,
             is_resetting: false,
             is_recovering: false,
+            in_work: None,
             to_home: Vec::new(),
             handwheel: [None; AXES],
             last_program: None,

@@ -10,6 +10,17 @@ use crate::stops::RecoverySettings;
 use canon::Axis;
 use kernel::{Order, WithdrawalPlan};
 use sim::Fault;
+use sync::recovery::Stored;
+use units::Length;
+
+/// What ties a tool to the work, from when a recovery begins: the kernel forgets it then.
+#[derive(Clone, Copy)]
+pub(super) enum InWork {
+    /// A tap on its thread, and the surface of the work.
+    Tap(Stored, Length),
+    /// A tool with a way off the work.
+    Tool(motion::WayOut),
+}
 
 impl Control {
     pub(super) fn switch_power(&mut self, on: bool) -> Result<Accepted, Refusal> {
@@ -139,7 +150,7 @@ impl Control {
     /// A tap, or another tool that is tied to a spindle, is in the work.
     pub(super) fn is_tap_in_thread(&self) -> bool {
         let kernel = &self.executor.kernel;
-        if self.is_tool_left() {
+        if self.is_tool_left() || self.in_work.is_some() {
             return true;
         }
         let is_tap = kernel.engaged().is_some() && (kernel.is_off() || kernel.is_in_thread());
@@ -166,6 +177,11 @@ impl Control {
         if self.emergency_stop() == EmergencyStop::Triggered {
             return Err(Refusal::because("the emergency stop is triggered: release it first"));
         }
+        if let Some(why) = self.executor.machine.lost() {
+            return Err(Refusal::because(format!(
+                "the machine is gone: {why}; start the control again: it takes the tool out then"
+            )));
+        }
         let way_out = self.way_out_of_left()?;
         let kernel = &mut self.executor.kernel;
         if kernel.can_back_out() {
@@ -186,21 +202,34 @@ impl Control {
     fn recover_own(&mut self) -> Result<(), Refusal> {
         let settings = RecoverySettings::new(&self.base);
         let kernel = &mut self.executor.kernel;
-        if let Some(stored) = kernel.engaged() {
-            let surface = kernel.surface().unwrap_or(stored.start().place);
-            self.executor.machine.mend();
-            let now = self.executor.machine.feedback();
-            let plan = settings.plan(stored, surface, &now).map_err(Refusal::because)?;
-            kernel.recover(plan);
-        } else if let Some(way_out) = kernel.way_out().copied() {
-            if !way_out.is_straight() {
-                let why = "nothing ties this tool to an axis: turn the spindle backwards by hand until it is out, then state that the tool is free";
-                return Err(Refusal::because(why));
+        let tap = kernel
+            .engaged()
+            .map(|stored| InWork::Tap(stored, kernel.surface().unwrap_or(stored.start().place)));
+        // a recovery before this one may have been stopped by an alarm
+        let in_work = tap.or_else(|| kernel.way_out().copied().map(InWork::Tool)).or(self.in_work);
+        match in_work {
+            Some(InWork::Tap(stored, surface)) => {
+                self.executor.machine.mend();
+                // the thread was cut in the coordinates that homing has found
+                let mut now = self.executor.machine.feedback();
+                for (axis, letter) in now.axes.iter_mut().zip(Axis::ALL) {
+                    axis.position += kernel.zero(letter);
+                }
+                let plan = settings.plan(stored, surface, &now).map_err(Refusal::because)?;
+                kernel.recover(plan);
             }
-            self.executor.machine.mend();
-            let legs = [Some((way_out.infeed, way_out.clear)), None];
-            kernel.withdraw(WithdrawalPlan { legs });
+            Some(InWork::Tool(way_out)) => {
+                if !way_out.is_straight() {
+                    let why = "nothing ties this tool to an axis: turn the spindle backwards by hand until it is out, then state that the tool is free";
+                    return Err(Refusal::because(why));
+                }
+                self.executor.machine.mend();
+                let legs = [Some((way_out.infeed, way_out.clear)), None];
+                kernel.withdraw(WithdrawalPlan { legs });
+            }
+            None => {}
         }
+        self.in_work = in_work;
         Ok(())
     }
 
@@ -209,6 +238,7 @@ impl Control {
         if !self.executor.kernel.faults().is_empty() {
             return self.events.notice("the recovery was stopped by an alarm");
         }
+        self.in_work = None;
         self.executor.kernel.go_on();
         self.executor.kernel.clear();
         self.left_is_out();
@@ -227,6 +257,7 @@ impl Control {
             return Err(Refusal::because("wait until everything stands"));
         }
         self.forget_left()?;
+        self.in_work = None;
         self.executor.kernel.switch_on();
         self.executor.kernel.switch_off();
         (self.power, self.told_faults) = (Power::Off, 0);

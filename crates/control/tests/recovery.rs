@@ -1,0 +1,118 @@
+//! A recovery that is itself stopped by an alarm: the tool is still in its thread, that is said, and the next one takes it out.
+#![allow(clippy::unwrap_used)] // a test may panic
+use canon::Position;
+use control::job::ProgramOptions;
+use control::operation::{Execution, Request};
+use control::{Control, ControlOptions};
+
+const TAP: &str = "G21 G90 G54\nT2 M6\nG43 H2\nS6000 M3\nG0 X12 Y12 Z30\nG99 G83 Z-24 R2 Q8 F900\nG80\nG0 Z50\nT3 M6\nG43 H3\nS3000 M3\nG0 X12 Y12 Z30\nG99 G84 Z-17 R5 F3000\nG80\nG0 Z50\nM30\n";
+/// What is waited for comes within so many periods, a minute, or not at all.
+const COMES: usize = 240_000;
+
+fn control() -> Control {
+    let options = ControlOptions {
+        program: ProgramOptions::on("tapping-center"),
+        seed: Some(3),
+        state: None,
+        simulator: None,
+        hal: false,
+        clamped: Position::default(),
+        real_time: None,
+    };
+    Control::new(options).unwrap()
+}
+
+#[track_caller]
+fn until(control: &mut Control, what: &str, is_so: impl Fn(&Control) -> bool) {
+    for _ in 0..COMES {
+        if is_so(control) {
+            return;
+        }
+        control.period();
+    }
+    panic!("{what} does not come: {:?}", control.status());
+}
+
+#[track_caller]
+fn asked(control: &mut Control, request: &Request) {
+    control.request(request).unwrap_or_else(|why| panic!("{request:?}: {why}"));
+}
+
+/// A tap stands deep in its thread, and the emergency stop has been triggered.
+fn stopped_in_a_tap(folder: &std::path::Path) -> Control {
+    let mut control = control();
+    asked(&mut control, &Request::Power(true));
+    until(&mut control, "ready", |control| control.status().is_ready);
+    asked(&mut control, &Request::Home(None));
+    until(&mut control, "homed", |control| control.status().axes.iter().all(|axis| axis.is_homed));
+    let path = folder.join("tap.ngc");
+    std::fs::write(&path, TAP).unwrap();
+    asked(&mut control, &Request::Load(path));
+    asked(&mut control, &Request::Start);
+    until(&mut control, "a tap", |control| {
+        let status = control.status();
+        status.activity == "tap-in" && status.axes[2].work < -8.0
+    });
+    stop(&mut control);
+    control
+}
+
+fn stop(control: &mut Control) {
+    assert!(control.breaches().is_empty(), "before {:?}", control.breaches());
+    asked(control, &Request::EmergencyStop(true));
+    for _ in 0..8000 {
+        control.period();
+    }
+    assert!(!control.status().alarms.is_empty());
+    assert!(control.breaches().is_empty(), "{:?}", control.breaches());
+    asked(control, &Request::EmergencyStop(false));
+    control.period();
+}
+
+#[test]
+fn a_recovery_that_an_alarm_has_stopped_is_begun_again_and_nothing_else_moves_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut control = stopped_in_a_tap(folder.path());
+    for after in [20, 400, 1500] {
+        assert!(control.status().is_tool_in_work);
+        asked(&mut control, &Request::Recover);
+        for _ in 0..after {
+            control.period();
+        }
+        assert!(control.status().is_tool_in_work, "it is on its way");
+        stop(&mut control);
+        assert!(control.status().is_tool_in_work, "it was stopped after {after} periods");
+        for forbidden in [Request::Reset, Request::Power(true), Request::Home(None), Request::Start]
+        {
+            assert!(control.request(&forbidden).is_err(), "{forbidden:?} after {after} periods");
+        }
+    }
+    asked(&mut control, &Request::Recover);
+    until(&mut control, "out", |control| !control.status().is_tool_in_work);
+    let status = control.status();
+    assert!(status.alarms.is_empty(), "{status:?}");
+    asked(&mut control, &Request::Home(None));
+    until(&mut control, "homed", |control| control.status().axes.iter().all(|axis| axis.is_homed));
+    asked(&mut control, &Request::Reset);
+    for _ in 0..4000 {
+        control.period(); // what turns comes to rest first
+    }
+    // the thread was cut by the same tap, whole: it is done again from its beginning
+    asked(&mut control, &Request::Start);
+    until(&mut control, "the end", |control| control.execution() == Execution::ProgramCompleted);
+    assert!(control.breaches().is_empty(), "{:?}", control.breaches());
+}
+
+#[test]
+fn a_tool_of_a_recovery_that_was_stopped_is_free_when_the_operator_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut control = stopped_in_a_tap(folder.path());
+    asked(&mut control, &Request::Recover);
+    for _ in 0..20 {
+        control.period();
+    }
+    stop(&mut control);
+    asked(&mut control, &Request::ToolIsFree);
+    assert!(!control.status().is_tool_in_work);
+    asked(&mut control, &Request::Power(true));
+}
