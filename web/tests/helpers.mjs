@@ -1,5 +1,5 @@
 // What the browser tests share: a server of their own, a browser, and the control asked behind the page's back.
-import { spawn } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { cpSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -58,6 +58,33 @@ export class Server {
 
   async stop() {
     if (this.child.exitCode === null && this.child.signalCode === null) await this.kill();
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+}
+
+/** A machine simulator in a process of its own, which outlives the control. */
+export class Machine {
+  static async start() {
+    const machine = new Machine();
+    machine.folder = mkdtempSync(join(tmpdir(), 'leadscrew-machine-'));
+    machine.socket = join(machine.folder, 'machine.socket');
+    machine.child = spawn(program, ['simulator', '--listen', machine.socket], { stdio: ['ignore', 'pipe', 'pipe'] });
+    await new Promise((listens, ended) => {
+      machine.child.stdout.once('data', listens);
+      machine.child.stderr.once('data', listens);
+      machine.child.once('exit', ended);
+    });
+    return machine;
+  }
+
+  /** How it truly is. */
+  told() { return JSON.parse(execFileSync(program, ['simulator', '--status', this.socket], { encoding: 'utf8' })); }
+
+  /** The mains fail, and are there again. */
+  cutPower() { execFileSync(program, ['simulator', '--power-cut', this.socket]); }
+
+  stop() {
+    this.child.kill();
     rmSync(this.folder, { recursive: true, force: true });
   }
 }

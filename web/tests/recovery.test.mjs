@@ -1,27 +1,17 @@
 // The control is killed with a tap in its thread. The machine lives on; what the next control knows of it, the page shows on the
 // whole screen, and one key takes the tap out.
 import assert from 'node:assert/strict';
-import { execFileSync, spawn } from 'node:child_process';
-import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { browser, open, press, program, ready, Server, until } from './helpers.mjs';
+import { browser, Machine, open, press, ready, Server, until } from './helpers.mjs';
 
 const shots = process.env.SHOTS;
-let folder; let socket; let machine; let server; let on; let page;
-const told = () => JSON.parse(execFileSync(program, ['simulator', '--status', socket], { encoding: 'utf8' }));
+let machine; let server; let on; let page;
 before(async () => {
   if (shots) mkdirSync(shots, { recursive: true });
-  folder = mkdtempSync(join(tmpdir(), 'leadscrew-machine-'));
-  socket = join(folder, 'machine.socket');
-  machine = spawn(program, ['simulator', '--listen', socket], { stdio: ['ignore', 'pipe', 'pipe'] });
-  await new Promise((listens, ended) => {
-    machine.stdout.once('data', listens);
-    machine.stderr.once('data', listens);
-    machine.once('exit', ended);
-  });
-  server = await Server.start(['--simulator', socket]);
+  machine = await Machine.start();
+  server = await Server.start(['--simulator', machine.socket]);
   on = await browser();
   page = await open(on, server);
   await ready(page, server);
@@ -29,11 +19,11 @@ before(async () => {
 after(async () => {
   await on?.close();
   await server?.stop();
-  machine?.kill();
-  if (folder) rmSync(folder, { recursive: true, force: true });
+  machine?.stop();
 });
 
-test('killed in a tap, it begins again, says what is known on the whole screen, and one key takes the tap out', { timeout: 180_000 }, async () => {
+/** The plate is cut until a tap is deep in its thread. */
+async function untilInTap() {
   await page.goto(`${server.url}/#program`);
   await page.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();
   await press(page, 'Load');
@@ -43,8 +33,39 @@ test('killed in a tap, it begins again, says what is known on the whole screen, 
     const status = await server.status();
     return status.activity === 'tap-in' && status.axes[2].work < -8;
   }, 120_000);
+}
+
+test('held in a tap, the power fails: the page says what is so, and the next control takes the tap out by one key', { timeout: 180_000 }, async () => {
+  await untilInTap();
+  await press(page, 'Hold');
+  await until('it is held', async () => (await server.status()).execution === 'FEED_HOLD');
+  await page.goto(`${server.url}/#machine`);
+  await page.getByText('The tap is held in its thread.').waitFor();
+  machine.cutPower();
+  await until('there is an alarm', async () => (await server.status()).alarms.length > 0);
+  await page.getByRole('heading', { name: 'A tool stands in its thread' }).waitFor();
+  // this control has no machine any more: the key says so, and the tool stays known
+  await press(page, 'Take it out along the thread');
+  await page.getByTestId('message').filter({ hasText: 'start the control again' }).waitFor();
+  assert.equal((await server.status()).is_tool_in_work, true);
+  assert.equal(machine.told().tap_in_thread, true);
+
   await server.kill();
-  const stopped = told();
+  await server.again();
+  await page.getByText('µm off its thread, known within').waitFor({ timeout: 20_000 });
+  await press(page, 'Take it out along the thread');
+  await until('the tap is out', async () => !(await server.status()).is_tool_in_work, 60_000);
+  assert.equal(machine.told().tap_in_thread, false);
+  assert.equal(machine.told().tool_broken, false);
+  await page.goto(`${server.url}/#machine`);
+  await press(page, 'Home all');
+  await until('all axes are homed', async () => (await server.status()).axes.every((axis) => axis.is_homed), 60_000);
+});
+
+test('killed in a tap, it begins again, says what is known on the whole screen, and one key takes the tap out', { timeout: 180_000 }, async () => {
+  await untilInTap();
+  await server.kill();
+  const stopped = machine.told();
   assert.equal(stopped.tap_in_thread, true);
   assert.equal(stopped.tool_in_work, 3);
 
@@ -85,7 +106,7 @@ test('killed in a tap, it begins again, says what is known on the whole screen, 
   assert.deepEqual(features.filter((feature) => feature.verdict !== 'good'), []);
   assert.deepEqual(page.faults, []);
   await server.stop();
-  const last = told();
+  const last = machine.told();
   assert.equal(last.tool_broken, false);
   assert.equal(last.tool_in_work, null);
 });
