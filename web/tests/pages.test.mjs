@@ -72,6 +72,7 @@ test('the keyboard leads it: pages, keys, the list of keys', async () => {
   for (const power of ['OFF', 'ON']) {
     await page.keyboard.press('F2');
     await until(`power is ${power}`, async () => (await server.status()).power === power);
+    await page.getByRole('button', { name: power === 'OFF' ? 'Power on' : 'Power off' }).waitFor(); // the page knows it too
   }
   await page.keyboard.press('?');
   await page.getByRole('dialog').getByText('Stop request').waitFor();
