@@ -70,6 +70,8 @@ test('the keyboard leads it: pages, keys, the list of keys', async () => {
   const page = operator;
   await page.goto(`${server.url}/#machine`);
   for (const power of ['OFF', 'ON']) {
+    const power_key = page.getByRole('button', { name: power === 'OFF' ? 'Power off' : 'Power on' });
+    await until('the spindle stands', async () => (await power_key.getAttribute('aria-disabled')) === null);
     await page.keyboard.press('F2');
     await until(`power is ${power}`, async () => (await server.status()).power === power);
     await page.getByRole('button', { name: power === 'OFF' ? 'Power on' : 'Power off' }).waitFor(); // the page knows it too
