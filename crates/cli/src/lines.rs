@@ -1,4 +1,4 @@
-//! Lines of a log that hold nobody up: who reads them may be slow, the machine may not wait.
+//! Lines of a log that hold up no machine: their reader may be slow, a machine in real time may not wait.
 //!
 //! ```text
 //!   in lock-step ─► standard output                                 time waits for the reader
@@ -31,7 +31,7 @@ impl Lines {
     /// For a machine whose time does not wait. Where there is no thread to be had, there is no log.
     pub(crate) fn beside() -> Self {
         Self::written_by(|line| {
-            // a log that nobody can read stops no machine
+            // a log that cannot be written stops no machine
             let _ = say::out(line);
         })
     }
@@ -46,7 +46,7 @@ impl Lines {
     /// One line.
     pub(crate) fn line(&mut self, text: &str) {
         match self {
-            // a log that nobody can read stops no machine; what is said at the end tells why
+            // a log that cannot be written stops no machine; what is said at the end tells why
             Self::AtOnce => drop(say::out(&format!("{text}\n"))),
             Self::Beside(beside) => beside.line(text),
         }
@@ -91,7 +91,7 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     #[test]
-    fn a_reader_that_reads_nothing_holds_nobody_up_and_is_told_what_it_missed() {
+    fn a_reader_that_reads_nothing_holds_up_no_machine_and_is_told_what_it_missed() {
         let (begin, begun) = channel::<()>();
         let written = Arc::new(Mutex::new(Vec::new()));
         let into = Arc::clone(&written);

@@ -95,7 +95,7 @@ fn a_command_that_no_control_would_give_is_not_obeyed() {
 }
 
 #[test]
-fn a_client_that_says_nothing_keeps_nobody_from_the_machine() {
+fn a_client_that_says_nothing_keeps_no_control_from_the_machine() {
     let simulator = Simulator::start(&[]);
     let socket = simulator.folder.path().join("simulator");
     let _silent = UnixStream::connect(&socket).unwrap();

@@ -94,7 +94,6 @@ impl Folder {
         })
     }
 
-    /// Where a path leads to that is there.
     /// A path within it, whether or not there is a file: what an editor writes may not be saved yet.
     pub(crate) fn place(&self, path: &str) -> Option<PathBuf> {
         self.find(path).ok().or_else(|| {
@@ -110,6 +109,7 @@ impl Folder {
         path.canonicalize().ok()?.strip_prefix(&self.root).ok().map(Path::to_owned)
     }
 
+    /// Where a path leads to that is there.
     fn find(&self, path: &str) -> Result<PathBuf, FolderError> {
         let full = self.root.join(plain(path)?);
         let missing = || FolderError::Missing(format!("there is no program \"{}\"", short(path)));

@@ -1,4 +1,4 @@
-//! Who controls the machine: one at a time, and nobody waits in line for it.
+//! Who controls the machine: one control at a time, and no other one waits in line for it.
 //!
 //! ```text
 //!   control A ══► control: A ─► gone ─► drives run down ─► control: free
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! A control that comes while another one has the machine is refused, not queued: what it wanted would be done at a time of which
-//! its operator knows nothing. Only the drives' running down after a control that is gone is waited for. Whoever is gone by
-//! then, or was before it could be heard, gets nothing done.
+//! its operator knows nothing. Only the drives' running down after a control that is gone is waited for. A control
+//! that is gone by then, or was before it could be heard, gets nothing done.
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::os::unix::net::UnixStream;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -137,7 +137,7 @@ mod tests {
         assert!(is_gone(&ours));
         assert!(matches!(machine.take("a control", &ours), Err(Error::Gone(_))));
         let (there, _their) = UnixStream::pair().unwrap();
-        assert!(machine.take("another", &there).is_ok(), "it was kept for nobody");
+        assert!(machine.take("another", &there).is_ok(), "it was kept for a control that is gone");
     }
 
     #[test]

@@ -146,7 +146,7 @@ impl Served {
     ) -> Result<(), Error> {
         self.exclusive.settle();
         if is_gone(own) {
-            return Ok(()); // nobody wants it any more
+            return Ok(()); // the client that wanted it is gone
         }
         match order {
             Order::Status => {}
@@ -166,7 +166,7 @@ impl Served {
         let status = lock(&self.simulator).status();
         let told = port.send(&Message::Told(status));
         if order == Order::Quit {
-            // the thread that listens looks whether it is over when somebody comes
+            // the thread that listens looks whether it is over when a client connects
             let _ = UnixStream::connect(path);
         }
         told

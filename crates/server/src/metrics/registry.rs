@@ -246,7 +246,7 @@ impl ServoThreadMetrics {
             tick_worst: add.level(("servo_tick_worst", s()), "The longest tick"),
             worst_lateness: add
                 .level(("servo_lateness_worst", s()), "The latest period, after it was due"),
-            periods: add.counter("servo_periods", "ServoThreadMetrics periods"),
+            periods: add.counter("servo_periods", "Servo periods"),
             late: add.counter("servo_periods_late", "Periods begun a whole period late or later"),
             unobserved: add.counter("servo_periods_unobserved", "Periods that nothing has judged"),
             clock_resets: add.counter("servo_clock_resets", "So late that the clock was set anew"),
