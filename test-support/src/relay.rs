@@ -1,12 +1,12 @@
-//! Stands between a control and the machine simulator, and kills the control at a machine time.
+//! Stands between a control and the machine simulator, and kills the control or cuts the mains at a machine time.
 //!
 //! ```text
 //!   control ── Command ──►       ── Command ──►  machine simulator
 //!           ◄─ Observed ── Relay ◄─ Observed ──
-//!                            │ at t: SIGKILL to the control, then the simulator's end is closed
+//!                            │ at t: SIGKILL to the control, then the simulator's end is closed; or the mains fail
 //! ```
 //!
-//! The simulator waits for the control, period by period, so that the instant of the kill is exact: the command
+//! The simulator waits for the control, period by period, so that the instant is exact: the command
 //! that answers the first feedback at t or later is not handed on.
 use std::io;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -14,14 +14,31 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use wire::{Message, Port};
+use wire::{Message, Order, Port};
 
-/// Process of the control that was started last.
+/// What stops a control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// SIGKILL to its process.
+    Kill,
+    /// The mains of the machine fail.
+    PowerCut,
+}
+
+/// What the relay's thread and its owner share.
+#[derive(Debug, Default)]
+struct Plan {
+    /// Process of the control that was started last.
+    control: Option<u32>,
+    /// Machine times, s, the latest first.
+    stops: Vec<(f64, Stop)>,
+}
+
 #[derive(Clone, Debug, Default)]
-struct Shared(Arc<Mutex<Option<u32>>>);
+struct Shared(Arc<Mutex<Plan>>);
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, Option<u32>> {
+    fn lock(&self) -> MutexGuard<'_, Plan> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -31,7 +48,7 @@ impl Shared {
 pub struct Relay {
     socket: PathBuf,
     ended: Arc<AtomicBool>,
-    control: Shared,
+    plan: Shared,
 }
 
 impl Relay {
@@ -45,10 +62,10 @@ impl Relay {
         std::fs::rename(socket, &behind)?;
         let listener = UnixListener::bind(socket)?;
         let relay =
-            Self { socket: socket.to_owned(), ended: Arc::default(), control: Shared::default() };
+            Self { socket: socket.to_owned(), ended: Arc::default(), plan: Shared::default() };
         let ended = relay.ended.clone();
-        let kills = kills.iter().rev().copied().collect();
-        let mut relayed = Relayed { behind, kills, control: relay.control.clone() };
+        relay.plan.lock().stops = kills.iter().rev().map(|at| (*at, Stop::Kill)).collect();
+        let relayed = Relayed { behind, plan: relay.plan.clone() };
         std::thread::Builder::new().name("relay".into()).spawn(move || {
             for control in listener.incoming().flatten() {
                 if ended.load(Ordering::Acquire) {
@@ -61,6 +78,17 @@ impl Relay {
         Ok(relay)
     }
 
+    /// From now on, what stops a control at the machine time `at`, s, and nothing else.
+    pub fn stop_at(&self, at: f64, stop: Stop) {
+        self.plan.lock().stops = vec![(at, stop)];
+    }
+
+    /// Whether every stop has come; one that has not will not come any more.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        std::mem::take(&mut self.plan.lock().stops).is_empty()
+    }
+
     /// Start a control, and wait for its end.
     ///
     /// # Errors
@@ -68,10 +96,10 @@ impl Relay {
     pub fn output(&self, command: &mut Command) -> io::Result<Output> {
         use std::process::Stdio;
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut control = self.control.lock();
+        let mut plan = self.plan.lock();
         let child: Child = command.spawn()?;
-        *control = Some(child.id());
-        drop(control);
+        plan.control = Some(child.id());
+        drop(plan);
         child.wait_with_output()
     }
 }
@@ -87,23 +115,23 @@ impl Drop for Relay {
 /// The thread's own.
 struct Relayed {
     behind: PathBuf,
-    /// The latest first.
-    kills: Vec<f64>,
-    control: Shared,
+    plan: Shared,
 }
 
 impl Relayed {
     /// One client, until either end is closed.
-    fn session(&mut self, control: UnixStream) -> Result<(), wire::Error> {
+    fn session(&self, control: UnixStream) -> Result<(), wire::Error> {
         let mut control = Port::new(control);
         let mut simulator = Port::new(UnixStream::connect(&self.behind)?);
         let mut now = f64::NEG_INFINITY;
         loop {
             let asked = control.take()?;
-            let due = self.kills.pop_if(|at| *at <= now).is_some();
-            if due && let Some(control) = *self.control.lock() {
-                kill(control)?;
-                return Ok(());
+            match self.due(now) {
+                Some((Stop::Kill, process)) => return Ok(kill(process)?),
+                Some((Stop::PowerCut, _)) => {
+                    wire::order(UnixStream::connect(&self.behind)?, Order::PowerCut)?;
+                }
+                None => {}
             }
             simulator.send(&asked)?;
             let answer = simulator.take()?;
@@ -114,6 +142,14 @@ impl Relayed {
                 _ => now,
             };
         }
+    }
+
+    /// What stops the control that has begun, now.
+    fn due(&self, now: f64) -> Option<(Stop, u32)> {
+        let mut plan = self.plan.lock();
+        let process = plan.control?;
+        let (_, stop) = plan.stops.pop_if(|(at, _)| *at <= now)?;
+        Some((stop, process))
     }
 }
 

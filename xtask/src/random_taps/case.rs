@@ -4,6 +4,8 @@
 //! comes from, pecks of both kinds, start angle, return speed and acceleration, dwell, preset. A clutch holder taps with
 //! plain G84 and G74 and computes its dwell; in G18 and G19 the tap would lie across the spindle.
 
+use test_support::Dice;
+
 /// Where the holes of the next part lie beside this one's, mm.
 const BESIDE: f64 = 60.0;
 
@@ -170,7 +172,7 @@ impl Case {
             acceleration,
             dwell,
             preset: *dice.one_of::<&str>(&["gentle", "standard", "fast", "max"]),
-            holes: 1 + (dice.next() % 2) as u32,
+            holes: 1 + (dice.draw() % 2) as u32,
             mistake,
         }
     }
@@ -322,30 +324,5 @@ impl Case {
             mm(-self.depth),
             mm(clear)
         )
-    }
-}
-
-/// Numbers at random, the same on every machine (`SplitMix64`, Steele, Lea and Flood 2014).
-pub(super) struct Dice(pub(super) u64);
-
-impl Dice {
-    const fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(super) fn chance(&mut self, share: f64) -> bool {
-        self.between(0.0, 1.0) < share
-    }
-
-    fn one_of<'a, T>(&mut self, list: &'a [T]) -> &'a T {
-        &list[(self.next() % list.len() as u64) as usize]
     }
 }

@@ -16,13 +16,14 @@
 //! plane than the spindle's own must be refused too.
 mod case;
 
-use case::{Case, Dice};
+use case::Case;
 use std::{
     collections::BTreeMap,
     fs,
     path::Path,
     process::{Command, Output},
 };
+use test_support::Dice;
 
 /// Largest depth error of a thread, µm.
 const DEPTH_UM: f64 = 10.0;
