@@ -10,8 +10,9 @@
 //! ```
 //!
 //! Coordinates are those of the insert's *tip* in the machine's frame, mm. What is remembered errs on the side of too much
-//! removed: a cut takes the width of the insert to both sides, a thread takes all down to its root, thin material before
-//! the tip is cut by its edge, and of a bored place nothing is known once it was cut, from inside or from outside.
+//! removed: a cut takes the width of the insert to both sides, thin material before the tip is cut by its edge, and of a bored
+//! place nothing is known once it was cut, from inside or from outside. A thread along the bar leaves its crests: down to its root
+//! it is open to what goes straight out of it, and to another pass.
 use crate::stock::Stock;
 use alloc::{vec, vec::Vec};
 use units::Length;
@@ -74,6 +75,8 @@ pub(crate) struct Outline {
     cell: f64,
     outer: Vec<f64>,
     inner: Vec<f64>,
+    /// Down to where there is a thread in the outside; infinite: there is none.
+    root: Vec<f64>,
 }
 
 impl Outline {
@@ -90,6 +93,7 @@ impl Outline {
             cell,
             outer: vec![bar.radius.value(); count],
             inner: vec![bar.bore.value(); count],
+            root: vec![f64::INFINITY; count],
         }
     }
 
@@ -203,6 +207,26 @@ impl Outline {
         }
     }
 
+    /// An insert that cuts so far to both sides of its tip has turned a thread along a line.
+    pub(crate) fn threaded(&mut self, ends: [[f64; 3]; 2], side: f64) {
+        let [a, b] = ends;
+        let is_outside = |outline: &Self, at: [f64; 3]| {
+            let cells = outline.cells(at[2], at[2]);
+            cells.is_none_or(|(i, _)| outline.inner[i] <= 0.0)
+        };
+        let is_along = (b[2] - a[2]).abs() > (self.off_axis(b) - self.off_axis(a)).abs();
+        if !(is_along && is_outside(self, a) && is_outside(self, b)) {
+            return self.cut(ends, side);
+        }
+        let mut places = Vec::new();
+        self.along(ends, 0.0, |at| places.push(at));
+        for at in places {
+            if let Some((i, _)) = self.cells(at[2], at[2]) {
+                self.root[i] = self.root[i].min(self.off_axis(at));
+            }
+        }
+    }
+
     /// A drill of this radius has gone along a line; only near the axis it leaves a bore.
     pub(crate) fn bored(&mut self, ends: [[f64; 3]; 2], radius: f64) {
         let deepest = ends[0][2].min(ends[1][2]);
@@ -216,6 +240,8 @@ impl Outline {
     /// Where a line goes deepest into the material, if it goes deeper than `scrapes`.
     pub(crate) fn met(&self, ends: [[f64; 3]; 2], scrapes: f64) -> Option<Met> {
         let (mut met, mut entered): (Option<Met>, Option<[f64; 3]>) = (None, None);
+        let goes_out = (ends[1][2] - ends[0][2]).abs() <= self.cell
+            && self.off_axis(ends[1]) >= self.off_axis(ends[0]);
         self.along(ends, 0.0, |at| {
             let r = self.off_axis(at);
             let Some((i, _)) = self.cells(at[2], at[2]) else {
@@ -223,7 +249,8 @@ impl Outline {
                 return;
             };
             let (inner, outer) = (self.inner[i], self.outer[i]);
-            if r >= outer - scrapes || inner > 0.0 && r <= inner + scrapes {
+            let is_groove = goes_out && r >= self.root[i] - scrapes;
+            if r >= outer - scrapes || inner > 0.0 && r <= inner + scrapes || is_groove {
                 entered = None;
                 return;
             }
@@ -277,6 +304,21 @@ mod tests {
         assert!((-31.0..-30.4).contains(&met.at[2]), "{met:?}"); // where it goes in, not where it is deepest
         let met = bar.met(line([5.0, 2.0], [5.0, -20.0]), 0.2).unwrap();
         assert!((met.depth - 2.0).abs() < 1e-9, "{met:?}");
+    }
+
+    #[test]
+    fn a_thread_is_left_straight_out_and_has_crests_for_all_else() {
+        let mut bar = bar(0.0);
+        bar.threaded(line([9.0, 2.0], [9.0, -30.0]), 0.4);
+        assert_eq!(bar.met(line([9.0, -30.0], [15.0, -30.0]), 0.2), None);
+        let depth = |ends| bar.met(ends, 0.2).map_or(0.0, |met| met.depth);
+        assert!((depth(line([9.0, 2.0], [9.0, -20.0])) - 1.0).abs() < 1e-9);
+        assert!((depth(line([15.0, -10.0], [9.0, -10.0])) - 1.0).abs() < 1e-9);
+        assert!((depth(line([8.0, -20.0], [15.0, -20.0])) - 2.0).abs() < 1e-9);
+        assert!(depth(line([9.0, -40.0], [15.0, -40.0])) > 0.9);
+        // turned off, it is gone
+        bar.cut(line([8.5, 2.0], [8.5, -35.0]), 0.4);
+        assert_eq!(bar.met(line([9.0, 2.0], [9.0, -20.0]), 0.2), None);
     }
 
     #[test]

@@ -104,7 +104,7 @@ fn rapids_where_the_bar_was_turned_away_are_not_said() {
 }
 
 #[test]
-fn a_thread_is_open_down_to_its_root_and_not_deeper() {
+fn a_thread_is_open_for_another_pass_and_the_way_out_and_for_nothing_else() {
     let thread = |x: f64| {
         OpKind::Threading(Threading {
             to: Position::xyz(x / 2.0, 0.0, FACE + 60.0 - 25.0),
@@ -116,10 +116,15 @@ fn a_thread_is_open_down_to_its_root_and_not_deeper() {
         })
     };
     let before = [to(30.0, 6.0), to(18.2, 6.0), thread(18.2), to(30.0, -25.0), to(30.0, 6.0)];
-    let beside = before.clone().into_iter().chain([to(18.2, 6.0), to(18.2, -20.0)]);
-    assert_eq!(with_insert(beside), "");
-    let deeper = with_insert(before.into_iter().chain([to(16.0, 6.0), to(16.0, -20.0)]));
-    assert!(deeper.contains("1.1 mm deep into the bar"), "{deeper}");
+    let after = |rest: [OpKind; 2]| with_insert(before.clone().into_iter().chain(rest));
+    assert_eq!(after([to(18.2, 6.0), thread(18.2)]), "");
+    assert_eq!(after([to(20.2, 6.0), to(20.2, -20.0)]), "");
+    let over_its_crests = after([to(18.2, 6.0), to(18.2, -20.0)]);
+    assert!(over_its_crests.contains("0.9 mm deep into the bar"), "{over_its_crests}");
+    let plunging = after([to(30.0, -6.0), to(18.2, -6.0)]);
+    assert!(plunging.contains("0.9 mm deep into the bar"), "{plunging}");
+    let deeper = after([to(16.0, 6.0), to(16.0, -20.0)]);
+    assert!(deeper.contains("2 mm deep into the bar"), "{deeper}");
 }
 
 #[test]
@@ -149,6 +154,10 @@ fn a_drill_beside_the_axis_of_a_turning_bar_is_refused_and_at_rest_it_is_not() {
     assert!(text.starts_with("Error line 4: T2 (a drill) goes 0.9 mm deep into the turning bar, 9.1 mm beside the bar's axis, and cuts on that axis only: X0 works"), "{text}");
     let text = turned(vec![change(2), turn(800.0), to(12.0, 6.0), cut(12.0, -10.0)]);
     assert!(text.starts_with("Error line 4"), "{text}");
+    // a pass in the air leaves no bore, and the next one is no less deep
+    let passes = [to(20.6, 6.0), thread(20.6), to(30.0, 6.0), to(19.4, 6.0), thread(19.4)];
+    let text = turned([change(2), turn(800.0)].into_iter().chain(passes).collect());
+    assert!(text.starts_with("Error line 7: T2 (a drill) goes 0.3 mm deep"), "{text}");
     // on its axis, in the air, and a driven tool in a bar that stands
     assert_eq!(turned(vec![change(2), turn(800.0), to(0.0, 6.0), cut(0.0, -10.0)]), "");
     assert_eq!(turned(vec![change(2), turn(800.0), to(24.0, 6.0), cut(24.0, -10.0)]), "");

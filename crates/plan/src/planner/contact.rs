@@ -56,6 +56,8 @@ pub(super) enum Run {
     Rapid,
     /// At a feed; as a length per turn of the spindle, if it turns forwards.
     Feed(Feed),
+    /// Tied to the spindle, in a thread that is turned.
+    Thread(Feed),
 }
 
 /// What a tool can do.
@@ -163,7 +165,7 @@ impl Contact {
 
     /// A mill: what it feeds through is open; where it goes with a rapid nothing may be left.
     fn mill(&mut self, part: [Point; 2], radius: f64, run: Run, found: &mut Vec<(Wrong, Point)>) {
-        if let Run::Feed(_) = run {
+        if let Run::Feed(_) | Run::Thread(_) = run {
             return self.removed.mill(&self.stock, part, radius);
         }
         let [a, b] = part;
@@ -214,7 +216,7 @@ impl Contact {
                     return found.push((Wrong::RapidIn { over, open, milled }, part[1]));
                 }
                 Run::Rapid => {}
-                Run::Feed(_) => {
+                Run::Feed(_) | Run::Thread(_) => {
                     let inner = self.removed.open_diameter(place, depth, drill.diameter);
                     // two lips: a drill that does not turn piles up twice what it is fed
                     let chip = per_turn.unwrap_or(2.0 * over);
@@ -250,7 +252,7 @@ impl Contact {
         if depth > from && over > SCRAPES {
             return found.push(match run {
                 Run::Rapid => (Wrong::RapidIn { over, open, milled }, part[1]),
-                Run::Feed(_) => (Wrong::TapFed { over }, part[1]),
+                Run::Feed(_) | Run::Thread(_) => (Wrong::TapFed { over }, part[1]),
             });
         }
         found.extend(aside);
@@ -365,7 +367,7 @@ impl Planner {
             }
             self.say_wrong(job.span, wrong, at, is_tilted);
         }
-        if let (Run::Feed(_), Some(contact)) = (run, &self.contact)
+        if let (Run::Feed(_) | Run::Thread(_), Some(contact)) = (run, &self.contact)
             && contact.entered.is_some()
         {
             self.judge_offset(job.span);
@@ -374,7 +376,7 @@ impl Planner {
 
     /// Feed per turn, mm; `None` where the spindle does not turn forwards.
     fn per_turn(&self, path: &Path, run: Run) -> Option<f64> {
-        let Run::Feed(feed) = run else { return None };
+        let (Run::Feed(feed) | Run::Thread(feed)) = run else { return None };
         let spin = self.spindles.first().map_or(Spin::ZERO, |state| state.ordered).value();
         if spin <= 0.0 {
             return None;

@@ -1,7 +1,8 @@
 //! Inserts against the bar of a lathe: rapids through what has not been turned away.
 //!
 //! ```text
-//!   feed, thread ──► the outline of the bar shrinks to the tip
+//!   feed ──────────► the outline of the bar shrinks to the tip
+//!   thread ────────► it keeps its crests, and has a root below them
 //!   rapid ─────────► nothing deeper in the outline than scraping, or it is said with the X that is clear of it
 //! ```
 //!
@@ -56,9 +57,9 @@ impl Planner {
                 };
                 let ends = ends.map(tip);
                 let off = outline.off_axis(ends[1]);
-                let met = outline.met(ends, SLIDES).filter(|_| off > DRILL_SIDEWAYS * 2.0 * radius);
-                outline.bored(ends, radius);
-                if let Some(met) = met.filter(|_| self.turns_now()) {
+                if off <= DRILL_SIDEWAYS * 2.0 * radius {
+                    outline.bored(ends, radius);
+                } else if let Some(met) = outline.met(ends, SLIDES).filter(|_| self.turns_now()) {
                     self.say_beside_axis(job.span, &met, off);
                 }
                 return false;
@@ -76,8 +77,10 @@ impl Planner {
             if run == Run::Rapid {
                 met = outline.met([before, at], SCRAPES).or(met);
             }
-            if run != Run::Rapid || met.is_some() {
-                outline.cut([before, at], side); // and what was met is said once
+            match run {
+                Run::Thread(_) => outline.threaded([before, at], side),
+                Run::Rapid if met.is_none() => {}
+                Run::Rapid | Run::Feed(_) => outline.cut([before, at], side), // what was met is said once
             }
         });
         if let Some(met) = met {
