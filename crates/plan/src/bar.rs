@@ -207,6 +207,31 @@ impl Outline {
         }
     }
 
+    /// Radius of the blank.
+    pub(crate) const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Z of the blank's face.
+    pub(crate) const fn face(&self) -> f64 {
+        self.face
+    }
+
+    /// How far a line along the bar keeps off the material, across the axis; below zero, how deep it goes in. `None`: it stays
+    /// beside the bar's ends.
+    pub(crate) fn gap(&self, [a, b]: [[f64; 3]; 2]) -> Option<f64> {
+        let (low, high) = (a[2].min(b[2]), a[2].max(b[2]));
+        let (first, last) = self.cells(low, high)?;
+        let off = |i: usize| {
+            let z = (self.rear + (i as f64 + 0.5) * self.cell).clamp(low, high);
+            let share = if b[2] == a[2] { 0.0 } else { (z - a[2]) / (b[2] - a[2]) };
+            let r = self.off_axis([0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * share));
+            let (inner, outer) = (self.inner[i], self.outer[i]);
+            if inner > 0.0 { (r - outer).max(inner - r) } else { r - outer }
+        };
+        (first..=last).map(off).reduce(f64::min)
+    }
+
     /// An insert that cuts so far to both sides of its tip has turned a thread along a line.
     pub(crate) fn threaded(&mut self, ends: [[f64; 3]; 2], side: f64) {
         let [a, b] = ends;
@@ -304,6 +329,17 @@ mod tests {
         assert!((-31.0..-30.4).contains(&met.at[2]), "{met:?}"); // where it goes in, not where it is deepest
         let met = bar.met(line([5.0, 2.0], [5.0, -20.0]), 0.2).unwrap();
         assert!((met.depth - 2.0).abs() < 1e-9, "{met:?}");
+    }
+
+    #[test]
+    fn a_line_off_the_bar_keeps_a_gap_and_one_before_its_face_none() {
+        let gap = |bar: &Outline, from, to| bar.gap(line(from, to));
+        let near = |found: Option<f64>, mm: f64| (found.unwrap() - mm).abs() < 1e-9;
+        assert!(near(gap(&bar(0.0), [10.5, 5.0], [10.5, -20.0]), 0.5));
+        assert!(near(gap(&bar(0.0), [9.0, 5.0], [9.0, -20.0]), -1.0));
+        assert!(near(gap(&bar(6.0), [5.5, 5.0], [5.5, -20.0]), 0.5));
+        assert!(near(gap(&bar(6.0), [6.5, 5.0], [6.5, -20.0]), -0.5));
+        assert_eq!(gap(&bar(0.0), [9.0, 5.0], [9.0, 1.0]), None);
     }
 
     #[test]

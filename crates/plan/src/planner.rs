@@ -379,6 +379,7 @@ impl Planner {
     /// The program is over: hand on what still waits.
     pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
         self.end_thread(emit);
+        self.judge_thread();
         self.outbox.release([], &self.limits, emit);
         self.say_heat();
     }

@@ -127,6 +127,37 @@ fn a_thread_is_open_for_another_pass_and_the_way_out_and_for_nothing_else() {
     assert!(deeper.contains("2 mm deep into the bar"), "{deeper}");
 }
 
+/// The bar is of 20 mm.
+#[test]
+fn a_thread_whose_passes_all_stay_off_the_bar_cuts_nothing() {
+    let pass = |x: f64, z: f64| {
+        let thread = OpKind::Threading(Threading {
+            to: Position::xyz(x / 2.0, 0.0, FACE + 60.0 + z),
+            lead: Lead::mm_per_rev(1.5),
+            growth: LeadGrowth::ZERO,
+            start_angle: Angle::ZERO,
+            axis: canon::Axis::Z,
+            surface: Length::mm(FACE + 60.0),
+        });
+        [to(x, 6.0), thread, to(30.0, z), to(30.0, 6.0)]
+    };
+    let said = |passes: &[(f64, f64)]| {
+        let passes = passes.iter().flat_map(|(x, z)| pass(*x, *z));
+        let begin = [change(1), turn(800.0), to(30.0, 6.0)];
+        said_in(LengthUnit::Millimetre, "M0366", begin.into_iter().chain(passes))
+    };
+    assert_eq!(
+        said(&[(22.0, -20.0), (21.0, -20.0)]),
+        "Warning line 5: T1 (an insert of a lathe) passes the bar, whose surface is at X20, 0.5 mm off it: nothing is cut here\n"
+    );
+    // passes begin in the air, and are of one thread
+    assert_eq!(said(&[(21.0, -20.0), (19.0, -20.0)]), "");
+    let text = said(&[(21.0, -20.0), (19.0, -40.0)]);
+    assert!(text.contains("line 5") && text.contains("0.5 mm off it"), "{text}");
+    let before = said(&[(19.0, 1.0)]);
+    assert!(before.contains("stays before the bar's face at Z0"), "{before}");
+}
+
 #[test]
 fn a_drilled_hole_is_open_for_a_boring_tool() {
     let hole = [to(0.0, 2.0), cut(0.0, -40.0), to(0.0, 50.0)];

@@ -133,7 +133,8 @@ impl Row {
     fn way_out(&mut self, after: &Value) -> Option<String> {
         let um = after["off_helix_while_coupled_max_um"].as_f64()?;
         self.way_out_um = self.way_out_um.max(um);
-        (self.is_guarded && um > OFF_THREAD_UM).then(|| format!("{um:.1} µm off its thread on the way out"))
+        (self.is_guarded && um > OFF_THREAD_UM)
+            .then(|| format!("{um:.1} µm off its thread on the way out"))
     }
 
     /// Where a tap was said to stand, against where it stood.

@@ -24,6 +24,7 @@ use units::{Angle, Length, Spin};
 mod bar;
 mod body;
 mod say;
+mod turned;
 
 /// A rapid may be so much deeper than what is open, mm: scraping, rounding.
 const SCRAPES: f64 = 0.2;
@@ -75,6 +76,8 @@ pub(super) struct Contact {
     removed: Removed,
     /// What is left of a bar that is turned; `None`: it is none, or not known.
     outline: Option<Outline>,
+    /// Of the thread that is being turned.
+    passes: Option<turned::Passes>,
     /// Where the tip went into the work.
     entered: Option<[f64; 2]>,
     /// Counts the tools that were put into the spindle: findings of one of them are of one cause.
@@ -112,6 +115,7 @@ impl Contact {
             stock,
             removed: Removed::default(),
             outline: stock.bar.map(|bar| Outline::new(&stock, bar)),
+            passes: None,
             entered: None,
             mounted: 0,
             rotary,

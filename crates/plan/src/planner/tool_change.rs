@@ -66,6 +66,7 @@ impl Planner {
         self.outbox.release([], &self.limits, job.emit);
         self.await_spindles(job);
         self.hand_on(job, StepKind::ChangeTool { tool: number, by_hand });
+        self.judge_thread();
         self.tool = number;
         self.tool_mounted();
     }

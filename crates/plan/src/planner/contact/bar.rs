@@ -71,6 +71,7 @@ impl Planner {
         };
         let mut before = None;
         let mut met: Option<Met> = None;
+        let mut gap: Option<f64> = None;
         places(path, tool_length, |[x, y, z]| {
             let at = [x - across, y, z];
             let Some(before) = before.replace(at) else { return };
@@ -78,13 +79,19 @@ impl Planner {
                 met = outline.met([before, at], SCRAPES).or(met);
             }
             match run {
-                Run::Thread(_) => outline.threaded([before, at], side),
+                Run::Thread(_) => {
+                    gap = [gap, outline.gap([before, at])].into_iter().flatten().reduce(f64::min);
+                    outline.threaded([before, at], side);
+                }
                 Run::Rapid if met.is_none() => {}
                 Run::Rapid | Run::Feed(_) => outline.cut([before, at], side), // what was met is said once
             }
         });
         if let Some(met) = met {
             self.say_bar(job.span, &met, across);
+        }
+        if let Run::Thread(_) = run {
+            self.turned_pass(job.span, ends[1].linear[2].value() - tool_length, gap);
         }
         true
     }
