@@ -13,7 +13,7 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> 
     drop(progress);
     let mut said = summary(&comparison.ways);
     for way in &comparison.ways {
-        said += &not_cut(way);
+        said += &not_good(way);
     }
     said += &closed_form.unwrap_or_default();
     said += &format!("{}\n", comparison.scatter);
@@ -45,14 +45,17 @@ fn options(args: &CompareArgs) -> CompareOptions {
     }
 }
 
-/// How many holes a cycle did not cut, and why the first of them.
-fn not_cut(way: &TappingMethod) -> String {
-    let Some(why) = way.why_not.as_ref().filter(|_| way.not_cut > 0) else { return String::new() };
-    let all = way.not_cut + way.depth_errors_mm.len();
-    format!(
-        "{}: {} of {all} holes were not cut and are in no figure; {why}\n",
-        way.name, way.not_cut
-    )
+/// How many holes of a cycle are not good, and why the first of them is not.
+fn not_good(way: &TappingMethod) -> String {
+    let cut = way.depth_errors_mm.len();
+    let say = |count: usize, all: usize, what: &str, why: &Option<String>| {
+        let why = why.as_ref().filter(|_| count > 0);
+        why.map_or_else(String::new, |why| {
+            format!("{}: {count} of {all} holes {what}; {why}\n", way.name)
+        })
+    };
+    say(way.failed, cut, "are out of tolerance", &way.why_failed)
+        + &say(way.not_cut, way.not_cut + cut, "were not cut and are in no figure", &way.why_not)
 }
 
 fn summary(ways: &[TappingMethod]) -> String {

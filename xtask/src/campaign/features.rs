@@ -31,7 +31,7 @@ pub(super) const FEATURES: [Feature; 12] = [
         program: LEFT,
         options: &[],
         machine: &[],
-        window: (1.75, 4.3),
+        window: (1.75, 4.2),
     },
     Feature {
         name: "tap M8, S1000, encoder without turns",

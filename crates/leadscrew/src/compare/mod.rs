@@ -226,6 +226,7 @@ fn way(
         name: case.name.to_owned(),
         depth_errors_mm: Vec::new(),
         failed: 0,
+        why_failed: None,
         not_cut: 0,
         why_not: None,
     };
@@ -245,21 +246,21 @@ fn way(
             if way.depth_errors_mm.len() + way.not_cut >= wanted {
                 break;
             }
+            let number = way.depth_errors_mm.len() + way.not_cut + 1;
+            let reason = || {
+                let reason = feature.verdict.reason().unwrap_or("not cut");
+                format!("hole {number} of seed {}: {reason}", args.seed + run)
+            };
             if is_cut(feature, thread) {
                 way.depth_errors_mm.push(thread.depth_error.value());
-                way.failed += usize::from(!feature.verdict.is_pass());
+                if !feature.verdict.is_pass() {
+                    way.failed += 1;
+                    way.why_failed = way.why_failed.take().or_else(|| Some(reason()));
+                }
             } else {
                 way.not_cut += 1;
-                let why = || {
-                    let reason = feature.verdict.reason().unwrap_or("not cut");
-                    let alarm = alarm.as_ref().map_or_else(String::new, |text| format!("; {text}"));
-                    format!(
-                        "hole {} of seed {}: {reason}{alarm}",
-                        way.depth_errors_mm.len() + way.not_cut,
-                        args.seed + run
-                    )
-                };
-                way.why_not = Some(way.why_not.take().unwrap_or_else(why));
+                let alarm = || alarm.as_ref().map_or_else(String::new, |text| format!("; {text}"));
+                way.why_not = way.why_not.take().or_else(|| Some(reason() + &alarm()));
             }
             progress();
         }

@@ -12,6 +12,8 @@ pub struct TappingMethod {
     pub depth_errors_mm: Vec<f64>,
     /// Holes whose thread failed, of those that were cut.
     pub failed: usize,
+    /// Why, of the first of them.
+    pub why_failed: Option<String>,
     /// Holes that were not cut, or in which the tap broke: they are in no figure.
     pub not_cut: usize,
     /// Why, of the first of them.
@@ -81,7 +83,8 @@ fn row(way: &TappingMethod) -> String {
         way.not_cut.to_string(),
     ];
     let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
-    let why = way.why_not.as_ref().map_or_else(String::new, |why| Tag::new("div").text(why));
+    let whys = [&way.why_failed, &way.why_not].into_iter().flatten();
+    let why: String = whys.map(|why| Tag::new("div").text(why)).collect();
     let name = escape(&way.name) + &why;
     Tag::new("tr").around(&(Tag::new("td").class("l").around(&name) + &cells))
 }
