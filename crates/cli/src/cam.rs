@@ -6,6 +6,7 @@
 use crate::args::{CamArgs, CamFormName, CamOutput};
 use crate::say;
 use control::Refused;
+use control::config::machine_file::MachineSource;
 use control::job::cams;
 use forms::cam::{AxisBounds, Cam, ClosedForm, Follower, Rhythm, WheelPath};
 use report::CamPage;
@@ -28,8 +29,32 @@ struct Result {
 
 /// Do it.
 pub(crate) fn command(args: &CamArgs) -> std::result::Result<(), Refused> {
+    let result = computed(args, (&args.machine).into())?;
+    if let Some(out) = &args.out {
+        store::output::write_file(out, report::cam_html(&result.page()).as_bytes())?;
+    }
+    say::out(&match args.format {
+        CamOutput::Text => result.text(args),
+        CamOutput::Table => result.table(),
+        CamOutput::Gcode => result.gcode(args.number),
+        CamOutput::Json => format!("{}\n", result.json()),
+    })
+}
+
+/// The same for programs, on this machine.
+pub(crate) fn answer(
+    args: &CamArgs,
+    machine: MachineSource,
+) -> std::result::Result<serde_json::Value, Refused> {
+    let result = computed(args, machine)?;
+    let mut value = result.json();
+    value["gcode"] = json!(result.gcode(args.number));
+    Ok(value)
+}
+
+fn computed(args: &CamArgs, machine: MachineSource) -> std::result::Result<Result, Refused> {
     let (name, cam) = cam(args)?;
-    let machine = control::config::machine_file::load(&args.machine)?;
+    let machine = control::config::machine_file::load(machine)?;
     let mounted = machine.grinding.map(|grinding| grinding.wheel);
     let radius = args.wheel_radius.map_or_else(
         || mounted.map_or(Length::mm(200.0), |wheel| wheel.diameter / 2.0),
@@ -50,16 +75,7 @@ pub(crate) fn command(args: &CamArgs) -> std::result::Result<(), Refused> {
     }
     let spin = Spin::rpm(args.speed);
     let even = path.rhythm(spin, &bounds, swing_hz);
-    let result = Result { name, cam, path, spin, bounds, even };
-    if let Some(out) = &args.out {
-        store::output::write_file(out, report::cam_html(&result.page()).as_bytes())?;
-    }
-    say::out(&match args.format {
-        CamOutput::Text => result.text(args),
-        CamOutput::Table => result.table(),
-        CamOutput::Gcode => result.gcode(args.number),
-        CamOutput::Json => format!("{}\n", result.json()),
-    })
+    Ok(Result { name, cam, path, spin, bounds, even })
 }
 
 fn cam(args: &CamArgs) -> std::result::Result<(String, Cam), Refused> {

@@ -85,6 +85,14 @@ fn operations(
     (written.and_then(|()| out.flush()), ops.diagnostics())
 }
 
+/// Its operations as objects, with everything that was found; none where it is refused.
+pub(crate) fn answer(session: &Session, text: &[u8]) -> (Vec<Value>, Vec<Diagnostic>) {
+    let setup = session.interp_setup();
+    let mut ops = interp::Ops::new(text, &setup);
+    let objects = ops.by_ref().map(|op| object(&op)).collect();
+    (objects, ops.diagnostics())
+}
+
 /// One line for people.
 fn line(op: &Op) -> String {
     let value = object(op);

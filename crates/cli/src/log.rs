@@ -12,10 +12,8 @@ use units::Length;
 
 /// Prints to standard output.
 pub(crate) struct Log {
-    tools: ToolLibrary,
-    zero: Position,
+    work: WorkFrame,
     last: Option<(State, u32)>,
-    length: Length,
     lines: Lines,
 }
 
@@ -23,11 +21,30 @@ impl Log {
     /// A log for a workpiece whose zero is there.
     pub(crate) fn new(tools: ToolLibrary, zero: Position, mut lines: Lines) -> Self {
         lines.line("     t s  line  state              x        y        z       rev     rpm");
-        Self { tools, zero, last: None, length: Length::ZERO, lines }
+        Self { work: WorkFrame::new(tools, zero), last: None, lines }
     }
 }
 
-impl Log {
+/// The tool's tip in the work's frame, and events in words of that frame.
+pub(crate) struct WorkFrame {
+    tools: ToolLibrary,
+    zero: Position,
+    length: Length,
+}
+
+impl WorkFrame {
+    /// Of a workpiece whose zero is there.
+    pub(crate) const fn new(tools: ToolLibrary, zero: Position) -> Self {
+        Self { tools, zero, length: Length::ZERO }
+    }
+
+    /// Which tool is in the spindle.
+    pub(crate) fn sample(&mut self, sample: &Sample) {
+        if let Some(number) = sample.feedback.tool {
+            self.length = self.tools.get(number).map_or(Length::ZERO, canon::Tool::worn_length);
+        }
+    }
+
     /// Where a probe has touched: the place of its tip, in the work's frame.
     fn probed(&self, contact: &Position, changed: bool) -> String {
         let [x, y, z] = [0, 1, 2].map(|i| {
@@ -37,44 +54,10 @@ impl Log {
         let what = if changed { "the probe changes at" } else { "no contact up to" };
         format!("{what} {} {} {}", tidy(x, 3), tidy(y, 3), tidy(z, 3))
     }
-}
 
-impl Observer for Log {
-    /// A servo period.
-    fn sample(&mut self, sample: &Sample) {
-        if let Some(number) = sample.feedback.tool {
-            self.length = self.tools.get(number).map_or(Length::ZERO, canon::Tool::worn_length);
-        }
-        let now = (sample.report.state, sample.report.line);
-        if self.last == Some(now) {
-            return;
-        }
-        self.last = Some(now);
-        let tip = |axis: usize| {
-            let tool = if axis == 2 { self.length } else { Length::ZERO };
-            (sample.axis(axis).of_linear() - self.zero.linear[axis] - tool).value()
-        };
-        let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
-        self.lines.line(&format!(
-            "{:8.3} {:5}  {:<12} {:>8} {:>8} {:>8} {:>9} {:>7}",
-            sample.feedback.time.value(),
-            now.1,
-            now.0.name(),
-            tidy(tip(0), 2),
-            tidy(tip(1), 2),
-            tidy(tip(2), 2),
-            tidy(sample.spindle(0).value(), 2),
-            tidy(spin.in_rpm(), 0),
-        ));
-    }
-
-    fn message(&mut self, at: u32, text: &str) {
-        self.lines.line(&format!("{:8} {at:5}  says: {}", "", text.trim()));
-    }
-
-    /// Something that is no change of state.
-    fn event(&mut self, event: &Event) {
-        let text = match &event.kind {
+    /// What has happened, in words; `None`: it is of no use to people.
+    pub(crate) fn text(&self, event: &Event) -> Option<String> {
+        Some(match &event.kind {
             EventKind::FaultRaised(fault) => fault.to_string(),
             EventKind::FollowingWarning { axis, error } => {
                 format!("following error of {}: {}", axis.letter(), small(*axis, *error))
@@ -132,8 +115,45 @@ impl Observer for Log {
             EventKind::SpindlesCoupled { follower } => {
                 format!("spindle {follower} follows, speed and phase are reached")
             }
-            _ => return,
+            _ => return None,
+        })
+    }
+}
+
+impl Observer for Log {
+    /// A servo period.
+    fn sample(&mut self, sample: &Sample) {
+        self.work.sample(sample);
+        let now = (sample.report.state, sample.report.line);
+        if self.last == Some(now) {
+            return;
+        }
+        self.last = Some(now);
+        let tip = |axis: usize| {
+            let tool = if axis == 2 { self.work.length } else { Length::ZERO };
+            (sample.axis(axis).of_linear() - self.work.zero.linear[axis] - tool).value()
         };
+        let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
+        self.lines.line(&format!(
+            "{:8.3} {:5}  {:<12} {:>8} {:>8} {:>8} {:>9} {:>7}",
+            sample.feedback.time.value(),
+            now.1,
+            now.0.name(),
+            tidy(tip(0), 2),
+            tidy(tip(1), 2),
+            tidy(tip(2), 2),
+            tidy(sample.spindle(0).value(), 2),
+            tidy(spin.in_rpm(), 0),
+        ));
+    }
+
+    fn message(&mut self, at: u32, text: &str) {
+        self.lines.line(&format!("{:8} {at:5}  says: {}", "", text.trim()));
+    }
+
+    /// Something that is no change of state.
+    fn event(&mut self, event: &Event) {
+        let Some(text) = self.work.text(event) else { return };
         self.lines.line(&format!("{:8.3} {:5}  {text}", event.time.value(), event.line));
     }
 }

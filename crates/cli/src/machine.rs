@@ -4,7 +4,7 @@ use crate::say;
 use crate::tables::table;
 use bus::DriveReaction;
 use control::Refused;
-use control::config::machine_file::{load, text};
+use control::config::machine_file::{MachineSource, load, text};
 use store::machine::{self, MachineFile};
 
 /// Do it.
@@ -12,10 +12,7 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
     match order {
         MachineCommand::List => list(),
         MachineCommand::Show { machine, seed } => {
-            let text = text(machine)?;
-            // a file that is wrong is shown as it is
-            let plant = load(machine).map(|file| crate::plant_table::lines(&file, *seed));
-            say::out(&(text + &plant.unwrap_or_default()))
+            say::out(&shown(machine, *seed)?)
         }
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
@@ -28,6 +25,16 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
             say::out(&text)
         }
     }
+}
+
+/// The text of a machine's file, with what the simulated one may be; one that is wrong is shown as it is.
+pub(crate) fn shown(
+    source: impl Into<MachineSource>,
+    seed: Option<u64>,
+) -> Result<String, Refused> {
+    let source = source.into();
+    let plant = load(&source).map(|file| crate::plant_table::lines(&file, seed));
+    Ok(text(&source)? + &plant.unwrap_or_default())
 }
 
 /// What is allowed and yet leaves a tool in the work without help.

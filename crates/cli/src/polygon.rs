@@ -4,6 +4,7 @@ use crate::tables::table;
 use crate::{progress, say};
 use comfy_table::Cell;
 use control::Refused;
+use control::config::machine_file::MachineSource;
 use control::polygon::CANDIDATES;
 use forms::polygon::{Actuator, Detail, Facet, Swings};
 use leadscrew::polygon::{
@@ -56,9 +57,17 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
     }
 }
 
+/// The same for programs, on this machine.
+pub(crate) fn answer(args: &PolygonArgs, machine: MachineSource) -> Result<Value, Refused> {
+    let designed = design(&PolygonOptions { machine, ..options(args) }, &mut |_| ())?;
+    let told =
+        Told { design: &designed.design, best: &designed.ways[designed.best], all: &designed };
+    Ok(told.json())
+}
+
 fn options(args: &PolygonArgs) -> PolygonOptions {
     PolygonOptions {
-        machine: args.machine.clone(),
+        machine: (&args.machine).into(),
         sides: args.sides,
         insert_angles: args.insert_angles.clone(),
         inserts: args.inserts,

@@ -6,6 +6,7 @@ use crate::progress::Progress;
 use crate::recover::advice;
 use crate::render::{self, Source};
 use crate::{interrupt, left, say, summary, typed};
+use control::job::ProgramOptions;
 use control::job::restart::Restart;
 use control::{RealTimeOptions, Refused};
 use leadscrew::{Ending, Finished, NotReady, Program, Run, RunOptions};
@@ -15,8 +16,8 @@ use units::Time;
 
 /// Do it.
 pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
-    let job = Program::open(&args.program)?.on(args.source.options())?;
-    let mut run = Run::prepare(job, &options(args)).map_err(|why| not_ready(why, args))?;
+    let program = Program::open(&args.program)?;
+    let mut run = prepared(args, program, args.options(), typed::of_this_run())?;
     prove(&mut run, quiet)?;
     let folder = args.out.as_deref().map(begin_folder).transpose()?;
     if folder.is_some() {
@@ -124,6 +125,18 @@ fn told(args: &RunArgs, quiet: bool, finished: &Finished) -> Result<(), Refused>
     Ok(())
 }
 
+/// The run that is asked for, of this program, ready to be proved.
+pub(crate) fn prepared(
+    args: &RunArgs,
+    program: Program,
+    source: ProgramOptions,
+    command: Vec<String>,
+) -> Result<Run, Refused> {
+    let job = program.on(source)?;
+    let options = RunOptions { command, ..options(args) };
+    Run::prepare(job, &options).map_err(|why| not_ready(why, args))
+}
+
 fn options(args: &RunArgs) -> RunOptions {
     RunOptions {
         seed: args.seed,
@@ -138,7 +151,7 @@ fn options(args: &RunArgs) -> RunOptions {
         recover: args.recover.map(Into::into),
         socket: args.simulator.clone(),
         state: args.state.clone(),
-        command: typed::of_this_run(),
+        command: Vec::new(),
         timings: args.timings,
         real_time: args.real_time.then(RealTimeOptions::default),
     }

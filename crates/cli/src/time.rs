@@ -4,8 +4,8 @@ use crate::progress::Progress;
 use crate::{render, say};
 use control::Refused;
 use control::clock::now;
-use control::job::preflight::preflight_with;
-use leadscrew::Program;
+use control::job::preflight::{Preflight, preflight_with};
+use leadscrew::{Job, Program};
 use leadscrew::time::{Peak, Peaks, Shares, Timed, Times, WithoutJerk};
 use serde_json::{Value, json};
 use units::Time;
@@ -13,26 +13,12 @@ use units::Time;
 /// Say how long it takes. Nothing is kept of a program but what is added up: it may have any length.
 pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     let mut job = Program::open(&args.program)?.on(args.source.options())?;
-    let mut times = Times::new(&job.session, args.operations.then_some(usize::MAX));
-    let mut free = WithoutJerk::of(&mut job.session, job.plan);
     let began = args.timings.then(now);
     let progress = Progress::of_lines(&job.program.text, "planning");
-    let mut steps = |step: plan::Step| {
-        progress.reached(step.line);
-        times.step(&step);
-    };
-    let mut ops = |index, op: &canon::Op, frame| {
-        if let Some(free) = &mut free {
-            free.op(index, op, frame);
-        }
-    };
-    let known = preflight_with(&mut job.session, &job.program.text, job.plan, &mut steps, &mut ops);
+    let (times, known) =
+        measured(&mut job, args.operations, &mut |step| progress.reached(step.line))?;
     drop(progress);
     let took = began.map(|began| (now() - began).as_secs_f64());
-    if known.is_refused() {
-        return Err(job.refused(known.findings));
-    }
-    times.without_jerk = free.map(WithoutJerk::motion);
     if let Some(took) = took {
         let ratio = times.total().value() / took.max(1e-9);
         say::err(&format!("planned in {took:.3} s: {ratio:.0} times faster than it runs\n"));
@@ -51,13 +37,42 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
             )?;
         }
         Format::Json => {
-            let mut value = programs(&times, name, &job.session.machine.name, args.operations);
-            let free = times.without_jerk.map(rounded);
-            value["motion_time_without_jerk_limits_s"] = json!(free);
-            say::out(&format!("{value:#}\n"))?;
+            say::out(&format!("{:#}\n", answer(&times, &job, args.operations)))?;
         }
     }
     Ok(true)
+}
+
+/// How long it takes, with a look at every step of the planner.
+pub(crate) fn measured(
+    job: &mut Job,
+    operations: bool,
+    look: &mut dyn FnMut(&plan::Step),
+) -> Result<(Times, Preflight), Refused> {
+    let mut times = Times::new(&job.session, operations.then_some(usize::MAX));
+    let mut free = WithoutJerk::of(&mut job.session, job.plan);
+    let mut steps = |step: plan::Step| {
+        look(&step);
+        times.step(&step);
+    };
+    let mut ops = |index, op: &canon::Op, frame| {
+        if let Some(free) = &mut free {
+            free.op(index, op, frame);
+        }
+    };
+    let known = preflight_with(&mut job.session, &job.program.text, job.plan, &mut steps, &mut ops);
+    if known.is_refused() {
+        return Err(job.refused(known.findings));
+    }
+    times.without_jerk = free.map(WithoutJerk::motion);
+    Ok((times, known))
+}
+
+/// The same for programs.
+pub(crate) fn answer(times: &Times, job: &Job, operations: bool) -> Value {
+    let mut value = programs(times, &job.program.name, &job.session.machine.name, operations);
+    value["motion_time_without_jerk_limits_s"] = json!(times.without_jerk.map(rounded));
+    value
 }
 
 fn trade(motion: Time, free: Option<Time>) -> String {

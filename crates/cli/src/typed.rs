@@ -3,18 +3,33 @@
 //! Where the machine simulator is, where its state is kept, where to begin and what the operator ordered belong to one run; everything else (machine, tools,
 //! dialect, cams, parameters, learning, report files) belongs to the job.
 
+use std::sync::OnceLock;
+
 /// Options that belong to one run, each with a value.
 const OF_ONE_RUN: [&str; 5] = ["--simulator", "--iron", "--state", "--from", "--operator"];
 
 /// What only says how much is printed.
 const SAYS: [&str; 4] = ["-q", "--quiet", "--log", "--timings"];
 
-/// The words of this process.
-pub(crate) fn of_this_run() -> Vec<String> {
-    of_job(std::env::args())
+/// The words of this process, the first of which is its name.
+static ALL: OnceLock<Vec<String>> = OnceLock::new();
+
+/// Keep the words that were typed: once, at the beginning.
+pub(crate) fn keep(words: Vec<String>) {
+    let _ = ALL.set(words); // what was typed first counts
 }
 
-fn of_job(typed: impl Iterator<Item = String>) -> Vec<String> {
+/// They.
+pub(crate) fn all() -> &'static [String] {
+    ALL.get().map_or(&[], Vec::as_slice)
+}
+
+/// Those of a run that belong to its job.
+pub(crate) fn of_this_run() -> Vec<String> {
+    of_job(all().iter().cloned())
+}
+
+pub(crate) fn of_job(typed: impl Iterator<Item = String>) -> Vec<String> {
     let mut words = typed.skip_while(|word| word != "run").skip(1);
     let mut kept = Vec::new();
     while let Some(word) = words.next() {

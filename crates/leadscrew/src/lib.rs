@@ -26,6 +26,7 @@ pub mod compare;
 pub mod compensation;
 pub mod editor;
 mod link;
+mod machine;
 pub mod polygon;
 mod program;
 mod replay;
@@ -36,6 +37,8 @@ pub mod time;
 
 pub use control::Refused;
 pub use control::job::ProgramOptions;
+pub use control::config::machine_file::MachineSource;
 pub use link::NotReady;
+pub use machine::Machine;
 pub use program::{Job, Program};
 pub use run::{Ending, Finished, Run, RunOptions, Synchronisation, material};

@@ -138,7 +138,7 @@ impl Link {
         let plant = if let Some(remote) = self.remote {
             Plant::Outside(Box::new(remote))
         } else {
-            let alone = config::left_alone(machine, &job.simulator(seed));
+            let alone = config::left_alone(job.session.plant(), &job.simulator(seed));
             let machine = simulated(job, seed)?;
             let machine = match replay {
                 Some(replay) => machine.with_work_of(&replay.machine),

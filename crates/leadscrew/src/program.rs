@@ -138,14 +138,14 @@ impl Job {
 
     /// The machine, simulated, with what its control does not know by this seed.
     pub(crate) fn machine(&self, seed: u64) -> Result<SimulatedMachine, Refused> {
-        plant::simulated(&self.session.machine, self.simulator(seed))
+        plant::simulated(self.session.plant(), self.simulator(seed))
     }
 
     /// The numbers of that machine.
     pub(crate) fn simulator(&self, seed: u64) -> sim::Config {
-        let Session { machine, tools, .. } = &self.session;
         let zero = self.session.work_zero();
-        let mut simulated = config::simulator(machine, tools, self.material, seed, &zero);
+        let (plant, tools) = (self.session.plant(), &self.session.tools);
+        let mut simulated = config::simulator(plant, tools, self.material, seed, &zero);
         // as the machine that is controlled stands, if it was not switched on just now
         let start = self.session.interp_setup().start;
         for (index, axis) in &mut simulated.axes {

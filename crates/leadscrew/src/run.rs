@@ -148,7 +148,7 @@ impl Run {
         }
         let own = session.plan_options(job.material);
         job.plan = plan::Options { force_ramp: options.force_ramp.or(own.force_ramp), ..own };
-        let seed = options.seed.unwrap_or(u64::from(session.machine.simulation.seed));
+        let seed = options.seed.unwrap_or(u64::from(session.plant().simulation.seed));
         let link = Link::open(options, &mut job)?;
         job.forget();
         Ok(Self {

@@ -186,6 +186,15 @@ Examples:
   leadscrew cam lift.csv --base 18 --wheel-wear 12.5 --format table        C, X and work speed for a worn wheel
   leadscrew cam --form lobes --lift 3 --lobes 3 --out lobes.html           lift, speed, acceleration, curvature drawn")]
     Cam(CamArgs),
+    /// Run a program over many cases and say how capable the process is: in Python, `pip install 'leadscrew[dask]'`
+    #[command(after_help = "docs/python.md says what a study's file has.
+
+Example: leadscrew study plate.toml")]
+    Study {
+        /// The study: TOML
+        #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true, value_name = "FILE")]
+        words: Vec<String>,
+    },
     /// Print the operations that a program means
     #[command(after_help = "Examples:
   leadscrew canon part.ngc                       operations in machine coordinates, mm
@@ -253,6 +262,7 @@ impl Command {
             | Self::Serve(_)
             | Self::Compare(_)
             | Self::Fmt(_)
+            | Self::Study { .. }
             | Self::Lsp(_)
             | Self::Machine(_)
             | Self::Trace(_)

@@ -10,7 +10,8 @@ impl ProgramArgs {
     /// The same without a command line.
     pub(crate) fn options(&self) -> ProgramOptions {
         ProgramOptions {
-            machine: self.machine.clone(),
+            machine: (&self.machine).into(),
+            plant: None,
             tools: self.tools.clone(),
             tool_unit: match self.tool_unit {
                 ToolUnit::Mm => TableUnit::Millimetre,

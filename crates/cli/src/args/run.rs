@@ -1,6 +1,7 @@
 //! The arguments of `leadscrew run`.
 use super::{Format, ProgramArgs};
 use clap::{Args, ValueEnum};
+use control::job::ProgramOptions;
 use std::path::PathBuf;
 
 /// `leadscrew run`.
@@ -16,6 +17,9 @@ pub(crate) struct RunArgs {
     /// The report alone, without a folder for the rest [default: report.html here]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "report.html")]
     pub(crate) report: Option<PathBuf>,
+    /// The machine that is simulated, where it is another one than the control believes: the control keeps to --machine
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "simulator")]
+    pub(crate) plant: Option<String>,
     /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
@@ -67,6 +71,13 @@ pub(crate) struct RunArgs {
     pub(crate) synchronisation: Option<Synchronisation>,
     #[command(flatten)]
     pub(crate) left: super::LeftArgs,
+}
+
+impl RunArgs {
+    /// What the program is loaded with, without a command line.
+    pub(crate) fn options(&self) -> ProgramOptions {
+        ProgramOptions { plant: self.plant.as_ref().map(Into::into), ..self.source.options() }
+    }
 }
 
 /// Unit of lengths.

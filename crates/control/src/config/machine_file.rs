@@ -3,17 +3,52 @@ use super::{control, simulator};
 use crate::Refused;
 use store::machine::{self, MachineFile};
 
+/// Which machine is meant.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MachineSource {
+    /// Name of an embedded model, or of a file.
+    pub name: String,
+    /// The text that stands for that file, such as one with values changed; `None` is as it is there.
+    pub text: Option<String>,
+}
+
+impl From<&str> for MachineSource {
+    fn from(name: &str) -> Self {
+        Self { name: name.to_owned(), text: None }
+    }
+}
+
+impl From<&String> for MachineSource {
+    fn from(name: &String) -> Self {
+        name.as_str().into()
+    }
+}
+
+impl From<String> for MachineSource {
+    fn from(name: String) -> Self {
+        Self { name, text: None }
+    }
+}
+
+impl From<&Self> for MachineSource {
+    fn from(source: &Self) -> Self {
+        source.clone()
+    }
+}
+
 /// A machine by its embedded name, or from a file: one that can be controlled and simulated.
 ///
 /// # Errors
 /// A name that is not known, a file that cannot be read, and what the machine's file says wrong.
-pub fn load(name: &str) -> Result<MachineFile, Refused> {
-    let file = match machine::embedded(name) {
-        None => machine::load(&path(name)?)?,
+pub fn load(source: impl Into<MachineSource>) -> Result<MachineFile, Refused> {
+    let MachineSource { name, text } = source.into();
+    let stands = text.as_deref().or_else(|| machine::embedded(&name));
+    let file = match stands {
+        None => machine::load(&path(&name)?)?,
         Some(text) => machine::parse(text, 0)
-            .map_err(|findings| Refused::text(name.to_owned(), text, findings))?,
+            .map_err(|findings| Refused::text(name.clone(), text, findings))?,
     };
-    can_be_run(name, &file)?;
+    can_be_run(&name, &file)?;
     Ok(file)
 }
 
@@ -35,11 +70,44 @@ fn can_be_run(name: &str, file: &MachineFile) -> Result<(), Refused> {
 ///
 /// # Errors
 /// A name that is not known, and a file that cannot be read.
-pub fn text(name: &str) -> Result<String, Refused> {
-    match machine::embedded(name) {
-        Some(text) => Ok(text.to_owned()),
-        None => Ok(store::read_text(&path(name)?, "a machine file", store::SMALL_FILE_LIMIT)?),
+pub fn text(source: impl Into<MachineSource>) -> Result<String, Refused> {
+    let MachineSource { name, text } = source.into();
+    match text.or_else(|| machine::embedded(&name).map(str::to_owned)) {
+        Some(text) => Ok(text),
+        None => Ok(store::read_text(&path(&name)?, "a machine file", store::SMALL_FILE_LIMIT)?),
     }
+}
+
+/// What the simulated machine may be other than its control believes, and what it may not: it has the same axes and spindles,
+/// the same servo period and work clamped at the same place.
+///
+/// # Errors
+/// What it may not.
+pub fn fits(plant: &MachineFile, believed: &MachineFile) -> Result<(), Refused> {
+    let letters = |file: &MachineFile| {
+        file.axes.iter().flatten().map(|a| a.letter.letter()).collect::<String>()
+    };
+    let spindles = |file: &MachineFile| {
+        file.spindles.iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(", ")
+    };
+    let period = |file: &MachineFile| format!("{} µs", file.control.period.value() * 1e6);
+    let zero = |file: &MachineFile| format!("{:?} mm", file.setup.g54.linear.map(units::Length::value));
+    let all: [(&str, &dyn Fn(&MachineFile) -> String); 4] = [
+        ("axes", &letters),
+        ("spindles", &spindles),
+        ("servo period", &period),
+        ("work offset G54", &zero),
+    ];
+    for (what, of) in all {
+        let (real, told) = (of(plant), of(believed));
+        if real != told {
+            return Err(Refused::because(format!(
+                "the plant {} does not fit the machine {}: {what} {real}, expected {told}",
+                plant.name, believed.name
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// A file's path, unless the name looks like that of a machine nobody knows.

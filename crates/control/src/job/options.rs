@@ -1,5 +1,6 @@
 //! What a program is loaded with, as plain values: which machine, which tools, how it is read. The command line makes it
 //! from its arguments; anything else that runs a program (a design helper, a test) writes it down.
+use crate::config::machine_file::MachineSource;
 use std::path::PathBuf;
 use store::machine::Preset;
 use store::tools::TableUnit;
@@ -8,7 +9,9 @@ use store::tools::TableUnit;
 #[derive(Debug, Clone)]
 pub struct ProgramOptions {
     /// The machine: name of a built-in model, or a file.
-    pub machine: String,
+    pub machine: MachineSource,
+    /// The machine that is simulated, where it is another one than the control believes; `None` is the same.
+    pub plant: Option<MachineSource>,
     /// Tool table; `None` is `tools.toml` or `tool.tbl` beside the program, else the built-in one.
     pub tools: Option<PathBuf>,
     /// Unit of the lengths in a `.tbl`, which does not state it.
@@ -49,9 +52,10 @@ pub struct ProgramOptions {
 
 impl ProgramOptions {
     /// For a machine, all else as it is where nothing is said.
-    pub fn on(machine: impl Into<String>) -> Self {
+    pub fn on(machine: impl Into<MachineSource>) -> Self {
         Self {
             machine: machine.into(),
+            plant: None,
             tools: None,
             tool_unit: TableUnit::Millimetre,
             parameters: None,

@@ -1,5 +1,6 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
 use crate::Refused;
+use crate::config::machine_file::MachineSource;
 use crate::job::cams::CamSetup;
 use crate::job::dialect;
 use crate::job::operations::Before;
@@ -29,6 +30,8 @@ const G54: usize = 5221;
 pub struct Session {
     /// The machine.
     pub machine: MachineFile,
+    /// The machine that is simulated; `None` is the one that the control believes.
+    plant: Option<MachineFile>,
     /// The tools.
     pub tools: ToolLibrary,
     /// Where the tools came from, for people.
@@ -87,6 +90,7 @@ impl Session {
         if let Some(path) = &options.inputs {
             load_inputs(path, &mut machine)?;
         }
+        let plant = options.plant.as_ref().map(|plant| plant_of(plant, &machine)).transpose()?;
         let (tools, tools_from, table, bytes) =
             tools(options.tools.as_deref(), options.tool_unit, program)?;
         let machine_text = crate::config::machine_file::text(&options.machine)?;
@@ -108,6 +112,7 @@ impl Session {
             )?,
             taps: taps(options, &machine),
             machine,
+            plant,
             tools,
             tools_from,
             table,
@@ -125,6 +130,11 @@ impl Session {
             session.prepare(&[]);
         }
         Ok(session)
+    }
+
+    /// The machine that is simulated.
+    pub fn plant(&self) -> &MachineFile {
+        self.plant.as_ref().unwrap_or(&self.machine)
     }
 
     /// What a program does must be known before it is planned: which cams it grinds, and which tools it lacks.
@@ -379,6 +389,14 @@ fn parameters(named: Option<&Path>, machine: &MachineFile) -> Result<interp::Par
         parameters.set(G54 + axis.index(), machine.setup.g54.along(axis).value());
     }
     Ok(parameters)
+}
+
+/// The machine that is simulated, where its control believes another one: what stands on its inputs is the same.
+fn plant_of(source: &MachineSource, believed: &MachineFile) -> Result<MachineFile, Refused> {
+    let mut plant = crate::config::machine_file::load(source)?;
+    crate::config::machine_file::fits(&plant, believed)?;
+    plant.simulation.inputs.clone_from(&believed.simulation.inputs);
+    Ok(plant)
 }
 
 #[cfg(test)]

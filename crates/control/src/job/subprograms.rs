@@ -106,7 +106,7 @@ fn search_path(
     let mut folders = vec![beside];
     folders.extend(options.subprograms.iter().cloned());
     are_there(folders.get(1..).unwrap_or_default())?;
-    folders.extend(folders_of(&options.machine, machine)?);
+    folders.extend(folders_of(&options.machine.name, machine)?);
     Ok(folders)
 }
 

@@ -9,6 +9,7 @@ use super::servo_error::{ServoError, Swung};
 use super::{Design, FINE_HARMONICS, drives, kept};
 use canon::{OpKind, Oscillating, Oscillation, Polygon};
 use control::Refused;
+use control::config::machine_file::MachineSource;
 use control::config::tolerances;
 use control::polygon::cuts;
 use forms::polygon::{Actuator, Cut, Form, Series, Swings, Term};
@@ -30,7 +31,7 @@ impl Design {
     pub(super) fn claim(
         &self,
         block: &str,
-        machine: &str,
+        machine: &MachineSource,
         work: Spin,
     ) -> Result<Result<Claim, String>, Refused> {
         let text = format!("{block}M2\n");

@@ -13,6 +13,7 @@ pub use prove::{Cut, Proof};
 pub use servo_error::ServoError;
 
 use control::Refused;
+use control::config::machine_file::MachineSource;
 use control::polygon::{
     AS_FLAT, CANDIDATES, FINE_HARMONICS, HARMONICS, SLOWEST_RPM, drives, fastest, flattest, kept,
     may_swing, problem, refuse,
@@ -72,7 +73,7 @@ pub struct SolvedMotion {
 #[derive(Debug, Clone)]
 pub struct PolygonOptions {
     /// The machine: an embedded name, or a file.
-    pub machine: String,
+    pub machine: MachineSource,
     /// Sides of a regular polygon.
     pub sides: u32,
     /// Where the inserts stand in the cutter, degrees; empty: equally spaced.

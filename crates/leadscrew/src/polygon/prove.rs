@@ -10,6 +10,7 @@ use super::{CANDIDATES, Design, Progress, SolvedMotion, best, flattest};
 use crate::{Job, Program};
 use canon::{PolygonCutter, Tool, ToolKind};
 use control::Refused;
+use control::config::machine_file::MachineSource;
 use control::job::ProgramOptions;
 use control::plant::Plant;
 use forms::polygon::Detail;
@@ -58,7 +59,7 @@ pub struct Cut {
 /// All speeds that the spindles reach.
 pub(super) fn proofs(
     design: &Design,
-    machine: &str,
+    machine: &MachineSource,
     hear: &mut dyn FnMut(Progress),
 ) -> Result<Vec<Proof>, Refused> {
     let most = design.fastest_turning();
@@ -67,7 +68,7 @@ pub(super) fn proofs(
     speeds.map(|spin| proof(design, machine, spin)).inspect(|_| hear(Progress::Run)).collect()
 }
 
-fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {
+fn proof(design: &Design, machine: &MachineSource, spin: Spin) -> Result<Proof, Refused> {
     let none = Phases::new("", 0);
     let Some(way) = design.flattest(spin, &none) else {
         return Err(Refused::because(format!("nothing can swing at {:.0} rpm", spin.in_rpm())));
@@ -112,7 +113,7 @@ impl Design {
 /// Cut a piece on the simulated machine; with `looks`, measure in the air afterwards.
 fn run(
     design: &Design,
-    machine: &str,
+    machine: &MachineSource,
     spin: Spin,
     way: &SolvedMotion,
     looks: Option<u32>,
@@ -142,7 +143,7 @@ fn run(
 }
 
 /// A program that cuts a design, with its cutter.
-pub(super) fn job(design: &Design, machine: &str, text: String) -> Result<Job, Refused> {
+pub(super) fn job(design: &Design, machine: &MachineSource, text: String) -> Result<Job, Refused> {
     let options =
         ProgramOptions { dialect: Some(interp::Dialect::LinuxCnc), ..ProgramOptions::on(machine) };
     let mut job = Program::of("the program for this polygon", text).on(options)?;

@@ -34,6 +34,7 @@
 //! | `_n_per_mm2` | specific cutting force kc |
 //! | `_share` | a fraction of one; the file has percent |
 mod axis;
+mod change;
 mod control;
 mod drives;
 mod grinding;
@@ -50,6 +51,7 @@ pub(crate) use axis::n_per_um;
 pub use axis::{
     Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
 };
+pub use change::{changed, value};
 pub use control::{
     BoringAside, ChipRemoval, Control, CycleDepth, Dialect, Fanuc, Follows, Increments, Learning,
     Overrides, PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,

@@ -31,11 +31,13 @@
 mod convert;
 mod protobuf;
 mod read;
+mod rows;
 mod summary;
 mod write;
 
 pub use convert::{Format, convert};
 pub use read::{Group, Reader};
+pub use rows::Rows;
 pub use summary::{ColumnSummary, Summary};
 pub use write::Writer;
 
@@ -82,5 +84,20 @@ impl Columns {
                 .collect(),
             spindles: machine.spindles.iter().map(|s| s.name.clone()).collect(),
         }
+    }
+
+    /// Names of the columns between `time_s` and `control_sync_error_um`: four to an axis, then five to a spindle.
+    pub fn names(&self) -> Vec<String> {
+        let linear = ["control_setpoint_mm", "truth_mm", "encoder_mm", "drive_force_n"];
+        let rotary = ["control_setpoint_deg", "truth_deg", "encoder_deg", "drive_torque_n_m"];
+        let spindle =
+            ["control_setpoint_rev", "truth_rev", "encoder_rev", "rpm", "drive_torque_n_m"];
+        let of = |name: &String, what: &[&str]| -> Vec<String> {
+            what.iter().map(|what| format!("{name}_{what}")).collect()
+        };
+        let axes = self.axes.iter().flat_map(|(index, axis)| {
+            of(axis, if rows::is_rotary(*index) { &rotary } else { &linear })
+        });
+        axes.chain(self.spindles.iter().flat_map(|name| of(name, &spindle))).collect()
     }
 }
