@@ -93,13 +93,13 @@ def test_an_alarm_is_a_result() -> None:
 
 def test_a_plant_that_differs_is_cut_as_it_is_and_believed_as_the_machine_file_has_it() -> None:
     machine = leadscrew.Machine.load("tapping-center")
-    # 1000 ppm over the 15 mm below the work zero; stated errors are not drawn
+    # errors are zero at the work's zero; the drill is 118.5 mm long: at a depth of 20 mm the axis stands 98.5 mm above that
     longer = machine.with_({"axes.z.errors.scale_error_ppm": 1000})
     depth = [
-        leadscrew.run("hole.ngc", text=one_hole(), machine=machine, plant=plant, seed=1).features["depth_error_um"].to_pylist()[1]
+        leadscrew.run("hole.ngc", text=one_hole(), machine=machine, plant=plant, seed=1).features["depth_mm"].to_pylist()[0]
         for plant in (machine.with_({"axes.z.errors.scale_error_ppm": 0}), longer)
     ]
-    assert depth[1] - depth[0] == pytest.approx(15, abs=0.5)
+    assert depth[1] - depth[0] == pytest.approx(-1000e-6 * (118.5 - 20), rel=0.005)
 
 
 def test_a_plant_with_other_axes_is_refused() -> None:

@@ -159,7 +159,7 @@ class _Running:
                         future.cancel()
                         pending.extendleft(reversed(batch))
                     running.clear()
-                    executor.shutdown(wait=False, cancel_futures=True)
+                    executor.shutdown(wait=False)
                     executor = self.executors.make()
         except BaseException:
             for future in running:
@@ -167,7 +167,7 @@ class _Running:
             raise
         finally:
             if self.executors.again:
-                executor.shutdown(wait=False, cancel_futures=True)
+                executor.shutdown(wait=False)
 
     def _losses(self) -> tuple[type[BaseException], ...]:
         return (BrokenExecutor, CancelledError, *self.executors.lost)
