@@ -29,7 +29,7 @@ pub const BUILD: &str = env!("LEADSCREW_VERSION");
 
 /// What is asked.
 #[derive(Debug, Clone, Default)]
-pub struct Asked {
+pub struct CommandWords {
     /// The words behind `leadscrew`.
     pub words: Vec<String>,
     /// Text of the program, in place of the file that the words name.
@@ -40,7 +40,7 @@ pub struct Asked {
     pub plant: Option<MachineSource>,
 }
 
-impl Asked {
+impl CommandWords {
     fn command(&self) -> Result<Command, Refused> {
         let words = std::iter::once("leadscrew").chain(self.words.iter().map(String::as_str));
         let read = Cli::try_parse_from(words).map_err(|wrong| {
@@ -97,7 +97,7 @@ pub fn findings_of(finished: &Finished) -> Value {
 ///
 /// # Errors
 /// Words that mean nothing, and files that cannot be read.
-pub fn check(asked: &Asked, goes_on: &dyn Fn() -> bool) -> Result<Value, Refused> {
+pub fn check(asked: &CommandWords, goes_on: &dyn Fn() -> bool) -> Result<Value, Refused> {
     let Command::Check(args) = asked.command()? else { return Err(asked.other()) };
     let [path] = args.programs.as_slice() else {
         return Err(Refused::because("expected one program"));
@@ -114,7 +114,7 @@ pub fn check(asked: &Asked, goes_on: &dyn Fn() -> bool) -> Result<Value, Refused
 ///
 /// # Errors
 /// Words that mean nothing, files that cannot be read, and a program that is refused.
-pub fn canon(asked: &Asked) -> Result<Value, Refused> {
+pub fn canon(asked: &CommandWords) -> Result<Value, Refused> {
     let Command::Canon(args) = asked.command()? else { return Err(asked.other()) };
     let (session, text) = asked.session(&args.source, &args.program)?;
     let (objects, findings) = canonical::answer(&session, &text);
@@ -129,7 +129,7 @@ pub fn canon(asked: &Asked) -> Result<Value, Refused> {
 ///
 /// # Errors
 /// Words that mean nothing, files that cannot be read, and a program that is refused.
-pub fn time(asked: &Asked) -> Result<Value, Refused> {
+pub fn time(asked: &CommandWords) -> Result<Value, Refused> {
     let Command::Time(args) = asked.command()? else { return Err(asked.other()) };
     let mut job = asked.program(&args.program)?.on(asked.options(args.source.options()))?;
     let (times, _) = time::measured(&mut job, args.operations, &mut |_| ())?;
@@ -140,7 +140,7 @@ pub fn time(asked: &Asked) -> Result<Value, Refused> {
 ///
 /// # Errors
 /// Words that mean nothing, and a polygon that cannot be turned so.
-pub fn polygon(asked: &Asked) -> Result<Value, Refused> {
+pub fn polygon(asked: &CommandWords) -> Result<Value, Refused> {
     let Command::Polygon(args) = asked.command()? else { return Err(asked.other()) };
     polygon::answer(&args, asked.machine.clone().unwrap_or_else(|| (&args.machine).into()))
 }
@@ -149,7 +149,7 @@ pub fn polygon(asked: &Asked) -> Result<Value, Refused> {
 ///
 /// # Errors
 /// Words that mean nothing, and a cam that cannot be ground so.
-pub fn cam(asked: &Asked) -> Result<Value, Refused> {
+pub fn cam(asked: &CommandWords) -> Result<Value, Refused> {
     let Command::Cam(args) = asked.command()? else { return Err(asked.other()) };
     cam::answer(&args, asked.machine.clone().unwrap_or_else(|| (&args.machine).into()))
 }
@@ -158,7 +158,7 @@ pub fn cam(asked: &Asked) -> Result<Value, Refused> {
 ///
 /// # Errors
 /// Words that mean nothing, files that cannot be read, and options that do not fit.
-pub fn run(asked: &Asked) -> Result<Run, Refused> {
+pub fn run(asked: &CommandWords) -> Result<Run, Refused> {
     let Command::Run(args) = asked.command()? else { return Err(asked.other()) };
     let program = asked.program(&args.program)?;
     let command = typed::of_job(asked.words.iter().cloned());
@@ -187,11 +187,11 @@ pub struct Happened {
 }
 
 /// Where events are kept, for the caller and the run.
-pub type Kept = Arc<Mutex<Vec<Happened>>>;
+pub type KeptEvents = Arc<Mutex<Vec<Happened>>>;
 
 /// An observer that keeps every event of a run; what it has kept, too.
-pub fn events(run: &Run) -> (Box<dyn Observer>, Kept) {
-    let kept = Kept::default();
+pub fn events(run: &Run) -> (Box<dyn Observer>, KeptEvents) {
+    let kept = KeptEvents::default();
     let (tools, zero) = (run.job.session.tools.clone(), run.job.session.work_zero());
     let events = Events { work: WorkFrame::new(tools, zero), now: 0.0, kept: Arc::clone(&kept) };
     (Box::new(events), kept)
@@ -200,7 +200,7 @@ pub fn events(run: &Run) -> (Box<dyn Observer>, Kept) {
 struct Events {
     work: WorkFrame,
     now: f64,
-    kept: Kept,
+    kept: KeptEvents,
 }
 
 impl Events {

@@ -128,14 +128,10 @@ fn execute(cli: &Cli) -> Result<u8, Refused> {
         Command::Serve(args) => serve::command(args).map(|()| SUCCESS),
         Command::Simulator(args) => simulator::command(args).map(|()| SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
-        Command::Compare(args) => Ok(if compare::command(args, cli.quiet)? {
-            SUCCESS
-        } else {
-            OUT_OF_TOLERANCE
-        }),
-        Command::Compensation(args) => {
-            compensation::command(args, cli.quiet).map(|()| SUCCESS)
+        Command::Compare(args) => {
+            Ok(if compare::command(args, cli.quiet)? { SUCCESS } else { OUT_OF_TOLERANCE })
         }
+        Command::Compensation(args) => compensation::command(args, cli.quiet).map(|()| SUCCESS),
         Command::Time(args) => Ok(accepted(time::command(args, cli.quiet)?)),
         Command::Polygon(args) => polygon::command(args, cli.quiet).map(|()| SUCCESS),
         Command::Cam(args) => cam::command(args).map(|()| SUCCESS),

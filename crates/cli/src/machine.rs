@@ -11,9 +11,7 @@ use store::machine::{self, MachineFile};
 pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
     match order {
         MachineCommand::List => list(),
-        MachineCommand::Show { machine, seed } => {
-            say::out(&shown(machine, *seed)?)
-        }
+        MachineCommand::Show { machine, seed } => say::out(&shown(machine, *seed)?),
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
             control::job::subprograms::folders_of(machine, &file)?;

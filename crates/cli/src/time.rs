@@ -5,8 +5,8 @@ use crate::{render, say};
 use control::Refused;
 use control::clock::now;
 use control::job::preflight::{Preflight, preflight_with};
-use leadscrew::{Job, Program};
 use leadscrew::time::{Peak, Peaks, Shares, Timed, Times, WithoutJerk};
+use leadscrew::{Job, Program};
 use serde_json::{Value, json};
 use units::Time;
 

@@ -36,8 +36,8 @@ pub mod simulator;
 pub mod time;
 
 pub use control::Refused;
-pub use control::job::ProgramOptions;
 pub use control::config::machine_file::MachineSource;
+pub use control::job::ProgramOptions;
 pub use link::NotReady;
 pub use machine::Machine;
 pub use program::{Job, Program};

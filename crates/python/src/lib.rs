@@ -13,7 +13,7 @@ mod refusal;
 mod result;
 mod trace;
 
-use cli::answers::{self, Asked};
+use cli::answers::{self, CommandWords};
 use control::Refused;
 use leadscrew::{Machine, MachineSource};
 use pyo3::prelude::*;
@@ -33,8 +33,8 @@ fn asked(
     program: Option<Vec<u8>>,
     machine: Option<Named>,
     plant: Option<Named>,
-) -> Asked {
-    Asked { words, program, machine: machine.map(source), plant: plant.map(source) }
+) -> CommandWords {
+    CommandWords { words, program, machine: machine.map(source), plant: plant.map(source) }
 }
 
 /// A value as JSON, or the exception.

@@ -107,7 +107,7 @@ pub(crate) fn run(
 }
 
 fn execute(
-    asked: &answers::Asked,
+    asked: &answers::CommandWords,
     trace: bool,
     progress: Option<&Py<PyAny>>,
 ) -> Result<Ran, Refused> {

@@ -17,19 +17,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use store::trace::{Columns, Rows, unit_of};
 
 /// Where rows are kept, for the caller and the run.
-pub(crate) type Kept = Arc<Mutex<Vec<Rows>>>;
+pub(crate) type KeptRows = Arc<Mutex<Vec<Rows>>>;
 
 /// Keeps every servo period.
 pub(crate) struct Recording {
-    kept: Kept,
+    kept: KeptRows,
     rows: Option<Rows>,
     columns: Columns,
 }
 
 impl Recording {
     /// Of these columns; where its rows come when it is dropped.
-    pub(crate) fn new(columns: Columns) -> (Self, Kept) {
-        let kept = Kept::default();
+    pub(crate) fn new(columns: Columns) -> (Self, KeptRows) {
+        let kept = KeptRows::default();
         let rows = Some(Rows::new(columns.clone()));
         (Self { kept: Arc::clone(&kept), rows, columns }, kept)
     }
@@ -77,7 +77,8 @@ impl Trace {
         about: HashMap<String, String>,
     ) -> Result<Self, ArrowError> {
         let schema = Arc::new(schema(columns).with_metadata(about));
-        let batches = rows.into_iter().map(|rows| batch(&schema, rows)).collect::<Result<_, _>>()?;
+        let batches =
+            rows.into_iter().map(|rows| batch(&schema, rows)).collect::<Result<_, _>>()?;
         Ok(Self { schema, batches })
     }
 }

@@ -192,7 +192,12 @@ Examples:
 Example: leadscrew study plate.toml")]
     Study {
         /// The study: TOML
-        #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true, value_name = "FILE")]
+        #[arg(
+            required = true,
+            trailing_var_arg = true,
+            allow_hyphen_values = true,
+            value_name = "FILE"
+        )]
         words: Vec<String>,
     },
     /// Print the operations that a program means

@@ -91,7 +91,8 @@ pub fn fits(plant: &MachineFile, believed: &MachineFile) -> Result<(), Refused> 
         file.spindles.iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(", ")
     };
     let period = |file: &MachineFile| format!("{} µs", file.control.period.value() * 1e6);
-    let zero = |file: &MachineFile| format!("{:?} mm", file.setup.g54.linear.map(units::Length::value));
+    let zero =
+        |file: &MachineFile| format!("{:?} mm", file.setup.g54.linear.map(units::Length::value));
     let all: [(&str, &dyn Fn(&MachineFile) -> String); 4] = [
         ("axes", &letters),
         ("spindles", &spindles),

@@ -23,7 +23,8 @@ pub fn changed(text: &str, key: &str, value: &Json) -> Result<String, String> {
     while let Some(step) = steps.next() {
         let through = || format!("{key}: {step} is no table");
         at = if step == "spindles" {
-            let which = steps.next().ok_or_else(|| format!("{key}: expected spindles.0 or a name"))?;
+            let which =
+                steps.next().ok_or_else(|| format!("{key}: expected spindles.0 or a name"))?;
             let named = || spindles.iter().position(|name| name == which);
             let index = which.parse().ok().or_else(named).filter(|index| *index < bus::SPINDLES);
             let index = index.ok_or_else(|| {
@@ -120,7 +121,10 @@ mod tests {
     #[test]
     fn a_key_with_another_unit_is_unknown_and_the_right_one_is_named() {
         let said = refused("axes.z.structure.backlash_mm", &json!(0.01));
-        assert!(said.contains("unknown key `backlash_mm`") && said.contains("`backlash_um`"), "{said}");
+        assert!(
+            said.contains("unknown key `backlash_mm`") && said.contains("`backlash_um`"),
+            "{said}"
+        );
     }
 
     #[test]
