@@ -14,25 +14,20 @@ thread_local! {
 }
 
 /// From now on signals are looked for in this thread.
-pub(crate) struct Watch(());
+pub(crate) fn watch(py: Python<'_>) -> PyResult<()> {
+    let threading = py.import("threading")?;
+    let main = threading.call_method0("main_thread")?;
+    IS_MAIN.set(threading.call_method0("current_thread")?.is(&main));
+    HAS_RAISED.set(false);
+    PERIODS.set(0);
+    RAISED.take();
+    Ok(())
+}
 
-impl Watch {
-    /// Begin.
-    pub(crate) fn begin(py: Python<'_>) -> PyResult<Self> {
-        let threading = py.import("threading")?;
-        let main = threading.call_method0("main_thread")?;
-        IS_MAIN.set(threading.call_method0("current_thread")?.is(&main));
-        HAS_RAISED.set(false);
-        PERIODS.set(0);
-        RAISED.take();
-        Ok(Self(()))
-    }
-
-    /// The exception that has ended the work, if there was one.
-    pub(crate) fn end(self) -> PyResult<()> {
-        HAS_RAISED.set(false);
-        RAISED.take().map_or(Ok(()), Err)
-    }
+/// The exception that has ended the work since then, if there was one.
+pub(crate) fn raised() -> PyResult<()> {
+    HAS_RAISED.set(false);
+    RAISED.take().map_or(Ok(()), Err)
 }
 
 /// Something was raised while Leadscrew worked: it is to end.
@@ -52,6 +47,7 @@ pub(crate) fn came() -> bool {
 }
 
 /// The same, with a look at the signals at once.
+#[allow(clippy::redundant_closure_for_method_calls)] // the method itself is not general enough in its lifetime
 pub(crate) fn came_now() -> bool {
     if IS_MAIN.get()
         && !HAS_RAISED.get()

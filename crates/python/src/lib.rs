@@ -61,9 +61,9 @@ fn check(
     machine: Option<Named>,
 ) -> PyResult<String> {
     let asked = asked(words, program, machine, None);
-    let watch = interrupt::Watch::begin(py)?;
+    interrupt::watch(py)?;
     let answer = py.detach(|| answers::check(&asked, &|| !interrupt::came_now()));
-    watch.end()?;
+    interrupt::raised()?;
     json(py, answer)
 }
 

@@ -90,12 +90,13 @@ pub(crate) fn run(
     machine: Option<Named>,
     plant: Option<Named>,
     trace: bool,
-    progress: Option<Py<PyAny>>,
+    progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<RunResult> {
     let asked = asked(words, program, machine, plant);
-    let watch = interrupt::Watch::begin(py)?;
+    let progress = progress.map(Bound::unbind);
+    interrupt::watch(py)?;
     let ran = py.detach(|| execute(&asked, trace, progress.as_ref()));
-    watch.end()?;
+    interrupt::raised()?;
     let Ran { finished, events, recorded } =
         ran.map_err(|refused| refusal::exception(py, &refused))?;
     let trace = recorded.map(|(columns, rows)| {

@@ -93,14 +93,13 @@ pub fn fits(plant: &MachineFile, believed: &MachineFile) -> Result<(), Refused> 
     let period = |file: &MachineFile| format!("{} µs", file.control.period.value() * 1e6);
     let zero =
         |file: &MachineFile| format!("{:?} mm", file.setup.g54.linear.map(units::Length::value));
-    let all: [(&str, &dyn Fn(&MachineFile) -> String); 4] = [
-        ("axes", &letters),
-        ("spindles", &spindles),
-        ("servo period", &period),
-        ("work offset G54", &zero),
+    let all = [
+        ("axes", letters(plant), letters(believed)),
+        ("spindles", spindles(plant), spindles(believed)),
+        ("servo period", period(plant), period(believed)),
+        ("work offset G54", zero(plant), zero(believed)),
     ];
-    for (what, of) in all {
-        let (real, told) = (of(plant), of(believed));
+    for (what, real, told) in all {
         if real != told {
             return Err(Refused::because(format!(
                 "the plant {} does not fit the machine {}: {what} {real}, expected {told}",
