@@ -3,6 +3,26 @@
 from collections.abc import Callable
 from typing import Literal, final
 
+__all__ = [
+    "__version__",
+    "BUILD",
+    "MACHINES",
+    "RunResult",
+    "Trace",
+    "main",
+    "check",
+    "canon",
+    "time",
+    "polygon",
+    "cam",
+    "run",
+    "machine_text",
+    "machine_changed",
+    "machine_value",
+    "machine_shown",
+    "unit_of",
+]
+
 __version__: str
 BUILD: str
 MACHINES: list[str]
