@@ -201,6 +201,28 @@ pub enum Holder {
     },
 }
 
+impl Holder {
+    /// Axial stiffness within its travel.
+    pub const fn stiffness(self) -> Stiffness {
+        match self {
+            Self::Rigid { stiffness }
+            | Self::SoftSynchro { stiffness, .. }
+            | Self::TensionCompression { stiffness, .. }
+            | Self::Clutch { stiffness, .. } => stiffness,
+        }
+    }
+
+    /// How far it gives each way until it is stiff; `None`: it is one spring, or parts.
+    pub const fn travel(self) -> Option<Length> {
+        match self {
+            Self::SoftSynchro { travel, .. } | Self::TensionCompression { travel, .. } => {
+                Some(travel)
+            }
+            Self::Rigid { .. } | Self::Clutch { .. } => None,
+        }
+    }
+}
+
 /// All tools, by number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolLibrary {

@@ -403,3 +403,34 @@ fn the_axis_ramps_as_long_as_a_spindle_that_makes_its_own_ramps() {
     assert!(number(&stopped, "off_helix_um").abs() < 650.0, "{stopped:#}");
     assert_eq!(simulator.recover(&machine)["outcome"], "recovered");
 }
+
+/// M3 in a holder that gives 0.5 mm, and drives that are simply off: the axis is clamped and the spindle turns on by ten turns.
+#[test]
+fn a_tap_that_its_holder_has_torn_is_not_called_whole_even_after_a_recovery_that_was_stopped() {
+    let program = "G21 G90 G54 G17\nT6 M6\nS2000 M3\nG0 X0 Y0\nG43 H6 Z20\nG99 G84 X0 Y0 Z-6 R5 F1000\nG80\nG0 Z50\nM2\n";
+    let simulator = Simulator::killing_at(&[2.44, 5.3], &["--on-link-loss", "off"]);
+    assert!(simulator.run(program, &[]).status.code().is_none(), "it was killed");
+    let stopped = simulator.status();
+    assert_eq!(stopped["tool_broken"], true, "{stopped:#}");
+    let rehearsed = simulator.recover(&["--dry-run"]);
+    assert!(
+        rehearsed["outcome"] == "refused" || !rehearsed["not_known_whole"].is_null(),
+        "{rehearsed:#}"
+    );
+    simulator.recover_killed();
+
+    let again = simulator.recover(&[]);
+    assert!(again["outcome"] == "refused" || again["outcome"] == "not-known-whole", "{again:#}");
+}
+
+/// Its drive obeys no trajectory, and turns a little slower than it is told.
+#[test]
+fn a_tap_under_a_spindle_that_is_only_told_a_speed_comes_out_along_its_thread() {
+    let machine = ["--machine", "vfd-mill"];
+    let simulator = Simulator::killing_at(&[9.446], &machine);
+    simulator.run(&one_tap("G84", 11), &machine);
+    assert_eq!(simulator.recover(&machine)["outcome"], "recovered");
+    let out = simulator.status();
+    assert!(out["tap_in_thread"] == false && out["tool_broken"] == false, "{out:#}");
+    assert!(number(&out, "off_helix_while_coupled_max_um") < 20.0, "{out:#}");
+}

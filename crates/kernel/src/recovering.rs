@@ -15,8 +15,9 @@ use crate::drives::{Drives, Finding};
 use crate::event::{EventKind, RecoveryFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
+use crate::terms::target;
 use sync::recovery::{Mover, Point, Projection, Stored, Way};
-use sync::{Blend, BlendPoint, Coupling, Rotation};
+use sync::{Blend, BlendPoint, Coupling, Rotation, SyncMode};
 use units::Axis;
 use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
 
@@ -138,14 +139,15 @@ impl Recovering {
                 None if self.plan.way == Way::Straight => self.over(context),
                 None => self.out(context),
             },
-            Stage::Spindle(leg) => match self.turn(leg, dt, drives, false) {
-                Some(leg) => Stage::Spindle(leg),
-                None => self.out(context),
+            Stage::Spindle(leg) => match self.turn(leg, dt, drives) {
+                (leg, _, false) => Stage::Spindle(leg),
+                (_, _, true) => self.out(context),
             },
-            Stage::Out(leg) => match self.turn(leg, dt, drives, true) {
-                Some(leg) => Stage::Out(leg),
-                None => self.over(context),
-            },
+            Stage::Out(leg) => {
+                let (leg, ordered, told) = self.turn(leg, dt, drives);
+                let stands = self.follow(&leg, ordered, drives, context);
+                if told && stands { self.over(context) } else { Stage::Out(leg) }
+            }
             Stage::Done => Stage::Done,
         };
         Ok(())
@@ -228,28 +230,34 @@ impl Recovering {
         Blend::new((from - turn).value(), (to - turn).value(), spin.value(), accel.value())
     }
 
-    /// Turn the spindle, with the follower on its coupling or standing.
-    fn turn(&self, mut leg: Leg, dt: f64, drives: &mut Drives, coupled: bool) -> Option<Leg> {
-        let index = usize::from(self.plan.spindle);
-        let spindle = drives.spindles[index].as_mut()?;
+    /// Turn the spindle; what it is ordered now, and whether that was all of its way.
+    fn turn(&self, mut leg: Leg, dt: f64, drives: &mut Drives) -> (Leg, Rotation, bool) {
+        let Some(spindle) = &mut drives.spindles[usize::from(self.plan.spindle)] else {
+            return (leg, Rotation::default(), true);
+        };
         let (now, ahead, over) = leg.advance(dt, spindle.lookahead_s());
         let ordered = rotation(&now);
         spindle.lead(ordered, rotation(&ahead), true);
-        if coupled && let Some(axis) = &mut drives.axes[self.plan.axis.index()] {
-            let turn = self.plan.turn;
-            let coupling = self.plan.stored.coupling();
-            let at = |r: Rotation| coupling.follow(Rotation { angle: r.angle + turn, ..r });
-            let later = rotation(&leg.blend.at(leg.at_s + axis.lookahead_s()));
-            let (follower, then) = (at(ordered), at(later));
-            let accel = follower.accel.value();
-            axis.target = Target {
-                position: follower.position.value(),
-                speed: follower.speed.value(),
-                accel,
-                jerk: (then.accel.value() - accel) / axis.lookahead_s(),
-            };
+        (leg, ordered, over)
+    }
+
+    /// Keep the axis on its coupling: by what the spindle is ordered, or, where the axis follows an encoder since the drive obeys no
+    /// trajectory, by how it turns; whether the spindle is where it should be.
+    fn follow(&self, leg: &Leg, ordered: Rotation, drives: &mut Drives, context: &Context) -> bool {
+        let Some(spindle) = &drives.spindles[usize::from(self.plan.spindle)] else { return true };
+        let Some(axis) = &mut drives.axes[self.plan.axis.index()] else { return true };
+        let coupling = self.plan.stored.coupling();
+        let turn = self.plan.turn;
+        let at = |r: Rotation| coupling.follow(Rotation { angle: r.angle + turn, ..r });
+        let ahead_s = axis.lookahead_s();
+        if context.config.synchronisation == SyncMode::CommandSynchronised {
+            let later = rotation(&leg.blend.at(leg.at_s + ahead_s));
+            axis.target = target(&at(ordered), &at(later), ahead_s);
+            return true;
         }
-        (!over).then_some(leg)
+        let turns = at(spindle.now());
+        axis.target = target(&turns, &turns, ahead_s);
+        spindle.at_rest()
     }
 
     /// How far from the coupling it is, and, once it is on it, was at most.

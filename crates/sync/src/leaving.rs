@@ -14,7 +14,9 @@
 //! |---|---|---|
 //! | k, D | stiffness of the holder, nominal diameter | N/mm, mm |
 //! | σ | what the core, 0.6·D, bears in pure tension: √3·1000 N/mm² | N/mm² |
-//! | F/k | how far off its coupling a tap is when its core tears: σ·π/4·(0.6·D)²/k | mm |
+//! | F = σ·π/4·(0.6·D)² | what tears the core | N |
+//! | s, kₑ | travel of a holder that gives, and stiffness at its end: 20 kN/mm, as a rigid holder has | mm, N/mm |
+//! | F/k, or s + (F − k·s)/kₑ where that is less | how far off its coupling a tap is when its core tears | mm |
 use crate::recovery::{Point, Refusal, Stored};
 use units::{Length, Stiffness};
 
@@ -23,6 +25,8 @@ const CORE: f64 = 0.6;
 const SHEAR_N_PER_MM2: f64 = 1000.0;
 /// From here on a holder is stiff: an error of a tenth of a millimetre presses with half a kilonewton.
 const STIFF: Stiffness = Stiffness::n_per_mm(5000.0);
+/// Stiffness of a holder at the end of its travel.
+const AT_END: Stiffness = Stiffness::n_per_mm(20_000.0);
 /// With so many leads in the work the chamfer is in: before, few teeth hold, and the tap tears at them instead.
 const CHAMFER: f64 = 3.0;
 /// How far a tap can stand out of a stiff holder that is pulled, and out of one that gives.
@@ -35,6 +39,8 @@ pub struct Setting {
     pub surface: Length,
     /// Stiffness of the holder along the axis.
     pub holder: Stiffness,
+    /// How far it gives to each side; zero: it is a spring all the way.
+    pub travel: Length,
     /// Nominal diameter of the tap.
     pub diameter: Length,
 }
@@ -63,7 +69,10 @@ impl Setting {
     pub fn bears(&self) -> Length {
         let core = CORE * self.diameter.value();
         let force = libm::sqrt(3.0) * SHEAR_N_PER_MM2 * core::f64::consts::FRAC_PI_4 * core * core;
-        Length::mm(force / self.holder.value().max(f64::MIN_POSITIVE))
+        let (k, s) = (self.holder.value().max(f64::MIN_POSITIVE), self.travel.value());
+        let within = force / k;
+        let is_at_end = s > 0.0 && s < within;
+        Length::mm(if is_at_end { s + (force - k * s) / AT_END.value() } else { within })
     }
 }
 
@@ -99,8 +108,25 @@ mod tests {
     const RIGID_M8: Setting = Setting {
         surface: Length::ZERO,
         holder: Stiffness::n_per_mm(20_000.0),
+        travel: Length::ZERO,
         diameter: Length::mm(8.0),
     };
+
+    /// √3·1000·π/4·1.8² = 4407 N: 0.5 mm of spring take 250 of them, and the stop the rest in 0.208 mm.
+    #[test]
+    fn a_holder_that_gives_is_stiff_at_the_end_of_its_travel() {
+        let setting = Setting {
+            holder: Stiffness::n_per_mm(500.0),
+            travel: Length::mm(0.5),
+            diameter: Length::mm(3.0),
+            ..RIGID_M8
+        };
+        assert!((setting.bears().value() - 0.708).abs() < 0.001, "{}", setting.bears());
+        let endless = Setting { travel: Length::ZERO, ..setting };
+        assert!((endless.bears().value() - 8.815).abs() < 0.001, "{}", endless.bears());
+        let long = Setting { travel: Length::mm(9.0), ..setting };
+        assert_eq!(long.bears(), endless.bears());
+    }
 
     fn point(rev: f64, mm: f64) -> Point {
         Point { angle: Angle::rev(rev), place: Length::mm(mm) }

@@ -4,7 +4,7 @@ use crate::bytes::{Reader, Writer};
 use crate::message::Message;
 
 /// The layout that is written and read.
-pub const VERSION: u8 = 6;
+pub const VERSION: u8 = 7;
 /// Longest payload.
 pub const LONGEST: usize = 16_384;
 

@@ -66,6 +66,8 @@ pub struct Engagement {
     pub touches: bool,
     /// How far the axis was from its coupling at most in the material, by the encoders.
     pub sync_error: Length,
+    /// A recovery that has begun to move it knows that it may be broken; where it stands later does not show that any more.
+    pub may_be_broken: bool,
 }
 
 /// In which sense a spindle turned that an axis was tied to.
@@ -263,6 +265,7 @@ fn write_engagement(w: &mut Writer<'_>, engagement: Option<&Engagement>) {
         w.u32(engagement.tool);
         w.u8(engagement.touches.into());
         w.f64(engagement.sync_error.value());
+        w.u8(engagement.may_be_broken.into());
     }
 }
 
@@ -273,9 +276,9 @@ fn read_engagement(r: &mut Reader<'_>) -> Option<Option<Engagement>> {
         return Some(None);
     }
     let (number, tool, touches) = (r.u64()?, r.u32()?, r.flag()?);
-    let sync_error = Length::mm(r.f64()?);
+    let (sync_error, may_be_broken) = (Length::mm(r.f64()?), r.flag()?);
     let is_possible = number > 0 && sync_error.is_finite() && sync_error >= Length::ZERO;
-    is_possible.then_some(Some(Engagement { number, tool, touches, sync_error }))
+    is_possible.then_some(Some(Engagement { number, tool, touches, sync_error, may_be_broken }))
 }
 
 fn flags<const N: usize>(r: &mut Reader<'_>) -> Option<[bool; N]> {

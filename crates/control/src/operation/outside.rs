@@ -209,7 +209,13 @@ impl Control {
             }
         }
         match &outside.left {
-            Some(left) => left.way_out(machine).map(Some).map_err(Refusal::because),
+            Some(left) => {
+                let way_out = left.way_out(machine).map_err(Refusal::because)?;
+                outside.engagement = left.mark(outside.engagement);
+                outside.welcome.evidence.in_work = outside.engagement;
+                self.executor.machine.engage(outside.engagement);
+                Ok(Some(way_out))
+            }
             None => Err(Refusal::because("the encoders show the tool outside of the work")),
         }
     }

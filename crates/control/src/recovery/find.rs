@@ -11,7 +11,7 @@ use sync::Coupling;
 use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Direction, Point, Projection, Seat, Stored, Way};
 use units::{Angle, Force, Length};
-use wire::{Sense, Stop, Welcome};
+use wire::{Engagement, Sense, Stop, Welcome};
 
 /// A tap that the control never had in the work.
 const NO_THREAD: &str = "the tap came into the work only after the control had been lost, spindle and feed apart, so it is not in the thread of the record";
@@ -19,6 +19,9 @@ const NO_THREAD: &str = "the tap came into the work only after the control had b
 /// One that is in no thread now, after drives that were off.
 const APART: &str =
     "spindle and feed ran down apart, and the tap is not in the thread of the record";
+
+/// One that stands where it may be whole, and stood elsewhere before.
+const FOUND_BEFORE: &str = "a recovery before this one, which was stopped, found the tap so deep or so far off its thread that it may be broken";
 
 /// A spindle may turn more easily than its file has it.
 const LESS_FRICTION: f64 = 0.8;
@@ -43,6 +46,14 @@ pub struct Findings {
     pub overrun: Length,
     /// Why it may be broken.
     pub not_known_whole: Option<String>,
+}
+
+impl Findings {
+    /// What the machine is to keep of the tool from before it is moved.
+    pub(super) fn mark(&self, kept: Option<Engagement>) -> Option<Engagement> {
+        let may_be_broken = self.not_known_whole.is_some();
+        kept.map(|kept| Engagement { may_be_broken: kept.may_be_broken || may_be_broken, ..kept })
+    }
 }
 
 /// A tap that also turns bears this share of the pull that tears it: √(1 − τ²) with two thirds of its torque.
@@ -112,8 +123,12 @@ pub(super) fn find(
         ));
     }
     let at = Point { angle: turned, place };
-    let setting =
-        Setting { surface: stroke.surface, holder: stroke.stiffness, diameter: stroke.diameter };
+    let setting = Setting {
+        surface: stroke.surface,
+        holder: stroke.stiffness,
+        travel: stroke.travel,
+        diameter: stroke.diameter,
+    };
     let seat = Seat { play: Length::ZERO, is_stiff: setting.is_stiff() };
     let way = match (stored.leaving(at, &setting).map_err(|e| e.to_string())?, way) {
         (Leaving::Straight, _) => Way::Straight,
@@ -151,6 +166,7 @@ pub(super) fn find(
             Some(format!("{APART}: what it met meanwhile is not known"))
         } else {
             not_known_whole(stroke, overrun, certain, setting.bears())
+                .or_else(|| kept.may_be_broken.then(|| FOUND_BEFORE.to_owned()))
         },
         projection: stored.project(at, way),
         direct: stored.project(at, Way::Direct),

@@ -5,7 +5,7 @@ use kernel::{RecoveryPlan, WithdrawalPlan};
 use store::machine::MachineFile;
 use store::sync_record::SyncRecord;
 use sync::recovery::{Mover, Way};
-use wire::Welcome;
+use wire::{Engagement, Welcome};
 
 /// A tool that a control has left.
 pub(crate) enum LeftTool {
@@ -58,6 +58,14 @@ impl LeftTool {
         match self {
             Self::OnThread(record, _) | Self::OffWork(record, _) => Some(record),
             Self::Unmoved(record, _) => record.as_deref(),
+        }
+    }
+
+    /// What the machine is to keep of it from before it is moved.
+    pub(crate) fn mark(&self, kept: Option<Engagement>) -> Option<Engagement> {
+        match self {
+            Self::OnThread(_, findings) => findings.mark(kept),
+            Self::OffWork(..) | Self::Unmoved(..) => kept,
         }
     }
 

@@ -220,6 +220,7 @@ fn answer(args: &RecoveryOptions, see: Look<'_>) -> Result<Answer, Refused> {
     if args.dry_run {
         REHEARSED.clone_into(&mut answer.reason);
     } else {
+        remote.engage(findings.mark(welcome.evidence.in_work));
         let mut plant = Plant::Outside(Box::new(remote));
         match drive_out(&mut plant, &file, &record.stroke, &findings) {
             Ok(figures) => {
@@ -394,6 +395,7 @@ pub fn nobody(identity: &Identity) -> SyncRecord {
             surface: Length::ZERO,
             spin: Spin::ZERO,
             stiffness: Stiffness::ZERO,
+            travel: Length::ZERO,
             thread_length: Length::ZERO,
             geared: None,
         },

@@ -274,6 +274,7 @@ impl RecordWriter {
 
     fn record(&self, tap: &WorkRecord) -> SyncRecord {
         let tool = self.tools.get(tap.tool);
+        let holder = tool.and_then(|tool| holder(&tool.kind));
         let mut geared = self.gears.get(&tap.op).cloned();
         if let (Some(geared), Some(ToolKind::PolygonCutter(cutter))) =
             (&mut geared, tool.map(|tool| &tool.kind))
@@ -321,7 +322,8 @@ impl RecordWriter {
                 bottom: tap.bottom,
                 surface: tap.surface,
                 spin: tap.spin,
-                stiffness: tool.map_or(Stiffness::ZERO, |tool| stiffness(&tool.kind)),
+                stiffness: holder.map_or(Stiffness::ZERO, Holder::stiffness),
+                travel: holder.and_then(Holder::travel).unwrap_or_default(),
                 thread_length: tool.map_or(Length::ZERO, |tool| thread_length(&tool.kind)),
                 geared,
             },
@@ -394,22 +396,17 @@ fn gear(kind: &OpKind) -> Option<Geared> {
     }
 }
 
-/// Axial stiffness of what holds a tap.
-fn stiffness(kind: &ToolKind) -> Stiffness {
+/// What holds a tap.
+const fn holder(kind: &ToolKind) -> Option<Holder> {
     match kind {
-        ToolKind::Tap(tap) => match tap.holder {
-            Holder::Rigid { stiffness }
-            | Holder::SoftSynchro { stiffness, .. }
-            | Holder::TensionCompression { stiffness, .. }
-            | Holder::Clutch { stiffness, .. } => stiffness,
-        },
+        ToolKind::Tap(tap) => Some(tap.holder),
         ToolKind::Drill { .. }
         | ToolKind::SpotDrill { .. }
         | ToolKind::EndMill
         | ToolKind::PolygonCutter(_)
         | ToolKind::Insert(_)
         | ToolKind::Probe(_)
-        | ToolKind::Other => Stiffness::ZERO,
+        | ToolKind::Other => None,
     }
 }
 

@@ -19,13 +19,12 @@ use crate::recovery;
 use crate::script::{Script, Told};
 use crate::{KernelHandle, MachineHandle, Plant};
 use bus::{Machine, Sample};
-use canon::Holder;
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
 use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
 use std::ops::ControlFlow;
 use sync::recovery::{Mover, Point, Way};
-use units::{Angle, Coordinate, Length, Spin, Stiffness, Time};
+use units::{Angle, Coordinate, Length, Spin, Time};
 use verify::{FeatureKind, Judge};
 
 /// Whatever was switched off stands by then: the operator switches it on again.
@@ -233,15 +232,6 @@ fn left_to_recovery(kernel: &Kernel, plant: &Plant) -> Option<String> {
         (Some(surface), _) => left_in(line, plant, surface, by),
         (None, Some(way_out)) => Some(off::left_in(line, way_out, by)),
         (None, None) => None,
-    }
-}
-
-fn stiffness(holder: Holder) -> Stiffness {
-    match holder {
-        Holder::Rigid { stiffness }
-        | Holder::SoftSynchro { stiffness, .. }
-        | Holder::TensionCompression { stiffness, .. }
-        | Holder::Clutch { stiffness, .. } => stiffness,
     }
 }
 

@@ -1,5 +1,4 @@
 //! What taking a tap out has to know of machine and tools, and the plan that is made from it.
-use super::stiffness;
 use crate::job::Session;
 use crate::recovery;
 use bus::Feedback;
@@ -26,7 +25,8 @@ impl RecoverySettings {
                 tool.number,
                 Setting {
                     surface: Length::ZERO, // known when it is in the work
-                    holder: stiffness(tap.holder),
+                    holder: tap.holder.stiffness(),
+                    travel: tap.holder.travel().unwrap_or_default(),
                     diameter: tool.diameter,
                 },
             )),

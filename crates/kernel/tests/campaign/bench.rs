@@ -71,6 +71,7 @@ impl Bench {
             setting: Setting {
                 surface: Length::mm(work.order.surface_mm),
                 holder: work.holder.stiffness,
+                travel: work.holder.travel.unwrap_or_default(),
                 diameter: Length::mm(work.diameter_mm),
             },
             worst: Length::ZERO,

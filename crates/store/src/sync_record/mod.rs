@@ -29,7 +29,7 @@ pub use untrusted::Untrusted;
 /// First bytes of every record.
 const MAGIC: [u8; 4] = *b"LSYN";
 /// Layout that this version writes and reads.
-pub const VERSION: u16 = 5;
+pub const VERSION: u16 = 6;
 /// No record is longer.
 pub const LONGEST: usize = 8192;
 /// Longest name in it, bytes; longer ones are cut.
@@ -154,6 +154,7 @@ impl SyncRecord {
             s.surface.value(),
             s.spin.value(),
             s.stiffness.value(),
+            s.travel.value(),
             s.thread_length.value(),
         ] {
             w.f64(value);
@@ -247,6 +248,7 @@ impl SyncRecord {
             surface: Length::mm(r.f64()?),
             spin: Spin::rev_per_s(r.f64()?),
             stiffness: Stiffness::n_per_mm(r.f64()?),
+            travel: Length::mm(r.f64()?),
             thread_length: Length::mm(r.f64()?),
             geared: r.geared()?,
         };
@@ -265,7 +267,8 @@ impl SyncRecord {
             return wrong("an infeed axis that no machine has");
         }
         let clear = s.retreat.map_or(Length::ZERO, |retreat| retreat.clear);
-        let lengths = [s.diameter, s.z0, s.start, s.bottom, s.surface, s.thread_length, clear];
+        let lengths =
+            [s.diameter, s.z0, s.start, s.bottom, s.surface, s.travel, s.thread_length, clear];
         if !lengths.iter().all(|l| l.is_finite() && l.value().abs() < 1e6) {
             return wrong("a length that is no length");
         }

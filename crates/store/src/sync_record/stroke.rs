@@ -92,6 +92,8 @@ pub struct Stroke {
     pub spin: Spin,
     /// Axial stiffness of the holder.
     pub stiffness: Stiffness,
+    /// How far it gives to each side; zero: it is a spring all the way.
+    pub travel: Length,
     /// Of a tap: how long its thread is; zero where that is not known.
     pub thread_length: Length,
     /// The spindle that follows, where one does.
@@ -255,6 +257,7 @@ pub(super) mod tests {
             surface: Length::mm(-152.0),
             spin: Spin::rpm(1000.0),
             stiffness: Stiffness::ZERO,
+            travel: Length::ZERO,
             thread_length: Length::ZERO,
             geared: None,
         };

@@ -102,8 +102,13 @@ fn command() -> Command {
     command
 }
 
-const ENGAGEMENT: Engagement =
-    Engagement { number: 8, tool: 11, touches: true, sync_error: Length::mm(0.004) };
+const ENGAGEMENT: Engagement = Engagement {
+    number: 8,
+    tool: 11,
+    touches: true,
+    sync_error: Length::mm(0.004),
+    may_be_broken: true,
+};
 
 fn welcome() -> Welcome {
     Welcome {
