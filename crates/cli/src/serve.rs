@@ -3,7 +3,9 @@ use crate::args::{ServeArgs, TokenRole};
 use crate::{console, interrupt, say};
 use control::operation::ControlOptions;
 use control::{RealTimeOptions, Refused};
-use server::{Certificate, KeptRuns, Role, Server, ServerOptions, Tokens};
+use server::{
+    BrokerLogin, Certificate, KeptRuns, PublishOptions, Role, Server, ServerOptions, Tokens,
+};
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -46,6 +48,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         names: args.host_name.clone(),
         kept_runs: KeptRuns { most: args.runs.max(1), most_bytes: args.runs_mb << 20 },
         metrics: !args.no_metrics,
+        publish: publish(args)?,
         mtconnect: (!args.no_mtconnect).then_some(server::MOST_OBSERVATIONS),
     })
     .map_err(|refused| Refused::because(refused.0))?;
@@ -58,4 +61,21 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
     }
     drop(server); // what moves comes to rest
     Ok(())
+}
+
+/// What is published to a broker, and as whom.
+fn publish(args: &ServeArgs) -> Result<Option<PublishOptions>, Refused> {
+    let Some(broker) = args.mqtt.clone() else { return Ok(None) };
+    let login = match &args.mqtt_login {
+        Some(file) => Some(BrokerLogin::read(file)),
+        None => BrokerLogin::of_environment(),
+    };
+    let told = Box::new(|sentence: &str| say::err(&format!("{sentence}\n")));
+    Ok(Some(PublishOptions {
+        broker,
+        login: login.transpose().map_err(Refused::because)?,
+        authorities: args.mqtt_ca.clone(),
+        topic: args.mqtt_topic.clone(),
+        told,
+    }))
 }

@@ -22,10 +22,10 @@ pub struct Identity {
 /// An agent.
 #[derive(Debug)]
 pub struct Agent {
-    device: Device,
-    identity: Identity,
-    buffer: Buffer,
-    feed: Feed,
+    pub(crate) device: Device,
+    pub(crate) identity: Identity,
+    pub(crate) buffer: Buffer,
+    pub(crate) feed: Feed,
     /// The Devices document without its header: what paths choose from.
     devices: Element,
 }

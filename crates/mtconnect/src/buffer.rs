@@ -144,6 +144,14 @@ impl Buffer {
         Some(state)
     }
 
+    /// What was true before this one was made; `None`: it is not kept, nor is it the next.
+    pub(crate) fn before(&self, sequence: u64) -> Option<StateAt> {
+        if sequence == self.first() {
+            return Some(self.before.clone());
+        }
+        self.at(sequence.checked_sub(1)?)
+    }
+
     /// From this one on.
     pub(crate) fn from(&self, sequence: u64) -> impl DoubleEndedIterator<Item = &Observation> {
         let skipped = usize::try_from(sequence.saturating_sub(self.first())).unwrap_or(usize::MAX);
@@ -195,6 +203,11 @@ mod tests {
             prop_assert_eq!(short.next(), long.next());
             for sequence in short.first()..short.next() {
                 let (short, long) = (short.at(sequence), long.at(sequence));
+                prop_assert_eq!(short.map(|s| s.0), long.map(|s| s.0));
+            }
+            for sequence in short.first()..=short.next() {
+                let (short, long) = (short.before(sequence), long.before(sequence));
+                prop_assert!(short.is_some());
                 prop_assert_eq!(short.map(|s| s.0), long.map(|s| s.0));
             }
             let kept: Vec<u64> = short.from(short.first()).map(|o| o.sequence).collect();

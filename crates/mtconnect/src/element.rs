@@ -1,4 +1,4 @@
-//! A document as a tree of elements, and its text: XML, or JSON as agents of the standard write it.
+//! A document as a tree of elements, and its text: XML, or JSON as the standard's own agent writes it.
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};
 use serde_json::{Map, Value, json};
@@ -56,7 +56,16 @@ pub struct Element {
     pub(crate) children: Vec<Self>,
 }
 
-/// Elements whose children JSON writes as a list, each with its name.
+/// How JSON writes lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JsonForm {
+    /// Version 1: in their order, each with its name: `[{"Block": …}, {"Line": …}, {"Block": …}]`.
+    Listed,
+    /// Version 2: by name, each name once: `{"Block": [ … ], "Line": [ … ]}`.
+    Grouped,
+}
+
+/// Elements that are lists of others.
 const LISTS: [&str; 13] = [
     "Devices",
     "Components",
@@ -125,17 +134,23 @@ impl Element {
         let _ = writer.write_event(Event::End(BytesEnd::new(self.name.as_ref())));
     }
 
-    /// As a JSON document in one line: an attribute is a member, text is `value`, lists keep their order and the names in them.
-    pub fn json(&self) -> Vec<u8> {
-        let document = json!({ self.name.as_ref(): self.value() });
+    /// As a JSON document in one line: an attribute is a member, text is `value`.
+    pub fn json(&self, form: JsonForm) -> Vec<u8> {
+        let mut value = self.value(form);
+        if form == JsonForm::Grouped && self.name.starts_with("MTConnect") {
+            let is_header = |child: &&Self| child.name == "Header";
+            let version = self.children.iter().find(is_header).and_then(|h| h.attribute("version"));
+            value["jsonVersion"] = 2.into();
+            value["schemaVersion"] = version.into();
+            value["Header"]["schemaVersion"] = version.into();
+        }
+        let document = json!({ self.name.as_ref(): value });
         serde_json::to_vec(&document).unwrap_or_default() // strings, numbers and names alone
     }
 
-    fn value(&self) -> Value {
+    fn value(&self, form: JsonForm) -> Value {
         if LISTS.contains(&self.name.as_ref()) {
-            let list =
-                self.children.iter().map(|child| json!({ child.name.as_ref(): child.value() }));
-            return Value::Array(list.collect());
+            return self.list(form);
         }
         if self.attributes.is_empty() && self.children.is_empty() {
             return self.content.as_ref().map_or_else(|| json!({}), Content::json);
@@ -151,17 +166,49 @@ impl Element {
         }
         for child in &self.children {
             let name = child.name.as_ref();
-            // the streams of a device's components have no element around them in XML
-            if name == "ComponentStream" {
-                let list = members.entry("ComponentStreams").or_insert_with(|| json!([]));
-                if let Value::Array(list) = list {
-                    list.push(json!({ name: child.value() }));
+            match (name, form) {
+                // the streams of a device's components have no element around them in XML
+                ("ComponentStream", JsonForm::Listed) => {
+                    append(&mut members, "ComponentStreams", json!({ name: child.value(form) }));
                 }
-            } else {
-                members.insert(name.to_owned(), child.value());
+                ("ComponentStream" | "ToolLife", _) => {
+                    append(&mut members, name, child.value(form));
+                }
+                ("Entry", _) => {
+                    let key = child.attribute("key").unwrap_or_default();
+                    let content = child.content.as_ref().map_or(Value::Null, Content::json);
+                    members.entry("value").or_insert_with(|| json!({}))[key] = content;
+                }
+                _ => {
+                    members.insert(name.to_owned(), child.value(form));
+                }
             }
         }
         Value::Object(members)
+    }
+
+    fn list(&self, form: JsonForm) -> Value {
+        // one of a list is an object, also where it is a text alone
+        let member = |child: &Self| match child.value(form) {
+            value @ Value::Object(_) => value,
+            value => json!({ "value": value }),
+        };
+        if form == JsonForm::Listed {
+            let named = |child: &Self| json!({ child.name.as_ref(): member(child) });
+            return Value::Array(self.children.iter().map(named).collect());
+        }
+        let mut groups = Map::new();
+        for child in &self.children {
+            append(&mut groups, &child.name, member(child));
+        }
+        Value::Object(groups)
+    }
+}
+
+/// One more of a list that is a member.
+fn append(members: &mut Map<String, Value>, name: &str, value: Value) {
+    if let Value::Array(list) = members.entry(name).or_insert_with(|| json!([])) {
+        list.push(value);
     }
 }
 
@@ -199,9 +246,31 @@ mod tests {
 
     #[test]
     fn json_has_lists_of_named_observations_and_numbers() {
-        let read: Value = serde_json::from_slice(&sample().json()).expect("JSON");
+        let read: Value = serde_json::from_slice(&sample().json(JsonForm::Listed)).expect("JSON");
         let block = &read["ComponentStream"]["Events"][0]["Block"];
         assert_eq!(block["sequence"], 7);
         assert_eq!(block["value"], "G1 (a<b & \"c\" \u{7})");
+    }
+
+    #[test]
+    fn json_of_version_2_has_each_name_once() {
+        let event = |name, sequence: u64| Element::new(name).with("sequence", sequence);
+        let count = Element::new("AssetCountDataSet")
+            .containing([Element::new("Entry").with("key", "CuttingTool").holding(3)]);
+        let events = [event("Block", 1), event("Line", 2), event("Block", 3), count];
+        let stream =
+            Element::new("ComponentStream").containing([Element::new("Events").containing(events)]);
+        let header = Element::new("Header").with("version", "2.4");
+        let device = Element::new("DeviceStream").containing([stream]);
+        let streams = Element::new("Streams").containing([device]);
+        let document = Element::new("MTConnectStreams").containing([header, streams]);
+        let read: Value = serde_json::from_slice(&document.json(JsonForm::Grouped)).expect("JSON");
+        let read = &read["MTConnectStreams"];
+        assert_eq!((&read["jsonVersion"], &read["schemaVersion"]), (&json!(2), &json!("2.4")));
+        assert_eq!(read["Header"], json!({ "version": "2.4", "schemaVersion": "2.4" }));
+        let events = &read["Streams"]["DeviceStream"][0]["ComponentStream"][0]["Events"];
+        assert_eq!(events["Block"], json!([{ "sequence": 1 }, { "sequence": 3 }]));
+        assert_eq!(events["Line"], json!([{ "sequence": 2 }]));
+        assert_eq!(events["AssetCountDataSet"], json!([{ "value": { "CuttingTool": 3 } }]));
     }
 }

@@ -16,6 +16,7 @@
 //! | `path` | the part of `XPath` that names components and data items |
 //! | `query` | the parameters of a request, with their limits |
 //! | `agent` | what is answered |
+//! | `topics` | what is published: each observation by itself, the device, its assets |
 //! | `documents`, `element` | documents, as a tree and as text |
 //!
 //! It is read-only by construction: it has pictures and events, and no way to ask a control for anything. Words and numbers
@@ -32,14 +33,16 @@ mod feed;
 mod items;
 mod path;
 mod query;
+mod topics;
 
 pub use agent::{Agent, Chunk, Identity};
 pub use buffer::MOST_OBSERVATIONS;
-pub use element::Element;
+pub use element::{Element, JsonForm};
 pub use feed::Observable;
 pub use query::{
     AssetQuery, CurrentQuery, ErrorCode, MOST_COUNT, ProbeQuery, QueryError, SampleQuery,
 };
+pub use topics::ItemMessage;
 
 /// The schema of what Leadscrew adds to the standard's streams.
 pub const SCHEMA: &str = include_str!("../schemas/leadscrew-streams-1.0.xsd");

@@ -196,6 +196,9 @@ impl ProbeQuery {
 }
 
 impl CurrentQuery {
+    /// All that is true now.
+    pub const NOW: Self = Self { path: None, at: None, interval: None };
+
     /// Of what stands behind `?`.
     ///
     /// # Errors
@@ -248,6 +251,13 @@ impl SampleQuery {
         Ok(Self { path: read.path()?, from, to, count, interval, heartbeat })
     }
 
+    /// All from an observation on, so many at most.
+    pub const fn all_from(from: u64, count: u32) -> Self {
+        let heartbeat = Duration::from_millis(HEARTBEAT_MS);
+        let (from, count) = (Some(from), count as i64);
+        Self { path: None, from, to: None, count, interval: None, heartbeat }
+    }
+
     /// The same, a stream that has come to this observation.
     #[must_use]
     pub fn at(&self, from: u64) -> Self {
@@ -256,6 +266,11 @@ impl SampleQuery {
 }
 
 impl AssetQuery {
+    /// Of one asset.
+    pub fn one(id: &str) -> Self {
+        Self { ids: vec![id.to_owned()], kind: None, count: 1, with_removed: true }
+    }
+
     /// Of what stands behind `asset/`, and behind `?`.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 use crate::answer::ApiError;
 use crate::folder::Folder;
 use crate::metrics::Metering;
+use crate::mqtt::Publisher;
 use crate::mtconnect::Monitoring;
 use crate::rights::Rights;
 use crate::runs::Runs;
@@ -29,6 +30,8 @@ pub(crate) struct Watching {
     pub(crate) monitoring: Option<Arc<Monitoring>>,
     /// What Prometheus reads.
     pub(crate) metering: Option<Arc<Metering>>,
+    /// What is published to a broker.
+    pub(crate) publisher: Option<Arc<Publisher>>,
 }
 
 /// What all handlers share.

@@ -15,6 +15,7 @@
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
 //! | `mtconnect` | the `MTConnect` agent's addresses and streams |
+//! | `mqtt` | what the agent observes, published to a broker |
 //! | `metrics` | what Prometheus reads |
 //! | `language` | the language server for an editor of the page |
 //! | `wire` | what goes over the wire, as types |
@@ -32,6 +33,7 @@ mod guard;
 mod language;
 mod listen;
 mod metrics;
+mod mqtt;
 mod mtconnect;
 mod page;
 mod rights;
@@ -46,6 +48,7 @@ mod wire;
 
 pub use ::mtconnect::MOST_OBSERVATIONS;
 pub use listen::{Refused, Server, ServerOptions};
+pub use mqtt::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix};
 pub use rights::Role;
 pub use routes::openapi;
 pub use runs::KeptRuns;

@@ -5,6 +5,7 @@
 use crate::app::{App, Watching};
 use crate::folder::Folder;
 use crate::metrics::{self, Metering};
+use crate::mqtt::{PublishOptions, Publisher};
 use crate::mtconnect::{self, Monitoring};
 use crate::page::Page;
 use crate::runs::{KeptRuns, Recorder, Runs};
@@ -70,6 +71,8 @@ pub struct ServerOptions {
     pub kept_runs: KeptRuns,
     /// An `MTConnect` agent answers below `/mtconnect`, which keeps so many observations; `None`: there is none.
     pub mtconnect: Option<usize>,
+    /// What it observes is published to an MQTT broker; takes `mtconnect`.
+    pub publish: Option<PublishOptions>,
     /// Metrics are answered at `/metrics`.
     pub metrics: bool,
 }
@@ -123,10 +126,14 @@ impl Server {
         let address = listener.local_addr().map_err(|e| Refused(e.to_string()))?;
         let hosts = hosts(&names, address.port());
         let client = hosted.client();
-        let watching = Watching {
-            monitoring: options.mtconnect.map(|most| Arc::new(Monitoring::new(&client, most))),
-            metering: options.metrics.then(|| Arc::new(Metering::new(&client))),
-        };
+        let monitoring = options.mtconnect.map(|most| Arc::new(Monitoring::new(&client, most)));
+        let publisher = options.publish.zip(monitoring.clone());
+        let publisher = publisher
+            .map(|(options, monitoring)| Publisher::new(options, monitoring).map(Arc::new));
+        let publisher = publisher.transpose().map_err(Refused)?;
+        let metering =
+            options.metrics.then(|| Arc::new(Metering::new(&client, publisher.is_some())));
+        let watching = Watching { monitoring, metering, publisher };
         let open = (tokens, watching);
         let app = App::new(hosted.client(), (folder, runs, program), open, pictures, hosts);
         let app = Arc::new(app);
@@ -135,6 +142,9 @@ impl Server {
         }
         if let Some(metering) = &app.watching.metering {
             runtime.spawn(metrics::feed(Arc::clone(&app), Arc::clone(metering)));
+        }
+        if let Some(publisher) = &app.watching.publisher {
+            runtime.spawn(Arc::clone(publisher).run());
         }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);

@@ -14,8 +14,8 @@ use crate::app::App;
 use crate::guard;
 use crate::tokens::{NoToken, hex};
 use ::mtconnect::{
-    Agent, AssetQuery, CurrentQuery, Element, ErrorCode, Identity, Observable, ProbeQuery,
-    QueryError, SampleQuery,
+    Agent, AssetQuery, CurrentQuery, Element, ErrorCode, Identity, JsonForm, Observable,
+    ProbeQuery, QueryError, SampleQuery,
 };
 use axum::Router;
 use axum::body::{Body, Bytes, HttpBody};
@@ -65,7 +65,7 @@ impl Monitoring {
     }
 
     /// For a moment: never across an await.
-    fn agent(&self) -> MutexGuard<'_, Agent> {
+    pub(crate) fn agent(&self) -> MutexGuard<'_, Agent> {
         self.agent.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -151,7 +151,7 @@ impl Notation {
     fn write(self, document: &Element) -> Vec<u8> {
         match self {
             Self::Xml => document.xml(),
-            Self::Json => document.json(),
+            Self::Json => document.json(JsonForm::Listed),
         }
     }
 

@@ -1,9 +1,13 @@
 //! The arguments of `leadscrew serve`.
 use super::ProgramArgs;
 use clap::{Args, ValueEnum};
+use server::{BrokerAddress, TopicPrefix};
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
+
+const MQTT_HELP: &str = "Publish what the MTConnect agent observes to this MQTT broker: mqtt://HOST or mqtt://HOST:PORT, and mqtts:// for TLS";
+const LOGIN_HELP: &str = "User and password at the broker, the first two lines of this file [default: LEADSCREW_MQTT_USER and LEADSCREW_MQTT_PASSWORD]";
 
 /// `leadscrew serve`.
 #[derive(Args, Debug, Clone)]
@@ -67,6 +71,18 @@ pub(crate) struct ServeArgs {
     /// Do not let programs read metrics, as Prometheus does, at /metrics
     #[arg(long)]
     pub(crate) no_metrics: bool,
+    /// A broker.
+    #[arg(long, value_name = "ADDRESS", conflicts_with = "no_mtconnect", help = MQTT_HELP, value_parser = BrokerAddress::parse)]
+    pub(crate) mqtt: Option<BrokerAddress>,
+    /// With what the topics begin
+    #[arg(long, value_name = "PREFIX", requires = "mqtt", default_value = "MTConnect", value_parser = TopicPrefix::parse)]
+    pub(crate) mqtt_topic: TopicPrefix,
+    /// A file.
+    #[arg(long, value_name = "FILE", requires = "mqtt", help = LOGIN_HELP)]
+    pub(crate) mqtt_login: Option<PathBuf>,
+    /// Certificates (PEM) that vouch for the broker [default: those that this computer trusts]
+    #[arg(long, value_name = "FILE", requires = "mqtt")]
+    pub(crate) mqtt_ca: Option<PathBuf>,
     /// Make a token, add its hash to this file, say it once and end
     #[arg(long, value_name = "FILE", conflicts_with = "token_file")]
     pub(crate) new_token: Option<PathBuf>,

@@ -7,12 +7,14 @@
 //!
 //! A text is made at most once for each picture, however many ask for it.
 mod process;
+mod publishing;
 mod registry;
 mod text;
 
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::guard;
+use crate::mqtt::Publisher;
 use axum::Router;
 use axum::body::Bytes;
 use axum::extract::{Request, State};
@@ -42,16 +44,18 @@ struct MetricTexts {
 
 impl Metering {
     /// Of a control.
-    pub(crate) fn new(client: &Client) -> Self {
-        let metrics = ControlMetrics::of(client.machine(), &client.latest().status);
+    pub(crate) fn new(client: &Client, is_published: bool) -> Self {
+        let status = &client.latest().status;
+        let metrics = ControlMetrics::of(client.machine(), status, is_published);
         Self { metrics: Mutex::new(metrics), made: Mutex::default() }
     }
 
-    fn texts(&self, picture: &Picture) -> MetricTexts {
+    fn texts(&self, picture: &Picture, publisher: Option<&Publisher>) -> MetricTexts {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if made.0 != picture.number {
             let metrics = self.metrics.lock().unwrap_or_else(PoisonError::into_inner);
-            let open = metrics.text(&picture.status);
+            let published = publisher.map(Publisher::status);
+            let open = metrics.text(&picture.status, published.as_ref());
             drop(metrics);
             let plain = text::plain(&open);
             *made = (picture.number, MetricTexts { open: open.into(), plain: plain.into() });
@@ -102,7 +106,7 @@ async fn answer(State(app): State<Arc<App>>, request: Request) -> Response {
         let error = ApiError::new(StatusCode::METHOD_NOT_ALLOWED, "metrics are only read: GET");
         return ([(header::ALLOW, "GET, HEAD")], error).into_response();
     }
-    let texts = metering.texts(&app.client.latest());
+    let texts = metering.texts(&app.client.latest(), app.watching.publisher.as_deref());
     if is_open(request.headers()) {
         let kind = format!("{OPEN}; version=1.0.0; charset=utf-8");
         ([(header::CONTENT_TYPE, kind)], texts.open).into_response()

@@ -3,6 +3,8 @@
 //! Counters and histograms are made of events, so that nothing is missed between two requests; gauges of the latest picture.
 //! No label has values without a limit.
 use super::process;
+use super::publishing::PublishMetrics;
+use crate::mqtt::PublishStatus;
 use control::RealTimeFigures;
 use control::operation::hosted::Journaled;
 use control::operation::{EmergencyStop, Event, Execution, Mode, Status};
@@ -49,10 +51,10 @@ impl MetricConstructor<Histogram> for BinEnds {
 }
 
 /// Adds metrics to a registry, and gives each back.
-struct Adding<'a>(&'a mut Registry);
+pub(super) struct Adding<'a>(&'a mut Registry);
 
 impl Adding<'_> {
-    fn one<M: Metric + Clone>(&mut self, name: &str, help: &str, metric: M) -> M {
+    pub(super) fn one<M: Metric + Clone>(&mut self, name: &str, help: &str, metric: M) -> M {
         self.0.register(name, help, metric.clone());
         metric
     }
@@ -66,7 +68,7 @@ impl Adding<'_> {
         self.of(name, help, Level::default())
     }
 
-    fn counter(&mut self, name: &str, help: &str) -> Counter {
+    pub(super) fn counter(&mut self, name: &str, help: &str) -> Counter {
         self.one(name, help, Counter::default())
     }
 
@@ -258,12 +260,16 @@ impl ServoThreadMetrics {
         self.tick_p999.set(figures.tick_p999_us / 1e6);
         self.tick_worst.set(figures.tick_worst_us / 1e6);
         self.worst_lateness.set(figures.worst_late_us / 1e6);
-        let raise = |counter: &Counter, to: u64| counter.inc_by(to.saturating_sub(counter.get()));
         raise(&self.periods, figures.periods);
         raise(&self.late, figures.late);
         raise(&self.unobserved, figures.unobserved);
         raise(&self.clock_resets, figures.set_anew);
     }
+}
+
+/// A counter that is counted elsewhere.
+pub(super) fn raise(counter: &Counter, to: u64) {
+    counter.inc_by(to.saturating_sub(counter.get()));
 }
 
 /// All of them.
@@ -274,6 +280,8 @@ pub(super) struct ControlMetrics {
     work: WorkMetrics,
     /// Where real time keeps the time.
     servo: Option<ServoThreadMetrics>,
+    /// Where observations are published to a broker.
+    publishing: Option<PublishMetrics>,
     memory: Gauge,
     processor: Counter<f64, AtomicU64>,
     is_automatic: bool,
@@ -285,7 +293,7 @@ pub(super) struct ControlMetrics {
 
 impl ControlMetrics {
     /// Of a machine.
-    pub(super) fn of(machine: &MachineFile, status: &Status) -> Self {
+    pub(super) fn of(machine: &MachineFile, status: &Status, is_published: bool) -> Self {
         let mut registry = Registry::default();
         let add = &mut Adding(&mut registry);
         // named as all programs name them
@@ -302,6 +310,7 @@ impl ControlMetrics {
             motion: MotionMetrics::added(add),
             work: WorkMetrics::added(add),
             servo: status.real_time.is_some().then(|| ServoThreadMetrics::added(add)),
+            publishing: is_published.then(|| PublishMetrics::added(add)),
             registry,
             memory,
             processor,
@@ -354,11 +363,14 @@ impl ControlMetrics {
     }
 
     /// How it is now, as text in `OpenMetrics`.
-    pub(super) fn text(&self, status: &Status) -> String {
+    pub(super) fn text(&self, status: &Status, published: Option<&PublishStatus>) -> String {
         self.states.set(status);
         self.motion.set(status);
         if let (Some(servo), Some(figures)) = (&self.servo, &status.real_time) {
             servo.set(figures);
+        }
+        if let (Some(publishing), Some(status)) = (&self.publishing, published) {
+            publishing.set(status);
         }
         if let Some(bytes) = process::resident_bytes() {
             self.memory.set(bytes.cast_signed());
@@ -396,6 +408,7 @@ mod tests {
             motion: MotionMetrics::added(add),
             work: WorkMetrics::added(add),
             servo: None,
+            publishing: None,
             registry,
             memory: Gauge::default(),
             processor: Counter::default(),

@@ -5,7 +5,7 @@ use control::RealTimeOptions;
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
 use serde_json::{Value, json};
-use server::{Certificate, KeptRuns, Server, ServerOptions};
+use server::{Certificate, KeptRuns, PublishOptions, Server, ServerOptions};
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -42,6 +42,7 @@ pub struct How {
     pub real_time: Option<RealTimeOptions>,
     pub mtconnect: Option<usize>,
     pub metrics: bool,
+    pub publish: Option<PublishOptions>,
 }
 
 impl Default for How {
@@ -58,6 +59,7 @@ impl Default for How {
             real_time: None,
             mtconnect: Some(server::MOST_OBSERVATIONS),
             metrics: true,
+            publish: None,
         }
     }
 }
@@ -116,6 +118,7 @@ impl Served {
             kept_runs: how.kept,
             mtconnect: how.mtconnect,
             metrics: how.metrics,
+            publish: how.publish,
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()

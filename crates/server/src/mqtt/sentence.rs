@@ -1,0 +1,59 @@
+//! Why there is no connection to a broker, in a sentence.
+use super::address::BrokerAddress;
+use rumqttc::mqttbytes::v5::ConnectReturnCode as Refusal;
+use rumqttc::{ConnectionError, PublishNoticeError, StateError};
+
+/// Why a connection has ended, or does not begin.
+pub(super) fn of(address: &BrokerAddress, error: &ConnectionError, has_login: bool) -> String {
+    match error {
+        ConnectionError::ConnectionRefused(refusal) => refused(address, *refusal, has_login),
+        ConnectionError::MqttState(StateError::ConnFail { reason }) => {
+            refused(address, *reason, has_login)
+        }
+        ConnectionError::Timeout(_) => format!("{address} does not answer within 5 s"),
+        ConnectionError::Io(error) => format!("cannot reach {address}: {error}"),
+        ConnectionError::NotConnAck(_)
+        | ConnectionError::MqttState(
+            StateError::Deserialization(_) | StateError::ProtocolViolation(_),
+        ) => format!("what answers at {address} does not speak MQTT 5"),
+        ConnectionError::MqttState(StateError::ServerDisconnect { reason_code, reason_string }) => {
+            let said = reason_string.as_ref().map(|said| format!(" ({said})")).unwrap_or_default();
+            format!("{address} has ended the connection: {reason_code:?}{said}")
+        }
+        ConnectionError::MqttState(StateError::AwaitPingResp) => {
+            format!("{address} does not answer any more")
+        }
+        ConnectionError::MqttState(StateError::ConnectionAborted | StateError::Io(_)) => {
+            format!("the connection to {address} has broken off")
+        }
+        error => format!("{address}: {error}"),
+    }
+}
+
+fn refused(address: &BrokerAddress, refusal: Refusal, has_login: bool) -> String {
+    match refusal {
+        Refusal::BadUserNamePassword | Refusal::NotAuthorized if has_login => {
+            format!("{address} refuses this user with this password")
+        }
+        Refusal::BadUserNamePassword | Refusal::NotAuthorized => {
+            format!("{address} wants a user and a password: --mqtt-login FILE")
+        }
+        Refusal::RefusedProtocolVersion | Refusal::UnsupportedProtocolVersion => {
+            format!("{address} does not know MQTT 5")
+        }
+        Refusal::RetainNotSupported => {
+            format!("{address} keeps no messages (retain), and what is true now is kept that way")
+        }
+        refusal => format!("{address} refuses the connection: {refusal:?}"),
+    }
+}
+
+/// Why a message is not taken.
+pub(super) fn not_taken(address: &BrokerAddress, error: &PublishNoticeError) -> String {
+    match error {
+        PublishNoticeError::V5PubAck(reason) => {
+            format!("{address} does not take what is published: {reason:?}")
+        }
+        error => format!("{address} does not take what is published: {error}"),
+    }
+}
