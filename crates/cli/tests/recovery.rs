@@ -406,21 +406,33 @@ fn the_axis_ramps_as_long_as_a_spindle_that_makes_its_own_ramps() {
 
 /// M3 in a holder that gives 0.5 mm, and drives that are simply off: the axis is clamped and the spindle turns on by ten turns.
 #[test]
-fn a_tap_that_its_holder_has_torn_is_not_called_whole_even_after_a_recovery_that_was_stopped() {
+fn a_tap_that_its_holder_has_torn_is_taken_to_be_broken() {
     let program = "G21 G90 G54 G17\nT6 M6\nS2000 M3\nG0 X0 Y0\nG43 H6 Z20\nG99 G84 X0 Y0 Z-6 R5 F1000\nG80\nG0 Z50\nM2\n";
-    let simulator = Simulator::killing_at(&[2.44, 5.3], &["--on-link-loss", "off"]);
+    let simulator = Simulator::killing_at(&[2.44], &["--on-link-loss", "off"]);
     assert!(simulator.run(program, &[]).status.code().is_none(), "it was killed");
     let stopped = simulator.status();
     assert_eq!(stopped["tool_broken"], true, "{stopped:#}");
-    let rehearsed = simulator.recover(&["--dry-run"]);
-    assert!(
-        rehearsed["outcome"] == "refused" || !rehearsed["not_known_whole"].is_null(),
-        "{rehearsed:#}"
-    );
-    simulator.recover_killed();
+    let answer = simulator.recover(&[]);
+    assert!(answer["outcome"] == "refused" || answer["outcome"] == "not-known-whole", "{answer:#}");
+}
 
+/// An M8 whose spindle coasts is led 1.6 mm deeper than programmed; a recovery takes it halfway out, and is killed.
+#[test]
+fn what_a_recovery_that_was_stopped_knew_of_a_tap_the_next_one_knows() {
+    let simulator = Simulator::killing_at(&[2.85], &["--on-link-loss", "coast"]);
+    assert!(simulator.run(&one_tap("G84", 11), &[]).status.code().is_none(), "it was killed");
+    let first = simulator.recover(&["--dry-run"]);
+    let why = first["not_known_whole"].as_str().expect("too deep").to_owned();
+    assert!(why.contains("deeper than programmed"), "{first:#}");
+    simulator.kill_after(3.0);
+    assert!(simulator.recover_killed());
+    assert_eq!(simulator.status()["tap_in_thread"], true);
     let again = simulator.recover(&[]);
-    assert!(again["outcome"] == "refused" || again["outcome"] == "not-known-whole", "{again:#}");
+    assert_eq!(again["overrun_mm"], 0.0, "where it stands shows nothing: {again:#}");
+    assert_eq!(again["outcome"], "not-known-whole", "{again:#}");
+    assert!(again["not_known_whole"].as_str().unwrap().contains("before this one"), "{again:#}");
+    let out = simulator.status();
+    assert!(out["tap_in_thread"] == false && out["tool_in_work"].is_null(), "{out:#}");
 }
 
 /// Its drive obeys no trajectory, and turns a little slower than it is told.

@@ -148,6 +148,12 @@ impl Simulator {
             .unwrap_or_else(|e| panic!("{e}: {}{}", said(&output), complained(&output)))
     }
 
+    /// The next control is killed so long after now, s of machine time.
+    pub(crate) fn kill_after(&self, seconds: f64) {
+        let now = self.status()["time_s"].as_f64().unwrap();
+        self.relay.as_ref().unwrap().stop_at(now + seconds, test_support::Stop::Kill);
+    }
+
     /// Recover, and be killed at it.
     pub(crate) fn recover_killed(&self) -> bool {
         let (simulator, state) = (self.path("simulator"), self.path("state"));
