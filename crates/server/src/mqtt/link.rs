@@ -82,10 +82,13 @@ impl Link {
 
 /// Why TLS was not agreed on.
 fn tls_sentence(error: &io::Error) -> String {
-    use rustls::CertificateError::{NotValidForName, NotValidForNameContext, UnknownIssuer};
+    use rustls::CertificateError::{
+        BadSignature, NotValidForName, NotValidForNameContext, UnknownIssuer,
+    };
     let inner = error.get_ref().and_then(|inner| inner.downcast_ref::<rustls::Error>());
     match inner {
-        Some(rustls::Error::InvalidCertificate(UnknownIssuer)) => {
+        // a bad signature: one of another key has the name of one that is trusted
+        Some(rustls::Error::InvalidCertificate(UnknownIssuer | BadSignature)) => {
             "its certificate is vouched for by none that is trusted here: name the one that vouches for it with --mqtt-ca FILE"
                 .to_owned()
         }
