@@ -157,7 +157,9 @@ pub(super) fn find(
         // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
         let helix = if kept.touches { kept.sync_error } else { stored.error(at).abs() };
         let unseen = unseen(stroke, axis, spindle, stored.error(at), helix, ground);
-        (way, Ok((unseen.total, format!("{how}; {}", unseen.why))))
+        let is_beside = apart && way == Way::Straight;
+        let known = (unseen.total, format!("{how}; {}", unseen.why));
+        (way, if is_beside { Err(APART) } else { Ok(known) })
     };
     let certain = bound.as_ref().map_or(Length::ZERO, |(bound, _)| stored.error(at).abs() + *bound);
     Ok(Findings {
@@ -265,4 +267,59 @@ pub(super) fn drive_out(
         }
     })?;
     figures.ok_or_else(|| format!("it is not out after {LONGEST}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recovery::nobody;
+    use store::sync_record::Identity;
+    use units::{Coordinate, Lead, Spin, Stiffness, Time};
+    use wire::{Evidence, Observed};
+
+    /// An M8 from Z-100 to Z-125 into work that begins at Z-105; it stands half a millimetre over it, a turn off its thread.
+    fn over_the_work(stop: Stop) -> Findings {
+        let identity = Identity { machine: "m".into(), serial: 1, epoch: 1 };
+        let stroke = Stroke {
+            axis: 2,
+            tool: 11,
+            diameter: Length::mm(8.0),
+            z0: Length::mm(-100.0),
+            lead: Lead::mm_per_rev(-1.25),
+            start: Length::mm(-100.0),
+            bottom: Length::mm(-125.0),
+            surface: Length::mm(-105.0),
+            spin: Spin::rpm(1000.0),
+            stiffness: Stiffness::n_per_mm(20_000.0),
+            thread_length: Length::mm(30.0),
+            ..nobody(&identity).stroke
+        };
+        let mut observed = Observed::default();
+        observed.feedback.axes[2].position = Coordinate::linear(Length::mm(-104.5));
+        observed.feedback.spindles[0].angle = Angle::rev(4.5 / 1.25 + 1.0);
+        let kept = Engagement { number: 1, tool: 11, touches: true, ..Engagement::default() };
+        let welcome = Welcome {
+            machine: "m".into(),
+            serial: 1,
+            epoch: 1,
+            period: Time::s(250e-6),
+            real_time: false,
+            turns_lost: [false; bus::SPINDLES],
+            stop,
+            evidence: Evidence { last: 1, in_work: Some(kept), ..Evidence::default() },
+            observed,
+        };
+        let file = config::machine_file::load("tapping-center").expect("a built-in machine");
+        find(&stroke, Stage::Outward, &welcome, &file, RecoveryWay::UnloadFirst).expect("a way")
+    }
+
+    /// Drives that were off may have screwed it through its first turns: no encoder shows how far it is off that thread now.
+    #[test]
+    fn a_tap_that_left_its_thread_while_the_drives_were_off_is_not_said_to_be_so_far_off_it() {
+        let found = over_the_work(Stop::Coasted);
+        assert_eq!((found.way, found.bound), (Way::Straight, Err(APART)));
+        assert!(found.not_known_whole.is_some_and(|why| why.contains("ran down apart")));
+        let driven = over_the_work(Stop::Coupled);
+        assert!(driven.way == Way::Straight && driven.bound.is_ok());
+    }
 }
