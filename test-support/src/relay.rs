@@ -83,9 +83,9 @@ impl Relay {
         self.plan.lock().stops = vec![(at, stop)];
     }
 
-    /// Whether every stop has come; one that has not will not come any more.
+    /// What has not stopped a control will not any more; whether everything had.
     #[must_use]
-    pub fn is_stopped(&self) -> bool {
+    pub fn cancel_stops(&self) -> bool {
         std::mem::take(&mut self.plan.lock().stops).is_empty()
     }
 

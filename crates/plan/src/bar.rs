@@ -217,19 +217,23 @@ impl Outline {
         self.face
     }
 
-    /// How far a line along the bar keeps off the material, across the axis; below zero, how deep it goes in. `None`: it stays
-    /// beside the bar's ends.
+    /// How far a line keeps off the material, across the axis; below zero, how deep it goes in. `None`: it stays beside the
+    /// bar's ends.
     pub(crate) fn gap(&self, [a, b]: [[f64; 3]; 2]) -> Option<f64> {
         let (low, high) = (a[2].min(b[2]), a[2].max(b[2]));
         let (first, last) = self.cells(low, high)?;
-        let off = |i: usize| {
-            let z = (self.rear + (i as f64 + 0.5) * self.cell).clamp(low, high);
-            let share = if b[2] == a[2] { 0.0 } else { (z - a[2]) / (b[2] - a[2]) };
-            let r = self.off_axis([0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * share));
+        let gap = |i: usize, at: [f64; 3]| {
+            let r = self.off_axis(at);
             let (inner, outer) = (self.inner[i], self.outer[i]);
             if inner > 0.0 { (r - outer).max(inner - r) } else { r - outer }
         };
-        (first..=last).map(off).reduce(f64::min)
+        let along = (first..=last).filter(|_| b[2] != a[2]).map(|i| {
+            let z = (self.rear + (i as f64 + 0.5) * self.cell).clamp(low, high);
+            let share = (z - a[2]) / (b[2] - a[2]);
+            gap(i, [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * share))
+        });
+        let ends = [a, b].into_iter().filter_map(|at| Some(gap(self.cells(at[2], at[2])?.0, at)));
+        along.chain(ends).reduce(f64::min)
     }
 
     /// An insert that cuts so far to both sides of its tip has turned a thread along a line.
@@ -340,6 +344,9 @@ mod tests {
         assert!(near(gap(&bar(6.0), [5.5, 5.0], [5.5, -20.0]), 0.5));
         assert!(near(gap(&bar(6.0), [6.5, 5.0], [6.5, -20.0]), -0.5));
         assert_eq!(gap(&bar(0.0), [9.0, 5.0], [9.0, 1.0]), None);
+        // across its face, as a scroll is turned
+        assert!(near(gap(&bar(0.0), [15.0, -0.3], [3.0, -0.3]), -7.0));
+        assert!(near(gap(&bar(0.0), [15.0, -0.3], [12.0, -0.3]), 2.0));
     }
 
     #[test]

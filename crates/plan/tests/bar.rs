@@ -154,6 +154,26 @@ fn a_thread_whose_passes_all_stay_off_the_bar_cuts_nothing() {
     assert_eq!(said(&[(21.0, -20.0), (19.0, -20.0)]), "");
     let text = said(&[(21.0, -20.0), (19.0, -40.0)]);
     assert!(text.contains("line 5") && text.contains("0.5 mm off it"), "{text}");
+    // the way in before the face and the way out of the bar are of the pass
+    let stretch = |x: f64, z: f64| {
+        OpKind::Threading(Threading {
+            to: Position::xyz(x / 2.0, 0.0, FACE + 60.0 + z),
+            lead: Lead::mm_per_rev(1.5),
+            growth: LeadGrowth::ZERO,
+            start_angle: Angle::ZERO,
+            axis: canon::Axis::Z,
+            surface: Length::mm(FACE + 60.0),
+        })
+    };
+    let tapered =
+        |x: f64| [to(30.0, 6.0), stretch(x, 3.0), stretch(x, -18.0), stretch(22.0, -20.0)];
+    let passes = |depths: [f64; 2]| {
+        let kinds =
+            [change(1), turn(800.0)].into_iter().chain(depths.into_iter().flat_map(tapered));
+        said_in(LengthUnit::Millimetre, "M0366", kinds.chain([to(30.0, -20.0)]))
+    };
+    assert_eq!(passes([21.0, 19.0]), "");
+    assert!(passes([21.6, 21.0]).contains("0.5 mm off it"));
     let before = said(&[(19.0, 1.0)]);
     assert!(before.contains("stays before the bar's face at Z0"), "{before}");
 }

@@ -162,7 +162,7 @@ impl<'a> Trial<'a> {
             }
             let mut recovery = self.leadscrew(&self.recovery("state", &[]));
             let ended = relay.output(&mut recovery).map_err(|e| e.to_string())?;
-            let was_stopped = is_to_be_stopped && relay.is_stopped();
+            let was_stopped = is_to_be_stopped && relay.cancel_stops();
             let answer = serde_json::from_slice::<Value>(&ended.stdout);
             let outcome = answer.as_ref().ok().and_then(|answer| answer["outcome"].as_str());
             if !was_stopped || outcome.is_some_and(|outcome| outcome != "refused") {
@@ -190,7 +190,8 @@ pub(super) fn trial(
     let relay = relay.map_err(|e| e.to_string())?;
     relay.stop_at(at, stop);
     let ran = relay.output(&mut trial.run("state")).map_err(|e| e.to_string())?;
-    if !relay.is_stopped() {
+    let was_stopped = relay.cancel_stops();
+    if !was_stopped {
         return Err(format!("nothing stopped it: {}", String::from_utf8_lossy(&ran.stderr)));
     }
     let stopped = trial.status()?;

@@ -239,7 +239,7 @@ impl Control {
         let (Some(outside), Some(folder)) = (&mut self.outside, self.kept.folder()) else {
             return Ok(());
         };
-        Slots::discard(StateFolder::of(folder), &recovery::nobody(&outside.identity)).map_err(
+        Slots::discard(StateFolder::of(folder), &recovery::no_tool(&outside.identity)).map_err(
             |why| Refusal::because(format!("the sync record cannot be discarded: {why}")),
         )?;
         outside.left = None;

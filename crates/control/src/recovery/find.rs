@@ -272,10 +272,10 @@ pub(super) fn drive_out(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recovery::nobody;
+    use crate::recovery::in_work::tests::welcome;
+    use crate::recovery::no_tool;
     use store::sync_record::Identity;
-    use units::{Coordinate, Lead, Spin, Stiffness, Time};
-    use wire::{Evidence, Observed};
+    use units::{Lead, Spin, Stiffness};
 
     /// An M8 from Z-100 to Z-125 into work that begins at Z-105; it stands half a millimetre over it, a turn off its thread.
     fn over_the_work(stop: Stop) -> Findings {
@@ -292,23 +292,13 @@ mod tests {
             spin: Spin::rpm(1000.0),
             stiffness: Stiffness::n_per_mm(20_000.0),
             thread_length: Length::mm(30.0),
-            ..nobody(&identity).stroke
+            ..no_tool(&identity).stroke
         };
-        let mut observed = Observed::default();
-        observed.feedback.axes[2].position = Coordinate::linear(Length::mm(-104.5));
-        observed.feedback.spindles[0].angle = Angle::rev(4.5 / 1.25 + 1.0);
-        let kept = Engagement { number: 1, tool: 11, touches: true, ..Engagement::default() };
-        let welcome = Welcome {
-            machine: "m".into(),
-            serial: 1,
-            epoch: 1,
-            period: Time::s(250e-6),
-            real_time: false,
-            turns_lost: [false; bus::SPINDLES],
-            stop,
-            evidence: Evidence { last: 1, in_work: Some(kept), ..Evidence::default() },
-            observed,
-        };
+        let mut welcome = welcome(1, Some(1), Length::mm(-104.5));
+        welcome.stop = stop;
+        welcome.observed.feedback.spindles[0].angle = Angle::rev(4.5 / 1.25 + 1.0);
+        welcome.evidence.in_work =
+            welcome.evidence.in_work.map(|kept| Engagement { touches: true, ..kept });
         let file = config::machine_file::load("tapping-center").expect("a built-in machine");
         find(&stroke, Stage::Outward, &welcome, &file, RecoveryWay::UnloadFirst).expect("a way")
     }

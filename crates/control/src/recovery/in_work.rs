@@ -75,9 +75,9 @@ pub fn judge(record: Option<SyncRecord>, welcome: &Welcome, folder: &str) -> InW
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use crate::recovery::nobody;
+    use crate::recovery::no_tool;
     use store::sync_record::{Identity, Stage, Stroke};
     use units::Coordinate;
     use units::{Length, Time};
@@ -87,12 +87,13 @@ mod tests {
 
     fn record(engagement: u64, stage: Stage) -> SyncRecord {
         let identity = Identity { machine: "m".into(), serial: 1, epoch: 1 };
-        let none = nobody(&identity);
+        let none = no_tool(&identity);
         let stroke = Stroke { tool: 11, bottom: Length::mm(-20.0), ..none.stroke.clone() };
         SyncRecord { engagement, stage, stroke, ..none }
     }
 
-    fn welcome(last: u64, in_work: Option<u64>, z: Length) -> Welcome {
+    /// Of a machine whose last engagement this was, and whose Z stands there.
+    pub(in crate::recovery) fn welcome(last: u64, in_work: Option<u64>, z: Length) -> Welcome {
         let mut observed = Observed::default();
         observed.feedback.axes[2].position = Coordinate::linear(z);
         let in_work =

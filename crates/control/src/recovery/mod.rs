@@ -296,7 +296,7 @@ fn obey(
 
 /// Somebody has looked, and states that no tool is in the work.
 fn set_free(args: &RecoveryOptions, path: &Path, identity: &Identity) -> Result<Answer, Refused> {
-    Slots::discard(StateFolder::open(path)?, &nobody(identity))
+    Slots::discard(StateFolder::open(path)?, &no_tool(identity))
         .map_err(|e| Refused::because(format!("cannot discard the sync record: {e}")))?;
     tell_machine(args)?;
     let said = "as you state, no tool is in the work: record and machine have forgotten it";
@@ -366,7 +366,7 @@ fn forget(slots: &mut Slots<StateFolder>, record: &SyncRecord) -> Result<(), Ref
 }
 
 /// A record that tells of no tap.
-pub fn nobody(identity: &Identity) -> SyncRecord {
+pub fn no_tool(identity: &Identity) -> SyncRecord {
     SyncRecord {
         identity: identity.clone(),
         engagement: 0,

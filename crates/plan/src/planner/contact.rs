@@ -76,8 +76,9 @@ pub(super) struct Contact {
     removed: Removed,
     /// What is left of a bar that is turned; `None`: it is none, or not known.
     outline: Option<Outline>,
-    /// Of the thread that is being turned.
+    /// Of the thread that is being turned, and how far off the bar the pass under way keeps.
     passes: Option<turned::Passes>,
+    gap: Option<f64>,
     /// Where the tip went into the work.
     entered: Option<[f64; 2]>,
     /// Counts the tools that were put into the spindle: findings of one of them are of one cause.
@@ -116,6 +117,7 @@ impl Contact {
             removed: Removed::default(),
             outline: stock.bar.map(|bar| Outline::new(&stock, bar)),
             passes: None,
+            gap: None,
             entered: None,
             mounted: 0,
             rotary,

@@ -102,7 +102,8 @@ impl Planner {
     /// No more stretches come.
     pub(super) fn end_thread(&mut self, emit: &mut dyn FnMut(Step)) {
         let chain = core::mem::take(&mut self.chain);
-        let Some(first) = chain.first() else { return };
+        let (Some(first), Some(last)) = (chain.first(), chain.last()) else { return };
+        self.turned_pass(first.span, last.order.to.linear[2].value());
         let straight = straighten(&chain);
         let spin = self.spindles.get(SPINDLE).map_or(Spin::ZERO, |s| s.ordered.abs());
         let Some(corners) = self.corners(&chain, &straight, spin) else { return };

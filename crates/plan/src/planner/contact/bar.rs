@@ -91,7 +91,7 @@ impl Planner {
             self.say_bar(job.span, &met, across);
         }
         if let Run::Thread(_) = run {
-            self.turned_pass(job.span, ends[1].linear[2].value() - tool_length, gap);
+            self.turned_stretch(gap);
         }
         true
     }
