@@ -2,8 +2,11 @@
 import type { Sample } from '../control/trace.svelte';
 import { progress, type PathArrays } from './path';
 
+/** Between two statuses a tool that stands moves by less than this, mm: noise of its encoders, and the way it settles. */
+const standing_mm = 0.005;
+
 export class Measured {
-  /** mm/min; NaN: not measured. */
+  /** mm/min, the largest; NaN: not measured. */
   readonly feed: Float32Array;
   /** µm, the largest in magnitude; NaN: not measured. */
   readonly sync: Float32Array;
@@ -45,7 +48,7 @@ export class Measured {
     const speed = (60 * way) / (sample.time_s - last.time_s);
     // Pairs shorter than the way between two statuses have the speed of this way.
     for (let pair = Math.min(before + 1, this.done); pair <= this.done; pair++) {
-      if (way > 0 && Number.isFinite(speed)) this.feed[pair] = speed;
+      if (way > standing_mm && Number.isFinite(speed) && !((this.feed[pair] ?? NaN) >= speed)) this.feed[pair] = speed;
       const error = sample.sync_um;
       const known = this.sync[pair] ?? NaN;
       if (error !== null && !(Math.abs(known) >= Math.abs(error))) this.sync[pair] = error;
