@@ -265,9 +265,12 @@ mod tests {
     fn more_slide_left_than_clearance_pulls_the_tap_through_its_thread_at_rapid() {
         // s_exit 5.1 mm with 2 mm of clearance: at R the tap is still 3 mm in its thread
         let made = Cycle::usual(0.12).run();
-        assert!(made.left > 4.9 && made.broken, "{made:?}");
+        assert!(made.left > 4.9, "{made:?}");
+        // a millimetre of full thread bears 7.07 kN, and the chamfer is 2.5 mm long
+        let strips = |depth: f64| 7074.0 * (1.25 + depth - 2.5);
+        assert!(made.force_max > strips(2.6) && made.force_max < strips(3.2), "{made:?}");
         // in the window nothing is pulled
-        assert!(!Cycle::usual(0.20).run().broken);
+        assert!(Cycle::usual(0.20).run().force_max < 100.0);
     }
 
     #[test]

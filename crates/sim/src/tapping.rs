@@ -26,6 +26,12 @@
 //! Deeper than the bored hole's full diameter, or than its own thread, the tap jams: its tip stands on the
 //! ground while the helix screws it on, so torque climbs by newton metres per hundredth of a millimetre.
 //!
+//! Pulled off its helix near the surface, where few and low teeth hold it, the tap shears them out of the work and is free:
+//!
+//! ```text
+//!   F > τ·A·∫₀ʰ min(s/c, 1) ds      h of the helix in the work, c the chamfer, A = 0.875·π·D (thread of a nut, FED-STD-H28)
+//! ```
+//!
 //! It breaks where the shear stress by von Mises in its core, √(τ² + σ²/3) at 0.6·D, exceeds
 //! [`SHEAR_LIMIT_N_PER_MM2`]: 9.2 N·m for M6, and within 4 % the known figures from M3 (1.1) to M12 (73).
 //!
@@ -58,6 +64,12 @@ const FLANK_FRICTION: f64 = 0.15;
 pub(crate) const ROUNDING_RAD_PER_S: f64 = 2.0;
 /// A thread of less than this share of a pitch holds no tap: a tenth of a turn of its first tooth (estimate).
 const HOLDS_PITCHES: f64 = 0.1;
+/// Shear strength τ of the work over its specific cutting force: C45 has 430 of 3900 N/mm².
+const SHEAR_OF_CUTTING: f64 = 0.11;
+/// Area that is sheared when a thread is stripped, over π·D and its length: of a nut's thread at the tap's crests.
+const STRIPPED_AREA: f64 = 0.875;
+/// So much of a pitch a ridge is pushed along before it is sheared off (estimate).
+const RIDGE_PITCHES: f64 = 0.1;
 /// So far beside its first scratch a tap at the surface begins another, mm: on its helix it stands nearer than that.
 const SCRATCH_MM: f64 = 1e-3;
 /// A tap pushed sideways by this share of its diameter breaks.
@@ -156,6 +168,10 @@ pub(crate) struct Tapping {
     /// The helix was there before this tap came.
     guided: bool,
     chip_root: bool,
+    /// Force that strips a millimetre of full thread, N/mm.
+    strips: f64,
+    /// How far the axis holds the tap above its helix when that begins, mm; infinite for one that is free already.
+    pulled: f64,
     deflection: f64,
     deepest: f64,
     /// Torque and force that its core bore last, N·m and N.
@@ -189,6 +205,7 @@ impl Tapping {
             let turns = ((pose.tip - tip) / lead - (tap_angle - angle)).round();
             (angle - turns, tip)
         });
+        let above = pose.tip - helix_tip - lead * (tap_angle - helix_angle);
         Self {
             hole,
             seat: Seat::new(tap),
@@ -213,6 +230,8 @@ impl Tapping {
             cut_before: guide.map_or(0.0, |t| t.tip_depth.value()),
             guided: guide.is_some(),
             chip_root: false,
+            strips: SHEAR_OF_CUTTING * kc * STRIPPED_AREA * PI * diameter,
+            pulled: above.max(0.0) + RIDGE_PITCHES * pitch,
             deflection: 0.0,
             deepest: 0.0,
             stress: (0.0, 0.0),
@@ -223,6 +242,9 @@ impl Tapping {
     /// at the surface (R0) ends at it as exactly as axis and spindle stop, which is never exactly.
     #[inline]
     pub(crate) fn is_out(&self, pose: &Pose) -> bool {
+        if self.is_stripped() {
+            return pose.tip >= self.top;
+        }
         let angle = if self.clutch.is_some() { self.angle } else { pose.angle };
         let helix = self.helix(angle);
         if pose.tip >= self.top && helix >= self.top {
@@ -266,9 +288,24 @@ impl Tapping {
         driven
     }
 
-    /// How far the axis holds the tip off the helix that was cut, mm.
-    pub(crate) fn off_helix(&self, tip: f64, angle: f64) -> f64 {
-        tip - self.helix(angle)
+    /// How far the axis holds the tip off the helix that was cut, mm; `None` for a tap that has sheared it.
+    pub(crate) fn off_helix(&self, tip: f64, angle: f64) -> Option<f64> {
+        (!self.is_stripped()).then(|| tip - self.helix(angle))
+    }
+
+    /// It has sheared the thread that held it.
+    const fn is_stripped(&self) -> bool {
+        self.pulled == f64::INFINITY
+    }
+
+    /// Shear the thread where a pull of `force`, N, on a tap held `above` its helix is more than it bears.
+    fn strip(&mut self, above: f64, helix_depth: f64, force: f64) {
+        let chamfer = self.per_chamfer.recip();
+        let (low, full) = (between(helix_depth, 0.0, chamfer), (helix_depth - chamfer).max(0.0));
+        let bears = self.strips * (low * low / (2.0 * chamfer) + full);
+        if above > self.pulled && force.abs() > bears {
+            self.pulled = f64::INFINITY;
+        }
     }
 
     /// Where the helix puts the tip at a spindle angle.
@@ -280,12 +317,16 @@ impl Tapping {
     #[inline]
     pub(crate) fn step(&mut self, pose: &Pose) -> Option<Load> {
         let driven = self.follow(pose);
+        if self.is_stripped() {
+            return self.free(pose);
+        }
         self.scratch(pose);
         let helix = self.helix(self.angle);
         // an extended holder leaves the tap in the thread after the spindle has gone up
         let engaged = self.share_of_chamfer(self.top - helix.min(pose.tip));
         self.deflection = self.seat.deflection(pose.tip - helix, engaged);
         let force = self.seat.force(self.deflection);
+        self.strip(pose.tip - helix, self.top - helix, force);
         let depth = self.top - pose.tip - self.deflection;
         self.deepest = self.deepest.max(depth);
         let jam = self.seat.flank_force((self.top - helix).min(depth) - self.ground);
@@ -304,10 +345,18 @@ impl Tapping {
         self.core.bears(torque, pressed).then_some(Load { force, torque, friction: against })
     }
 
+    /// A tap in a thread that it has sheared: nothing holds it but the ground.
+    fn free(&mut self, pose: &Pose) -> Option<Load> {
+        self.deflection = 0.0;
+        let jam = self.seat.flank_force(self.top - pose.tip - self.ground);
+        self.stress = (0.0, jam);
+        self.core.bears(0.0, jam).then_some(Load { force: jam, ..Load::default() })
+    }
+
     /// A tap that rests at the surface while it turns scratches it: no helix holds it until it goes in on one.
     fn scratch(&mut self, pose: &Pose) {
         let rests = !self.guided && self.deepest < AT_SURFACE_MM;
-        if rests && self.off_helix(pose.tip, self.angle).abs() > SCRATCH_MM {
+        if rests && (pose.tip - self.helix(self.angle)).abs() > SCRATCH_MM {
             (self.helix_angle, self.helix_tip) = (self.angle, pose.tip);
             self.cut_to = 0.0;
         }

@@ -289,7 +289,7 @@ impl Cutting {
     pub(crate) fn off_helix(&self, axis_mm: f64, angle: f64) -> Option<Length> {
         let tip = axis_mm - self.mounted?.length.value();
         match &self.engagement {
-            Engagement::Tapping(tap) => Some(Length::mm(tap.off_helix(tip, angle))),
+            Engagement::Tapping(tap) => tap.off_helix(tip, angle).map(Length::mm),
             Engagement::Air | Engagement::Clear | Engagement::Drilling(_) | Engagement::Broken => {
                 None
             }

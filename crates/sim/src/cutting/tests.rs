@@ -135,6 +135,32 @@ fn an_extended_holder_keeps_the_tap_in_the_thread_until_it_is_screwed_out() {
     assert_eq!(hand.cutting.load().force, 0.0);
 }
 
+/// τ = 0.11·3900 N/mm², A = 0.875·π·6 mm: 7.07 kN for a millimetre of full thread, and the core tears at 17.6 kN. The chamfer is
+/// 2.5 mm long.
+#[test]
+fn a_tap_that_is_pulled_straight_out_strips_a_short_thread_and_breaks_in_a_long_one() {
+    let pulled_at = |depth: f64| {
+        let mut hand = Hand::usual();
+        hand.take(TAP, 0.0).lead(0.0, 0.0);
+        hand.lead(-12.0, 12.0);
+        hand.lead(-depth, depth);
+        hand.lead(5.0, depth);
+        hand
+    };
+    let short = pulled_at(3.0);
+    let exact = 0.11 * 3900.0 * 0.875 * core::f64::consts::PI * 6.0 * (2.5 / 2.0 + 0.5);
+    assert!((short.worst.force - exact).abs() < 0.01 * exact, "{} N, {exact}", short.worst.force);
+    assert!(!short.cutting.is_broken() && short.cutting.load() == Load::default());
+    // a third of a pitch: held by a few low teeth, which give by a tenth of a pitch
+    let last = pulled_at(0.3);
+    let (tap, share) = (m6(), 0.3 / 2.5);
+    let (offset, flank) = (Length::mm(0.1), tap.flank_stiffness * share);
+    let exact = force_at_offset(offset, tap.holder.stiffness, flank, tap.flank_play).value();
+    assert!((last.worst.force - exact).abs() < 0.03 * exact, "{} N, {exact}", last.worst.force);
+    assert!(!last.cutting.is_broken() && last.cutting.off_helix(0.0, 0.0).is_none());
+    assert!(pulled_at(6.0).cutting.is_broken());
+}
+
 #[test]
 fn force_on_the_helix_and_torque_exchange_power_without_loss() {
     let mut hand = Hand::usual();
