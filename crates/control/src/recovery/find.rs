@@ -16,6 +16,10 @@ use wire::{Engagement, Sense, Stop, Welcome};
 /// A tap that the control never had in the work.
 const NO_THREAD: &str = "the tap came into the work only after the control had been lost, spindle and feed apart, so it is not in the thread of the record";
 
+/// One that was in its thread, and cannot be.
+const BEYOND: &str =
+    "spindle and feed ran down so far apart that the tap is not where the record has its thread";
+
 /// One that is in no thread now, after drives that were off.
 const APART: &str =
     "spindle and feed ran down apart, and the tap is not in the thread of the record";
@@ -46,13 +50,20 @@ pub struct Findings {
     pub overrun: Length,
     /// Why it may be broken.
     pub not_known_whole: Option<String>,
+    /// How far off the coupling its thread may have been cut.
+    helix: Length,
 }
 
 impl Findings {
     /// What the machine is to keep of the tool from before it is moved.
     pub(super) fn mark(&self, kept: Option<Engagement>) -> Option<Engagement> {
         let may_be_broken = self.not_known_whole.is_some();
-        kept.map(|kept| Engagement { may_be_broken: kept.may_be_broken || may_be_broken, ..kept })
+        kept.map(|kept| Engagement {
+            may_be_broken: kept.may_be_broken || may_be_broken,
+            // where the tap stands later does not show that any more
+            sync_error: self.helix.max(kept.sync_error),
+            ..kept
+        })
     }
 }
 
@@ -142,20 +153,27 @@ pub(super) fn find(
     let core = Force::n(setting.bears().value() * stroke.stiffness.value());
     let ground = if overrun > lead { core } else { Force::ZERO };
     let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
-    let beyond = stored.error(at).abs() > setting.bears();
+    let error = stored.error(at).abs();
+    // near the surface it may have left its thread and come back into another of its turns
+    let beyond =
+        error > setting.bears() || way != Way::Straight && depth <= lead && error > lead / 2.0;
+    // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
+    let helix = match kept.touches {
+        true => kept.sync_error,
+        false => error.max(kept.sync_error),
+    };
     let (way, bound) = if apart && (!kept.touches || beyond) {
-        // its first turns were cut by spindle and feed apart: so near the surface few teeth hold it, deeper they do
+        let why = if kept.touches { BEYOND } else { NO_THREAD };
+        // so near the surface few teeth hold it, and the thread gives way; deeper they do
         if depth > lead {
             return Err(format!(
-                "{NO_THREAD}: it stands {:.3} mm deep, and up to {:.3} mm, one lead, it could be pulled out straight",
+                "{why}: it stands {:.3} mm deep, and up to {:.3} mm, one lead, it could be pulled out straight",
                 depth.value(),
                 lead.value()
             ));
         }
-        (Way::Straight, Err(NO_THREAD))
+        (Way::Straight, Err(why))
     } else {
-        // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
-        let helix = if kept.touches { kept.sync_error } else { stored.error(at).abs() };
         let unseen = unseen(stroke, axis, spindle, stored.error(at), helix, ground);
         let is_beside = apart && way == Way::Straight;
         let known = (unseen.total, format!("{how}; {}", unseen.why));
@@ -177,6 +195,7 @@ pub(super) fn find(
         turn: turned - reading,
         bound,
         way,
+        helix,
     })
 }
 
@@ -277,8 +296,9 @@ mod tests {
     use store::sync_record::Identity;
     use units::{Lead, Spin, Stiffness};
 
-    /// An M8 from Z-100 to Z-125 into work that begins at Z-105; it stands half a millimetre over it, a turn off its thread.
-    fn over_the_work(stop: Stop) -> Findings {
+    /// Of an M8 from Z-100 to Z-125 into work that begins at Z-105: drives that stopped so, a place over the work, so many turns off
+    /// its thread, and what the machine keeps.
+    fn found(stop: Stop, over: Length, turns: f64, kept: Engagement) -> Findings {
         let identity = Identity { machine: "m".into(), serial: 1, epoch: 1 };
         let stroke = Stroke {
             axis: 2,
@@ -294,22 +314,54 @@ mod tests {
             thread_length: Length::mm(30.0),
             ..no_tool(&identity).stroke
         };
-        let mut welcome = welcome(1, Some(1), Length::mm(-104.5));
+        let mut welcome = welcome(1, Some(1), stroke.surface + over);
         welcome.stop = stop;
-        welcome.observed.feedback.spindles[0].angle = Angle::rev(4.5 / 1.25 + 1.0);
-        welcome.evidence.in_work =
-            welcome.evidence.in_work.map(|kept| Engagement { touches: true, ..kept });
+        let into = (5.0 - over.value()) / 1.25;
+        welcome.observed.feedback.spindles[0].angle = Angle::rev(into + turns);
+        welcome.evidence.in_work = Some(kept);
         let file = config::machine_file::load("tapping-center").expect("a built-in machine");
         find(&stroke, Stage::Outward, &welcome, &file, RecoveryWay::UnloadFirst).expect("a way")
+    }
+
+    fn touching() -> Engagement {
+        Engagement { number: 1, tool: 11, touches: true, ..Engagement::default() }
+    }
+
+    fn bound(found: &Findings) -> Length {
+        found.bound.as_ref().expect("it is known how far off it is").0
     }
 
     /// Drives that were off may have screwed it through its first turns: no encoder shows how far it is off that thread now.
     #[test]
     fn a_tap_that_left_its_thread_while_the_drives_were_off_is_not_said_to_be_so_far_off_it() {
+        let over_the_work = |stop| found(stop, Length::mm(0.5), 1.0, touching());
         let found = over_the_work(Stop::Coasted);
         assert_eq!((found.way, found.bound), (Way::Straight, Err(APART)));
         assert!(found.not_known_whole.is_some_and(|why| why.contains("ran down apart")));
         let driven = over_the_work(Stop::Coupled);
         assert!(driven.way == Way::Straight && driven.bound.is_ok());
+    }
+    /// 0.75 mm off: it would hold that, but more than half a lead off, its tip near the surface, it may be in the next turn.
+    #[test]
+    fn a_tap_that_may_have_come_back_into_another_turn_is_not_said_to_be_off_this_one() {
+        let at_the_surface = |stop| found(stop, Length::mm(-0.05), 0.6, touching());
+        let apart = at_the_surface(Stop::Coasted);
+        assert_eq!((apart.way, apart.bound), (Way::Straight, Err(BEYOND)));
+        assert!(at_the_surface(Stop::Coupled).bound.is_ok());
+    }
+
+    /// It touched the work while the drives braked and went off its coupling; its thread may be off as far.
+    #[test]
+    fn what_a_recovery_has_led_back_still_may_have_cut_its_thread_elsewhere() {
+        let kept = Engagement { touches: false, ..touching() };
+        let off = Length::um(60.0);
+        let first = found(Stop::QuickStop, Length::mm(-1.0), off.value() / 1.25, kept);
+        let kept = first.mark(Some(kept)).expect("it is kept");
+        let again = found(Stop::QuickStop, Length::mm(-1.0), 0.0, kept);
+        let never = found(Stop::QuickStop, Length::mm(-1.0), 0.0, touching());
+        let wider = bound(&again) - bound(&never);
+        let exact = first.stored.error(first.at).abs();
+        assert!(exact > Length::um(30.0), "the weight on the screw takes some of it: {exact}");
+        assert!((wider - exact).abs() < Length::um(0.1), "{wider}, {exact}");
     }
 }
