@@ -21,7 +21,7 @@ use row::{HEAD, Row};
 use std::path::Path;
 use test_support::Dice;
 use test_support::Stop;
-use trial::{Others, trial};
+use trial::{Others, repeat, trial};
 
 /// What drives do that are left alone.
 const REACTIONS: [&str; 4] = ["coupled-stop", "quick-stop", "coast", "off"];
@@ -39,14 +39,16 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
                 let (from, to) = feature.window;
                 let share = (f64::from(case) + dice.between(0.0, 1.0)) / f64::from(count);
                 let at = from + (to - from) * share;
-                let stop = *dice.one_of(&[Stop::Kill, Stop::PowerCut]);
+                let mut stops = vec![(at, *dice.one_of(&[Stop::Kill, Stop::PowerCut]))];
                 row.cases += 1;
                 let trial = others.as_ref().map_err(Clone::clone).and_then(|others| {
-                    trial((binary, feature, others), reaction, (at, stop), &mut dice, &mut row)
+                    trial((binary, feature, others), reaction, &mut stops, &mut dice, &mut row)
                 });
+                row.stopped_again += u32::try_from(stops.len() - 1).unwrap_or(u32::MAX);
                 if let Err(why) = trial {
-                    let what = format!("{}, {reaction}, {stop:?} at {at:.6} s", feature.name);
-                    row.problems.push(format!("{what}: {why}"));
+                    let stops: String =
+                        stops.iter().map(|(at, stop)| format!("; {stop:?} at {at:.6}")).collect();
+                    row.problems.push(format!("{}; {reaction}{stops}: {why}", feature.name));
                 }
             }
             println!("{}", row.text(&format!("{}, {reaction}", feature.name)));
@@ -59,4 +61,26 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
     }
     println!("{}", all.text("all"));
     all.is_good()
+}
+
+/// One case of it again, as a problem names it: `FEATURE; REACTION; STOP at S; …`.
+pub(crate) fn run_again(binary: &Path, case: &str) -> Result<(), String> {
+    const FORM: &str = "a case is \"FEATURE; REACTION; Kill at SECONDS; PowerCut at SECONDS; …\"";
+    let mut parts = case.split("; ");
+    let name = parts.next().unwrap_or_default();
+    let feature = FEATURES.iter().find(|feature| feature.name == name);
+    let feature = feature.ok_or_else(|| format!("{FORM}; there is no feature \"{name}\""))?;
+    let reaction = parts.next().filter(|reaction| REACTIONS.contains(reaction));
+    let reaction = reaction.ok_or_else(|| format!("{FORM}; reactions: {REACTIONS:?}"))?;
+    let stops = parts.map(|stop| {
+        let (stop, at) = stop.split_once(" at ")?;
+        let stop = match stop {
+            "Kill" => Stop::Kill,
+            "PowerCut" => Stop::PowerCut,
+            _ => return None,
+        };
+        Some((at.parse().ok()?, stop))
+    });
+    let stops: Vec<_> = stops.collect::<Option<_>>().ok_or(FORM)?;
+    repeat(binary, feature, reaction, &stops)
 }

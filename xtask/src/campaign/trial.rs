@@ -8,7 +8,7 @@ use std::process::{Child, Command, Output, Stdio};
 use test_support::{Dice, Relay, Stop};
 
 /// How often a recovery is stopped at most before one is let through.
-const STOPPED_AGAIN: u32 = 3;
+const STOPPED_AGAIN: usize = 3;
 
 /// A process that ends with its value.
 struct Behind(Child);
@@ -144,42 +144,47 @@ impl<'a> Trial<'a> {
     }
 
     /// Recover, and be stopped again at random, until a recovery ends; how the machine was before that one, and its answer.
+    /// `stops` takes what stopped the others.
     fn recover(
         &self,
         relay: &Relay,
         dice: &mut Dice,
-        row: &mut Row,
+        stops: &mut Vec<(f64, Stop)>,
     ) -> Result<(Value, Value), String> {
-        let mut left = STOPPED_AGAIN;
         loop {
             let before = self.status()?;
             let stop = *dice.one_of(&[Stop::Kill, Stop::PowerCut]);
-            let is_to_be_stopped = left > 0 && dice.chance(0.5);
-            if is_to_be_stopped {
-                let now = before["time_s"].as_f64().ok_or("the status has no time")?;
+            let planned = stops.len() <= STOPPED_AGAIN && dice.chance(0.5);
+            let planned = planned.then(|| {
+                let now = before["time_s"].as_f64().unwrap_or_default();
                 // a way out takes some periods or some seconds
-                relay.stop_at(now + dice.between(0.001_f64.ln(), 3_f64.ln()).exp(), stop);
+                (now + dice.between(0.001_f64.ln(), 3_f64.ln()).exp(), stop)
+            });
+            if let Some((at, stop)) = planned {
+                relay.stop_at(at, stop);
             }
             let mut recovery = self.leadscrew(&self.recovery("state", &[]));
             let ended = relay.output(&mut recovery).map_err(|e| e.to_string())?;
-            let was_stopped = is_to_be_stopped && relay.cancel_stops();
+            let stopped = planned.filter(|_| relay.cancel_stops());
             let answer = serde_json::from_slice::<Value>(&ended.stdout);
             let outcome = answer.as_ref().ok().and_then(|answer| answer["outcome"].as_str());
-            if !was_stopped || outcome.is_some_and(|outcome| outcome != "refused") {
-                let said = String::from_utf8_lossy(&ended.stderr);
-                return Ok((before, answer.map_err(|e| format!("{e}: {said}"))?));
+            let has_ended = outcome.is_some_and(|outcome| outcome != "refused");
+            match stopped.filter(|_| !has_ended) {
+                Some(stopped) => stops.push(stopped),
+                None => {
+                    let said = String::from_utf8_lossy(&ended.stderr);
+                    return Ok((before, answer.map_err(|e| format!("{e}: {said}"))?));
+                }
             }
-            row.stopped_again += 1;
-            left -= 1;
         }
     }
 }
 
-/// Stop `feature` at `at`, by a kill or a power cut, and take its tool out.
+/// Stop `feature` by the first of `stops`, a kill or a power cut, and take its tool out; what stopped recoveries comes to it.
 pub(super) fn trial(
     (binary, feature, others): (&Path, &Feature, &Others),
     reaction: &str,
-    (at, stop): (f64, Stop),
+    stops: &mut Vec<(f64, Stop)>,
     dice: &mut Dice,
     row: &mut Row,
 ) -> Result<(), String> {
@@ -188,7 +193,7 @@ pub(super) fn trial(
     let _simulator = trial.simulator(&["--on-link-loss", reaction, "--on-power-loss", reaction])?;
     let relay = Relay::in_place_of(&trial.folder.path().join("simulator"), &[]);
     let relay = relay.map_err(|e| e.to_string())?;
-    relay.stop_at(at, stop);
+    stops.iter().for_each(|&(at, stop)| relay.stop_at(at, stop));
     let ran = relay.output(&mut trial.run("state")).map_err(|e| e.to_string())?;
     let was_stopped = relay.cancel_stops();
     if !was_stopped {
@@ -196,9 +201,40 @@ pub(super) fn trial(
     }
     let stopped = trial.status()?;
     look(&trial, &stopped, dice)?;
-    let (before, answer) = trial.recover(&relay, dice, row)?;
+    let (before, answer) = trial.recover(&relay, dice, stops)?;
     let after = trial.status()?;
     row.judge(stopped["tool_broken"] == true, [&before, &after], &answer)
+}
+
+/// The same stops once more, with nothing looked at between them: what the machine simulator says after each.
+pub(super) fn repeat(
+    binary: &Path,
+    feature: &Feature,
+    reaction: &str,
+    stops: &[(f64, Stop)],
+) -> Result<(), String> {
+    let trial = Trial::new(binary, feature)?;
+    let _simulator = trial.simulator(&["--on-link-loss", reaction, "--on-power-loss", reaction])?;
+    let relay = Relay::in_place_of(&trial.folder.path().join("simulator"), &[]);
+    let relay = relay.map_err(|e| e.to_string())?;
+    for (begun, &(at, stop)) in stops.iter().enumerate() {
+        relay.stop_at(at, stop);
+        let mut control = match begun {
+            0 => trial.run("state"),
+            _ => trial.leadscrew(&trial.recovery("state", &[])),
+        };
+        let said = relay.output(&mut control).map_err(|e| e.to_string())?;
+        let was_stopped = if relay.cancel_stops() { "" } else { ", which did not stop it" };
+        println!("{stop:?} at {at:.6} s{was_stopped}");
+        println!(
+            "{}{}",
+            String::from_utf8_lossy(&said.stdout),
+            String::from_utf8_lossy(&said.stderr)
+        );
+        println!("{:#}", trial.status()?);
+    }
+    println!("then\n{:#}\n{:#}", trial.answer("state", &[])?, trial.status()?);
+    Ok(())
 }
 
 /// What only looks changes nothing and denies nothing: a rehearsal, a run that is refused, and both with a state folder that
