@@ -1,9 +1,11 @@
 //! The tool against the stock, before motion: what breaks it is refused, with what works, in the program's words.
 mod common;
-use canon::{LengthUnit, OpKind, Position, ProgramFrame, Tool, ToolKind, ToolLibrary};
+use canon::{
+    Axis, LengthUnit, OpKind, Position, ProgramFrame, Threading, Tool, ToolKind, ToolLibrary,
+};
 use common::{TOP, change, hole, line, machine, mm, program, rapid, tap, tools, turn};
 use plan::{Planner, Start, Stock};
-use units::{Angle, Length};
+use units::{Angle, Lead, LeadGrowth, Length};
 
 /// 100 mm square, 40 mm thick, its top at Z0 of G54.
 const STOCK: Stock = Stock {
@@ -179,6 +181,16 @@ fn a_tap_goes_into_the_work_in_its_cycle_only() {
     let at = |z: f64| rapid(5.0, 0.0, TOP + 100.0 + z);
     let by_hand = said_in(g54(100.0), 2, [at(5.0), line(5.0, 0.0, TOP + 90.0, 3000.0)]);
     assert!(by_hand.starts_with("M0364 Error line 4"), "{by_hand}");
+    let led = OpKind::Threading(Threading {
+        to: Position::xyz(5.0, 0.0, TOP + 97.0),
+        lead: Lead::mm_per_rev(1.0),
+        growth: LeadGrowth::ZERO,
+        start_angle: Angle::ZERO,
+        axis: Axis::Z,
+        surface: mm(TOP + 100.0),
+    });
+    let led = said_in(g54(100.0), 2, [at(5.0), turn(500.0), led]);
+    assert!(led.starts_with("M0364 Error line 5") && led.contains("goes on turning"), "{led}");
     let cycle =
         said_in(g54(100.0), 2, [at(5.0), OpKind::Tap(tap(5.0, 0.0, 5.0, -10.0, 1.0, 3000.0))]);
     assert!(cycle.starts_with("M0324 Note") && cycle.lines().count() == 1, "{cycle}");

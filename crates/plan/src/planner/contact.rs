@@ -106,8 +106,8 @@ enum Wrong {
     Still { over: f64, load: f64 },
     /// More per turn than the drill bears.
     TooFast { per_turn: f64, load: f64 },
-    /// Fed without its cycle.
-    TapFed { over: f64 },
+    /// Without its cycle: fed, or led by a turning spindle that goes on turning at the end.
+    TapFed { over: f64, is_led: bool },
 }
 
 impl Contact {
@@ -258,7 +258,8 @@ impl Contact {
         if depth > from && over > SCRAPES {
             return found.push(match run {
                 Run::Rapid => (Wrong::RapidIn { over, open, milled }, part[1]),
-                Run::Feed(_) | Run::Thread(_) => (Wrong::TapFed { over }, part[1]),
+                Run::Feed(_) => (Wrong::TapFed { over, is_led: false }, part[1]),
+                Run::Thread(_) => (Wrong::TapFed { over, is_led: true }, part[1]),
             });
         }
         found.extend(aside);

@@ -68,7 +68,7 @@ impl Planner {
                 let severity = if load > BREAKS { sure } else { Severity::Warning };
                 ("M0363", load, severity, self.too_fast(tool, per_turn, load), None)
             }
-            Wrong::TapFed { over } => {
+            Wrong::TapFed { over, is_led } => {
                 let gives = match &tool.kind {
                     ToolKind::Tap(tap) => matches!(
                         tap.holder,
@@ -77,11 +77,13 @@ impl Planner {
                     _ => false,
                 };
                 let severity = if gives { Severity::Warning } else { sure };
-                let wrong = format!(
-                    "{} is fed {} into the work by G1, which does not tie it to the spindle",
-                    name(tool),
-                    length(&self.frame, over),
-                );
+                let (how, why) = if is_led {
+                    ("led", "G33, at whose end the spindle goes on turning")
+                } else {
+                    ("fed", "G1, which does not tie it to the spindle")
+                };
+                let deep = length(&self.frame, over);
+                let wrong = format!("{} is {how} {deep} into the work by {why}", name(tool));
                 ("M0364", over, severity, [wrong, ": G84 or G33.1 works".into()], None)
             }
         };
