@@ -256,6 +256,10 @@ fn feature(feature: &Feature, when: u64, device: &Device, buffer: &mut Buffer) {
     let millimetres = |length: Length| number(length.value(), 5);
     let class = match &feature.kind {
         FeatureKind::Thread(thread) => Some(thread.class_name()),
+        // of a turned thread no other class is tried than the one asked
+        FeatureKind::Turned(thread) if matches!(feature.verdict, Verdict::Pass) => {
+            Some(thread.class).filter(|class| !class.is_empty())
+        }
         _ => None,
     };
     let verdict = match feature.verdict {

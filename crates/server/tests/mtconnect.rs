@@ -153,6 +153,48 @@ fn a_run_with_a_hold_an_alarm_and_a_recovery_is_observed_event_by_event() {
 }
 
 #[test]
+fn a_turned_thread_that_is_good_has_the_class_that_is_asked_of_it() {
+    let served = Served::of(How { machine: "lathe", pace: 40.0, ..How::default() });
+    served.power_on();
+    served.home();
+    let program =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../programs/thread-m20x1.5.ngc");
+    let program = std::fs::read(program).unwrap();
+    assert_eq!(served.put("/programs/thread.ngc", &program).0, 200);
+    served.execute("thread.ngc");
+    served
+        .until("its verdict", |_| of_item(&get(&served, "current").1, "path_verdict") == ["GOOD"]);
+    assert_eq!(of_item(&get(&served, "current").1, "path_class"), ["6g"]);
+}
+
+#[test]
+fn a_tap_that_was_stopped_before_the_material_is_not_said_to_be_of_no_class() {
+    let served = Served::at_pace(1.0);
+    served.power_on();
+    served.home();
+    let program =
+        "G21 G54 G90 T3 M6\nG0 X12 Y12 G43 H3 Z5\nM3 S60\nG99 G84 X12 Y12 Z-5 R5 F60\nG80 M30\n";
+    assert_eq!(served.put("/programs/slow.ngc", program.as_bytes()).0, 200);
+    served.accepted(json!({ "request": "load", "program": "slow.ngc" }));
+    served.accepted(json!({ "request": "start" }));
+    served.until("it taps", |status| status["activity"] == "tap-in");
+    served.accepted(json!({ "request": "emergency_stop", "on": true }));
+    served.until("standstill", |status| status["execution"] == "STOPPED");
+    served.accepted(json!({ "request": "emergency_stop", "on": false }));
+    served.until("it may leave", |status| status["emergency_stop"] == "ARMED");
+    if served.status()["is_tool_in_work"] == true {
+        served.until("it leaves", |_| served.request(&json!({ "request": "recover" })).0 == 200);
+        served.until("it is out", |status| status["is_tool_in_work"] == false);
+    }
+    served.until("it is over", |_| served.request(&json!({ "request": "reset" })).0 == 200);
+    served.until("its verdict", |_| {
+        of_item(&get(&served, "current").1, "path_verdict") == ["FAILED"]
+    });
+    assert_eq!(of_item(&get(&served, "current").1, "path_class"), ["not gauged"]);
+    assert_eq!(served.get("/features").1[0]["class"], "not gauged");
+}
+
+#[test]
 fn what_was_true_at_an_observation_is_answered_as_long_as_it_is_kept() {
     let served = Served::at_pace(1.0);
     let before = header(&get(&served, "current").1, "lastSequence");

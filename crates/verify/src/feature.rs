@@ -331,8 +331,12 @@ impl Thread {
         Some(inward && outward.is_none_or(|(m, band)| within(m, band)))
     }
 
-    /// Name of the class asked if the thread is within it, else of the finest that it is within, else `"none"`.
+    /// Name of the class asked if the thread is within it, else of the finest that it is within, else `"none"`;
+    /// `"not gauged"` where there is no full thread that a gauge could be tried on.
     pub fn class_name(&self) -> &'static str {
+        if !self.is_gauged() {
+            return "not gauged";
+        }
         let within = self.margin >= Length::ZERO && self.minor_margin >= Length::ZERO;
         match self.class {
             Some(_) if within => self.class_asked.name(),

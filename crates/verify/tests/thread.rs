@@ -191,9 +191,11 @@ fn a_tap_that_broke_stayed_in_or_never_came_is_no_thread() {
     let broke = thread(&features[0]);
     assert!(broke.tip_depth < Length::mm(13.9), "what was cut after it broke: {}", broke.tip_depth);
     assert_eq!((broke.class, broke.margin), (None, Length::ZERO));
+    assert_eq!(broke.class_name(), "not gauged", "a gauge was never tried on it");
     assert!(reasons[1].starts_with("the tool was left"), "{}", reasons[1]);
     assert_eq!(reasons[2], "not cut: the program ended before it");
     assert_eq!(thread(&features[2]).class, None);
+    assert_eq!(thread(&features[2]).class_name(), "not gauged");
 }
 
 #[test]

@@ -816,7 +816,7 @@ sync_error_depth_mm?: number,
  */
 sync_error_rms_um?: number, 
 /**
- * Finest class whose gauges agree, `none` if not even the coarsest.
+ * Finest class whose gauges agree, `none` if not even the coarsest; `not gauged`: there is no full thread.
  */
 class?: string, 
 /**
