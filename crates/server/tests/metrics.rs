@@ -5,7 +5,7 @@ mod common;
 use common::{How, Served};
 use control::RealTimeOptions;
 use serde_json::{Value, json};
-use server::{Role, Tokens};
+use server::{BrokerAddress, PublishOptions, Role, Tokens, TopicPrefix};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
@@ -276,7 +276,15 @@ fn after_a_program_and_an_alarm() -> String {
 
 #[test]
 fn every_metric_of_the_dashboard_is_served() {
-    let served = Served::of(How { real_time: Some(RealTimeOptions::default()), ..How::default() });
+    let publish = Some(PublishOptions {
+        broker: BrokerAddress::parse("mqtt://127.0.0.1:9").unwrap(), // nothing answers there
+        login: None,
+        authorities: None,
+        topic: TopicPrefix::parse("shop").unwrap(),
+        told: Box::new(|_| {}),
+    });
+    let real_time = Some(RealTimeOptions::default());
+    let served = Served::of(How { real_time, publish, ..How::default() });
     let text = scrape(&served);
     assert_eq!(lint(&text), Vec::<String>::new(), "{text}");
     let lock_step = after_a_program_and_an_alarm();
