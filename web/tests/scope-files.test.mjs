@@ -2,9 +2,9 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { McapIndexedReader } from '@mcap/core';
 import { parquetMetadata, parquetReadObjects } from 'hyparquet';
 import { browser, open, press, Server, until } from './helpers.mjs';
+import { readMcap } from './mcap.mjs';
 
 let server; let on; let page;
 before(async () => {
@@ -57,17 +57,13 @@ test('Parquet and MCAP hold the same samples as the text, with units', async () 
   assert.equal(table.length, rows.length);
   for (const row of [0, 17, rows.length - 1]) assert.ok(Math.abs(table[row]['Z.position_mm'] - Number(rows[row][column])) < 1e-4);
 
-  const mcap = await saved('mcap');
-  const readable = { size: () => Promise.resolve(BigInt(mcap.length)), read: (at, size) => Promise.resolve(new Uint8Array(mcap.subarray(Number(at), Number(at + size)))) };
-  const reader = await McapIndexedReader.Initialize({ readable });
-  let count = 0;
-  for await (const message of reader.readMessages()) {
-    const { time_s, Z } = JSON.parse(new TextDecoder().decode(message.data));
-    assert.equal(message.logTime, BigInt(Math.round(time_s * 1e9)));
-    assert.ok(Math.abs(Z.position_mm - Number(rows[count][column])) < 1e-4);
-    count += 1;
-  }
-  assert.equal(count, rows.length);
-  assert.match(new TextDecoder().decode([...reader.schemasById.values()][0].data), /unit: mm/);
+  const { about: facts, rows: messages } = await readMcap(await saved('mcap'));
+  assert.equal(messages.length, rows.length);
+  messages.forEach((message, row) => {
+    assert.equal(message.log_ns, BigInt(Math.round(message.time_s * 1e9)));
+    assert.ok(Math.abs(message.Z_position_mm - Number(rows[row][column])) < 1e-4);
+  });
+  assert.equal(facts.get('unit:Z.position_mm'), 'mm');
+  assert.equal(facts.get('machine'), 'tapping-center');
   assert.deepEqual(page.faults, []);
 });

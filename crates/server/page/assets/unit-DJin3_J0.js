@@ -1,0 +1,1 @@
+const n={mm:"mm",um:"µm",deg:"°",rev:"rev",rpm:"rev/min",s:"s",percent:"%",n:"N",nm:"N·m"};function r(e){return e.endsWith("_n_m")?"N·m":n[e.slice(e.lastIndexOf("_")+1).toLowerCase()]??""}export{r as u};
