@@ -66,9 +66,10 @@ class Machine:
             raise KeyError(key)
         return json.loads(found)
 
-    def show(self, seed: int | None = None) -> str:
-        """The file, and what the simulated machine may be other than its control believes; for a seed, what it is."""
-        return _native.machine_shown(self._source(), seed)
+    def show(self, seed: int | None = None, part: int = 1) -> str:
+        """The file, and what the simulated machine may be other than its control believes; for a seed
+        and a workpiece by its number (from 1), what it is."""
+        return _native.machine_shown(self._source(), seed, part)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the file, for ``--machine``."""

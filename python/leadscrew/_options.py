@@ -46,6 +46,7 @@ class RunOptions(ProgramOptions, total=False):
     """How a run is done."""
 
     seed: int | None
+    part: int | None
     """Seed of what the control does not know of its machine, and of what scatters."""
     material: str | None
     """Material of the workpiece, such as ``"C45"``, ``"42CrMo4"``, ``"AlSi"``."""

@@ -169,8 +169,8 @@ pub fn run(asked: &CommandWords) -> Result<Run, Refused> {
 ///
 /// # Errors
 /// There is none of this name, or it cannot be read.
-pub fn machine(source: &MachineSource, seed: Option<u64>) -> Result<String, Refused> {
-    machine::shown(source, seed)
+pub fn machine(source: &MachineSource, seed: Option<u64>, part: u32) -> Result<String, Refused> {
+    machine::shown(source, seed, part)
 }
 
 /// Something that has happened in a run.

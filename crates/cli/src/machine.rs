@@ -11,7 +11,7 @@ use store::machine::{self, MachineFile};
 pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
     match order {
         MachineCommand::List => list(),
-        MachineCommand::Show { machine, seed } => say::out(&shown(machine, *seed)?),
+        MachineCommand::Show { machine, seed, part } => say::out(&shown(machine, *seed, *part)?),
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
             control::job::subprograms::folders_of(machine, &file)?;
@@ -29,9 +29,10 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
 pub(crate) fn shown(
     source: impl Into<MachineSource>,
     seed: Option<u64>,
+    part: u32,
 ) -> Result<String, Refused> {
     let source = source.into();
-    let plant = load(&source).map(|file| crate::plant_table::lines(&file, seed));
+    let plant = load(&source).map(|file| crate::plant_table::lines(&file, seed, part));
     Ok(text(&source)? + &plant.unwrap_or_default())
 }
 

@@ -2,7 +2,7 @@
 use crate::tables::table;
 use canon::ToolLibrary;
 use control::config;
-use sim::AxisModel;
+use sim::{AxisModel, Distribution, Per, Scatter};
 use store::machine::MachineFile;
 use units::{Angle, AxisKind, Coordinate};
 
@@ -17,21 +17,51 @@ struct Around {
     what: &'static str,
     unit: &'static str,
     believed: f64,
-    by: f64,
+    /// In the value's unit.
+    scatter: Scatter,
     drawn: f64,
 }
 
 impl Around {
     fn row(&self, of: &str) -> Row {
-        let Self { what, unit, believed, by, drawn } = *self;
-        let range = if by == 0.0 {
-            "as believed".to_owned()
-        } else {
-            format!("{} to {} {unit}", tidy(believed - by), tidy(believed + by))
-        };
+        let Self { what, unit, believed, scatter, drawn } = *self;
+        let by = scatter.by;
+        let (low, high) = (tidy(believed - by), tidy(believed + by));
+        let range = match scatter.distribution {
+            _ if by == 0.0 => "as believed".to_owned(),
+            Distribution::Normal => format!("{} {unit}, 1σ {}", tidy(believed), tidy(by)),
+            Distribution::Uniform => format!("{low} to {high} {unit}"),
+            Distribution::Triangular => format!("{low} to {high} {unit}, triangular"),
+        } + of_what(&scatter);
         let believed = format!("{} {unit}", tidy(believed));
         [of.to_owned(), what.to_owned(), believed, range, format!("{} {unit}", tidy(drawn))]
     }
+}
+
+/// From what to what it varies, where that is not from machine to machine.
+fn of_what(scatter: &Scatter) -> &'static str {
+    match scatter.per {
+        _ if scatter.by == 0.0 => "",
+        Per::Machine => "",
+        Per::Part => ", each part",
+        Per::Hole => ", each hole",
+    }
+}
+
+/// The same about nothing: to either side.
+fn either_side(scatter: &Scatter, scale: f64, unit: &str) -> String {
+    let by = tidy(scatter.by * scale);
+    let range = match scatter.distribution {
+        Distribution::Normal => format!("1σ {by} {unit}"),
+        Distribution::Uniform => format!("±{by} {unit}"),
+        Distribution::Triangular => format!("±{by} {unit}, triangular"),
+    };
+    range + of_what(scatter)
+}
+
+/// A share of what the value is.
+fn share(scatter: &Scatter, believed: f64) -> Scatter {
+    Scatter { by: scatter.by * believed, ..*scatter }
 }
 
 /// Four digits.
@@ -49,11 +79,12 @@ fn tidy(value: f64) -> String {
 }
 
 /// The lines, each beginning with `#`, so that the file stays a machine file.
-pub(crate) fn lines(file: &MachineFile, seed: Option<u64>) -> String {
+pub(crate) fn lines(file: &MachineFile, seed: Option<u64>, part: u32) -> String {
     let tools = ToolLibrary::default();
     let zero = file.setup.g54;
     let drawn_by = seed.unwrap_or(u64::from(file.simulation.seed));
-    let config = config::simulator(file, &tools, file.setup.stock.material, drawn_by, &zero);
+    let material = file.setup.stock.material;
+    let config = config::simulator_of_part(file, &tools, material, (drawn_by, part), &zero);
     let (axes, spindles) = config.plant();
     let mut rows = Vec::new();
     for ((index, believed), (_, drawn)) in config.axes.iter().zip(&axes) {
@@ -71,7 +102,7 @@ pub(crate) fn lines(file: &MachineFile, seed: Option<u64>) -> String {
                 what: "friction",
                 unit: "N·m",
                 believed: friction,
-                by: friction * believed.scatter.friction,
+                scatter: share(&believed.scatter.friction, friction),
                 drawn: drawn.coulomb.value(),
             }
             .row(&spindle.name),
@@ -83,11 +114,15 @@ pub(crate) fn lines(file: &MachineFile, seed: Option<u64>) -> String {
             "encoder, once per revolution",
             "arcsec",
             (stated != Angle::ZERO).then_some(arcsec(stated)),
-            arcsec(believed.scatter.eccentricity),
+            &in_unit(&believed.scatter.eccentricity, 360.0 * 3600.0),
             arcsec(drawn.encoder.eccentricity),
         ));
     }
-    let as_drawn = format!("seed {drawn_by}");
+    cut_rows(file, &config, &mut rows);
+    let as_drawn = match part {
+        1 => format!("seed {drawn_by}"),
+        part => format!("seed {drawn_by}, part {part}"),
+    };
     let mut shown = table(["of", "what", "control believes", "may be", &as_drawn]);
     for row in rows {
         shown.add_row(row);
@@ -102,17 +137,66 @@ pub(crate) fn lines(file: &MachineFile, seed: Option<u64>) -> String {
     text
 }
 
+/// In another unit.
+fn in_unit(scatter: &Scatter, scale: f64) -> Scatter {
+    Scatter { by: scatter.by * scale, ..*scatter }
+}
+
+/// What is cut, with what, and how it is clamped.
+fn cut_rows(file: &MachineFile, config: &sim::Config, rows: &mut Vec<Row>) {
+    let force = file.setup.stock.material.cutting_force_n_per_mm2;
+    let mut material = |of: &str, what, by: &Scatter, drawn: String| {
+        let (unit, scatter) = ("N/mm²", share(by, force));
+        let mut row = Around { what, unit, believed: force, scatter, drawn: 0.0 }.row(of);
+        row[4] = drawn;
+        rows.push(row);
+    };
+    let strength = format!("{} N/mm²", tidy(force * config.strength()));
+    material("material", "cutting force", &config.material, strength);
+    if config.scatter.by > 0.0 {
+        let drawn = "by its own draw".to_owned();
+        material("cut", "about that of the material", &config.scatter, drawn);
+    }
+    let declared = &file.scatter;
+    let all = [
+        ("drills and taps", "diameter", declared.tool_diameter, 1e3, "µm"),
+        ("taps", "lead", declared.tool_lead, 25e3, "µm in 25 mm"),
+        ("work", "clamped off in X, Y, Z", declared.alignment, 1e3, "µm"),
+    ];
+    for (of, what, spread, scale, unit) in all.into_iter().filter(|row| row.2.by > 0.0) {
+        let range = either_side(&config::scatter(&spread), scale, unit);
+        let drawn =
+            if of == "work" { clamped_off(file, config) } else { "each its own".to_owned() };
+        rows.push([of.to_owned(), what.to_owned(), "none".to_owned(), range, drawn]);
+    }
+}
+
+/// How far the work is from where the set-up has it.
+fn clamped_off(file: &MachineFile, config: &sim::Config) -> String {
+    let off = config::alignment(file, config.seed, config.part);
+    let um = off.map(|length| tidy(length.in_um()));
+    format!("{} µm", um.join(", "))
+}
+
 /// What happens once per revolution: an amplitude, drawn or stated.
 fn once(
     of: &str,
     what: &'static str,
     unit: &str,
     stated: Option<f64>,
-    most: f64,
+    most: &Scatter,
     drawn: f64,
 ) -> Row {
     let range = stated.map_or_else(
-        || format!("up to {} {unit}", tidy(most)),
+        || {
+            let by = tidy(most.by);
+            let range = match most.distribution {
+                Distribution::Normal => format!("Rayleigh, σ {by} {unit}"),
+                Distribution::Uniform => format!("up to {by} {unit}"),
+                Distribution::Triangular => format!("up to {by} {unit}, triangular"),
+            };
+            range + of_what(most)
+        },
         |stated| format!("stated: {} {unit}", tidy(stated)),
     );
     [of.to_owned(), what.to_owned(), "none".to_owned(), range, format!("{} {unit}", tidy(drawn))]
@@ -131,9 +215,10 @@ fn axis_rows(
     } else {
         (("µm", 1e3), ("N", 1.0), ("N/µm", 1e-3))
     };
-    let around = |what, (unit, scale): (&'static str, f64), share, believed: f64, drawn: f64| {
-        let believed = believed * scale;
-        Around { what, unit, believed, by: believed * share, drawn: drawn * scale }.row(of)
+    let around = |what, (unit, scale): (&'static str, f64), by: Scatter, believed, drawn: f64| {
+        let believed: f64 = believed * scale;
+        let scatter = share(&by, believed);
+        Around { what, unit, believed, scatter, drawn: drawn * scale }.row(of)
     };
     if believed.backlash > Coordinate::ZERO {
         let play = (believed.backlash.value(), drawn.backlash.value());
@@ -144,10 +229,10 @@ fn axis_rows(
     let rubs = (believed.friction.coulomb.value(), drawn.friction.coulomb.value());
     rows.push(around("friction", force, scatter.friction, rubs.0, rubs.1));
     let (stated, errors) = (believed.errors, drawn.errors);
-    let grows = |what: &str, stated: Option<f64>, by: f64, drawn: Option<f64>| {
+    let grows = |what: &str, stated: Option<f64>, by: Scatter, drawn: Option<f64>| {
         let um_per_m = |rate: f64| tidy(rate * 1e6);
         let range = stated.map_or_else(
-            || format!("±{} µm per m", um_per_m(by)),
+            || either_side(&by, 1e6, "µm per m"),
             |rate| format!("stated: {} ppm", um_per_m(rate)),
         );
         let drawn = format!("{} µm per m", um_per_m(drawn.unwrap_or(0.0)));
@@ -161,10 +246,10 @@ fn axis_rows(
     if screw {
         let (unit, scale) = length;
         let of_screw = errors.wobble.unwrap_or_default().0.value() * scale;
-        let most = scatter.wobble.value() * scale;
+        let most = in_unit(&scatter.wobble, scale);
         let what =
             if rotary { "gear, once per motor revolution" } else { "screw, once per revolution" };
-        rows.push(once(of, what, unit, None, most, of_screw));
+        rows.push(once(of, what, unit, None, &most, of_screw));
         let at_table = |angle: Angle| angle.value() * believed.screw_lead.value() * scale;
         let disk = errors.eccentricity.unwrap_or_default().0;
         rows.push(once(
@@ -172,9 +257,21 @@ fn axis_rows(
             "motor encoder, once per revolution",
             unit,
             stated.eccentricity.map(|(angle, _)| at_table(angle)),
-            at_table(scatter.eccentricity),
+            &in_unit(&scatter.eccentricity, believed.screw_lead.value() * scale),
             at_table(disk),
         ));
+    }
+    if let (Some(stated), Some(drawn)) = (believed.growth, drawn.growth) {
+        rows.push(
+            Around {
+                what: "screw, growth when warm",
+                unit: "µm per m",
+                believed: stated.warm * 1e6,
+                scatter: share(&scatter.growth, stated.warm * 1e6),
+                drawn: drawn.warm * 1e6,
+            }
+            .row(of),
+        );
     }
     if by_scale && !rotary {
         rows.push(grows("scale", stated.scale, scatter.scale_error, errors.scale));

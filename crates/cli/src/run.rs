@@ -140,6 +140,7 @@ pub(crate) fn prepared(
 fn options(args: &RunArgs) -> RunOptions {
     RunOptions {
         seed: args.seed,
+        part: args.part,
         material: args.material.clone(),
         units: args.units.map(Into::into),
         synchronisation: args.synchronisation.map(Into::into),

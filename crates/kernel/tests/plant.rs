@@ -63,7 +63,7 @@ fn over_seeds_thirty_micrometres_of_play_cost_up_to_six() {
     for seed in 1..=6 {
         let (mut machine, told) = with_play(30.0, 30.0);
         machine.seed = seed;
-        machine.axes[0].1.scatter.backlash = 0.2;
+        machine.axes[0].1.scatter.backlash = sim::Scatter::uniform(0.2);
         let real = machine.plant().0[0].1.backlash.of_linear().in_um();
         let [forth, back] = forth_and_back(&machine, &told);
         let lost = back - forth - compensated;

@@ -47,7 +47,7 @@ impl Program {
         let session = Session::load(&options.into(), &self.path, &self.text)?;
         let material = session.machine.setup.stock.material;
         let plan = session.plan_options(material);
-        Ok(Job { program: self, session, material, plan, proved: None })
+        Ok(Job { program: self, session, material, plan, part: 1, proved: None })
     }
 }
 
@@ -62,6 +62,8 @@ pub struct Job {
     pub material: Material,
     /// What the planner is told.
     pub plan: plan::Options,
+    /// Number of the workpiece on the simulated machine, from 1.
+    pub part: u32,
     pub(crate) proved: Option<Proved>,
 }
 
@@ -145,7 +147,8 @@ impl Job {
     pub(crate) fn simulator(&self, seed: u64) -> sim::Config {
         let zero = self.session.work_zero();
         let (plant, tools) = (self.session.plant(), &self.session.tools);
-        let mut simulated = config::simulator(plant, tools, self.material, seed, &zero);
+        let mut simulated =
+            config::simulator_of_part(plant, tools, self.material, (seed, self.part), &zero);
         // as the machine that is controlled stands, if it was not switched on just now
         let start = self.session.interp_setup().start;
         for (index, axis) in &mut simulated.axes {
@@ -159,6 +162,11 @@ impl Job {
     pub(crate) fn judge(&self) -> verify::Config {
         let Session { machine, tools, .. } = &self.session;
         config::judge(machine, tools, self.material, &self.session.work_zero())
+    }
+
+    /// The tools that the judge takes, as they really are on the simulated machine of this seed.
+    pub(crate) fn judged_tools(&self, seed: u64) -> canon::ToolLibrary {
+        config::judged_tools(self.session.plant(), &self.session.tools, seed, self.part)
     }
 
     /// Prove it, and make it ready to run on this machine, judged by this. Nothing stops it, nothing is kept.

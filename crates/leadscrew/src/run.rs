@@ -32,6 +32,8 @@ use units::Time;
 pub struct RunOptions {
     /// Seed of what the control does not know of its machine, and of what scatters; `None` is the machine file's.
     pub seed: Option<u64>,
+    /// Number of the workpiece on that machine; `None` is the first.
+    pub part: Option<u32>,
     /// Material of the workpiece by its name; `None` is the machine's set-up.
     pub material: Option<String>,
     /// Unit of lengths in report and tables; `None` is as the program writes them.
@@ -149,6 +151,7 @@ impl Run {
         let own = session.plan_options(job.material);
         job.plan = plan::Options { force_ramp: options.force_ramp.or(own.force_ramp), ..own };
         let seed = options.seed.unwrap_or(u64::from(session.plant().simulation.seed));
+        job.part = options.part.unwrap_or(1);
         let link = Link::open(options, &mut job)?;
         job.forget();
         Ok(Self {
@@ -242,6 +245,7 @@ impl Run {
             synchronised: session.taps.method == plan::TapMethod::Synchronised,
             tolerances,
             cams: session.cams.library.clone(),
+            tools: job.judged_tools(seed),
             ..job.judge()
         };
         let restart = restart.as_ref();
@@ -344,7 +348,7 @@ impl Finished {
         let material = session.machine.setup.stock.material;
         let plan = session.plan_options(material);
         let program = Program { name, path, text };
-        let job = Job { program, session, material, plan, proved: Some(proved) };
+        let job = Job { program, session, material, plan, part: 1, proved: Some(proved) };
         let mut added = Added::new(config::planner(&job.session.machine));
         let mut planner = preflight::planner(&job.session, plan);
         preflight::plan(&mut job.cursor(), &mut planner, &mut |step| {

@@ -22,6 +22,7 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
         program: job.program.name.clone(),
         machine: job.session.machine.name.clone(),
         seed: finished.seed,
+        part: (job.part > 1).then_some(job.part),
         cycle_time_s: Measured::s(outcome.cycle_time),
         ended: outcome.ended,
         verdict: verdict(outcome),

@@ -137,9 +137,9 @@ fn machine_value(text: &str, key: &str) -> Option<String> {
 
 /// A machine's file with what its plant may be, and for a seed is.
 #[pyfunction]
-#[pyo3(signature = (machine, seed=None))]
-fn machine_shown(py: Python<'_>, machine: Named, seed: Option<u64>) -> PyResult<String> {
-    let shown = py.detach(|| answers::machine(&source(machine), seed));
+#[pyo3(signature = (machine, seed=None, part=1))]
+fn machine_shown(py: Python<'_>, machine: Named, seed: Option<u64>, part: u32) -> PyResult<String> {
+    let shown = py.detach(|| answers::machine(&source(machine), seed, part));
     shown.map_err(|refused| refusal::exception(py, &refused))
 }
 

@@ -34,7 +34,7 @@ use crate::friction::{Guideway, between};
 use crate::lag::Lag;
 use crate::plant::Transmission;
 use crate::travel::{Surroundings, Travel};
-use crate::{AxisEncoder, AxisErrors, AxisScatter, Lugre};
+use crate::{AxisEncoder, AxisErrors, AxisScatter, Lugre, ScrewGrowth};
 use core::f64::consts::TAU;
 use units::{Coordinate, Force, Inertia, Mass, Stiffness, Time, Torque};
 
@@ -87,6 +87,8 @@ pub struct AxisModel {
     pub scatter: AxisScatter,
     /// What is wrong with its screw and its encoders, as far as it is stated.
     pub errors: AxisErrors,
+    /// How its screw grows while it gets warm, if it does.
+    pub growth: Option<ScrewGrowth>,
 }
 
 impl AxisModel {
@@ -143,11 +145,16 @@ impl Axis {
     /// At rest, its table at the start, its screw stretched by the weight that hangs on it.
     /// `model` is the axis as it was built, `believed` as its maker states it.
     /// `unknown`: an encoder that is not absolute counts from where it is switched on.
-    pub(crate) fn new(model: &AxisModel, believed: &AxisModel, h: f64, unknown: bool) -> Self {
+    pub(crate) fn new(
+        model: &AxisModel,
+        believed: &AxisModel,
+        (h, period): (f64, f64),
+        unknown: bool,
+    ) -> Self {
         let (motor_mass, table_mass) = (model.motor_mass().value(), model.table.value());
         let reduced = motor_mass * table_mass / (motor_mass + table_mass);
         let stiffness = model.stiffness.value() * 1e3;
-        let screw = Transmission::new(model, believed);
+        let screw = Transmission::new(model, believed, period);
         // a table that hangs on its screw stretches it; one that does not stands amid the play
         let (motor, table) = screw.at(model.start.value() * 1e-3, model.hang_mm() * 1e-3);
         let (seen, count) = screw.seen(motor, table);
@@ -286,7 +293,7 @@ mod tests {
     const H: f64 = 25e-6;
 
     fn axis(model: &AxisModel) -> Axis {
-        Axis::new(model, model, H, false)
+        Axis::new(model, model, (H, 10.0 * H), false)
     }
 
     fn on(force: f64) -> AxisCommand {

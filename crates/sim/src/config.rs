@@ -3,8 +3,11 @@
 //! The physics step divides the servo period. It must resolve the fastest vibration of every axis: with
 //! position Verlet h·ω = 0.5 errs by 1 % in frequency, and h·ω = 2 explodes. [`Config::problems`] refuses
 //! what is coarser than 0.5 and says which step would do.
+use crate::cutting::Cut;
 use crate::oracle::free_mode;
-use crate::{AxisEncoder, AxisModel, PowerOn, SpindleModel, Stock, Tool, ToolKind};
+use crate::rng::Rng;
+use crate::scatter::{Draws, Per, of_part};
+use crate::{AxisEncoder, AxisModel, PowerOn, Scatter, SpindleModel, Stock, Tool, ToolKind};
 use core::f64::consts::TAU;
 use units::{Length, Time};
 
@@ -37,9 +40,13 @@ pub struct Config {
     pub tool_change_time: Time,
     /// The workpiece, if there is one.
     pub stock: Option<Stock>,
-    /// The cutting force of each hole differs from its nominal value by up to this share, each by its own
-    /// draw: 0.03 is ±3 %. What axes and spindles scatter by stands in their models.
-    pub scatter: f64,
+    /// How the cutting force differs from its nominal value, as a share, and from what to what. What axes and spindles
+    /// scatter by stands in their models.
+    pub scatter: Scatter,
+    /// How the strength of the material does, as a share.
+    pub material: Scatter,
+    /// Number of the workpiece on this machine, from 1.
+    pub part: u32,
     /// Seed of all chance.
     pub seed: u64,
     /// What is so when it is switched on.
@@ -50,6 +57,23 @@ impl Config {
     /// Physics steps in one period.
     pub(crate) fn substeps(&self) -> usize {
         (self.period / self.substep).round() as usize
+    }
+
+    /// Of this workpiece: factor on what it costs to cut it.
+    pub fn strength(&self) -> f64 {
+        /// The stream of the material.
+        const MATERIAL: u64 = 0x4D41_5445_5249_414C;
+        1.0 + self.material.drawn(self.seed, MATERIAL, self.part)
+    }
+
+    /// How the force of the cut scatters from hole to hole of this workpiece.
+    pub(crate) fn cut(&self, stream: Rng) -> Cut {
+        /// The stream of what all holes have in common.
+        const COMMON: u64 = 0x4355_5454_494E_4721;
+        let scatter = self.scatter;
+        let common =
+            (scatter.per != Per::Hole).then(|| 1.0 + scatter.drawn(self.seed, COMMON, self.part));
+        Cut { scatter, common, holes: Draws::new(of_part(stream, self.part), 1) }
     }
 
     /// Everything that is wrong with it, each in one sentence; empty if it can be built.
@@ -74,8 +98,11 @@ impl Config {
         }
         self.check_tools(&mut found);
         self.check_stock(&mut found);
-        if !(0.0..0.5).contains(&self.scatter) {
-            found.push(format!("scatter {}: a share from 0 to below 0.5 is needed", self.scatter));
+        for (what, scatter) in [("scatter", self.scatter), ("material", self.material)] {
+            let most = scatter.most();
+            if !(0.0..0.9).contains(&most) {
+                found.push(format!("{what} {most}: a share from 0 to below 0.9 is needed"));
+            }
         }
         found
     }
@@ -215,7 +242,7 @@ fn check_axis(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<String
     axis.travel.problems(&of, found);
     found.extend(axis.scatter.problem().map(|needed| format!("{of}: scatter: {needed}")));
     if found.len() == before {
-        let stiffest = axis.stiffness * (1.0 + axis.scatter.stiffness);
+        let stiffest = axis.stiffness * (1.0 + axis.scatter.stiffness.most());
         check_stability(index, &AxisModel { stiffness: stiffest, ..*axis }, step, found);
     }
 }

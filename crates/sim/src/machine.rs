@@ -14,6 +14,7 @@ use crate::changer::Changer;
 use crate::cutting::Cutting;
 use crate::grinding::Grinder;
 use crate::rng::Rng;
+use crate::scatter::Draws;
 use crate::signals::{Input, Inputs};
 use crate::spindle::Spindle;
 use crate::tapping::Load;
@@ -68,11 +69,13 @@ impl SimulatedMachine {
         }
         let believed = config.axes.iter().map(|(_, model)| model);
         let axes = axes.iter().zip(believed);
-        let axes = axes.map(|((_, m), b)| Axis::new(m, b, h, unknown)).collect();
+        let axes =
+            axes.map(|((_, m), b)| Axis::new(m, b, (h, config.period.value()), unknown)).collect();
         let spindles = spindles.iter().map(|m| Spindle::new(m, &mut rng, h)).collect();
         let place = |bus_index| config.axes.iter().position(|(index, _)| *index == bus_index);
-        let cutting = config.stock.clone().map(|stock| {
-            Cutting::new(stock, config.magazine.clone(), config.scatter, rng.branch())
+        let cutting = config.stock.clone().map(|mut stock| {
+            stock.cutting_n_per_mm2 *= config.strength();
+            Cutting::new(stock, config.magazine.clone(), config.cut(rng.branch()))
         });
         let mut machine = Self {
             substeps: config.substeps(),
@@ -122,7 +125,8 @@ impl SimulatedMachine {
         if !found.is_empty() {
             return Err(found);
         }
-        let energy = self.rng.branch().factor(self.config.scatter);
+        let mut draws = Draws::new(self.rng.branch(), self.config.part);
+        let energy = self.config.scatter.factor(&mut draws) * self.config.strength();
         self.grinder = Some(Grinder::new(grinding, energy));
         self.cutting = None;
         Ok(self)
@@ -133,8 +137,9 @@ impl SimulatedMachine {
     pub fn with_bar(mut self, bar: Bar) -> Self {
         /// The bar's own chance: that of the rest stays as it is without one.
         const BAR: u64 = 0x0BA5;
-        let mut rng = Rng::new(self.config.seed ^ BAR);
-        self.turning = Some(Turning::new(bar, self.config.scatter, &mut rng));
+        let mut draws = Draws::new(Rng::new(self.config.seed ^ BAR), self.config.part);
+        let scale = self.config.scatter.factor(&mut draws) * self.config.strength();
+        self.turning = Some(Turning::new(bar, scale));
         self
     }
 

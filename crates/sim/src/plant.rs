@@ -20,9 +20,10 @@
 //! Sources: ISO 3408-3 (ball screws: V300p and v2πp), ISO 230-2 (positioning errors), encoder makers' application notes for
 //! the eccentricity: 2·(eccentricity)/(diameter of the graduation) in radians.
 use crate::rng::Rng;
-use crate::{AxisEncoder, AxisModel, Config, SpindleModel};
+use crate::scatter::Draws;
+use crate::{AxisEncoder, AxisModel, Config, Scatter, SpindleModel};
 use core::f64::consts::TAU;
-use units::{Angle, Coordinate, Force};
+use units::{Angle, Coordinate, Force, Time};
 
 /// The stream of a plant is another one than that of the process.
 const OF_PLANT: u64 = 0x504C_414E_5453_4545;
@@ -30,29 +31,51 @@ const OF_PLANT: u64 = 0x504C_414E_5453_4545;
 /// How far a real axis may be from its model, to either side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisScatter {
-    /// Play: 0.2 is ±20 %.
-    pub backlash: f64,
-    /// Stiffness.
-    pub stiffness: f64,
-    /// Friction.
-    pub friction: f64,
+    /// Play, as a share: 0.2 is ±20 %.
+    pub backlash: Scatter,
+    /// Stiffness, as a share.
+    pub stiffness: Scatter,
+    /// Friction, as a share.
+    pub friction: Scatter,
     /// Cumulative lead error of the screw: 20 µm a metre is 2·10⁻⁵.
-    pub lead_error: f64,
-    /// Largest amplitude of the screw's error once per revolution.
-    pub wobble: Coordinate,
-    /// Largest amplitude of the motor encoder's error once per revolution.
-    pub eccentricity: Angle,
+    pub lead_error: Scatter,
+    /// Amplitude of the screw's error once per revolution, mm or degrees.
+    pub wobble: Scatter,
+    /// Amplitude of the motor encoder's error once per revolution, rev.
+    pub eccentricity: Scatter,
     /// Error of the linear scale.
-    pub scale_error: f64,
+    pub scale_error: Scatter,
+    /// Growth of the warm screw, as a share.
+    pub growth: Scatter,
+}
+
+/// How a screw grows while it gets warm: by s·(1 − e^(−(r + t)/T)) of the distance from its fixed bearing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScrewGrowth {
+    /// s: of a screw that has become as warm as it will, length over length.
+    pub warm: f64,
+    /// T.
+    pub time_constant: Time,
+    /// r: for so long it has run already since the work was touched off.
+    pub running: Time,
+    /// Where the fixed bearing is, along the axis.
+    pub bearing: Coordinate,
+}
+
+impl ScrewGrowth {
+    /// How much farther than its turns say it reaches, t after the start, length over length.
+    fn at(&self, time_s: f64) -> f64 {
+        -self.warm * (-(self.running.value() + time_s) / self.time_constant.value()).exp_m1()
+    }
 }
 
 /// How far a real spindle may be from its model, to either side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleScatter {
-    /// Friction.
-    pub friction: f64,
-    /// Largest amplitude of the encoder's error once per revolution.
-    pub eccentricity: Angle,
+    /// Friction, as a share.
+    pub friction: Scatter,
+    /// Amplitude of the encoder's error once per revolution, rev.
+    pub eccentricity: Scatter,
 }
 
 /// What is wrong with a real axis. [`None`] in a model: drawn within its scatter.
@@ -73,23 +96,24 @@ pub struct AxisErrors {
 impl AxisScatter {
     /// As its model says.
     pub const NONE: Self = Self {
-        backlash: 0.0,
-        stiffness: 0.0,
-        friction: 0.0,
-        lead_error: 0.0,
-        wobble: Coordinate::ZERO,
-        eccentricity: Angle::ZERO,
-        scale_error: 0.0,
+        backlash: Scatter::NONE,
+        stiffness: Scatter::NONE,
+        friction: Scatter::NONE,
+        lead_error: Scatter::NONE,
+        wobble: Scatter::NONE,
+        eccentricity: Scatter::NONE,
+        scale_error: Scatter::NONE,
+        growth: Scatter::NONE,
     };
 
     /// Everything that is wrong with it.
     pub(crate) fn problem(&self) -> Option<String> {
-        let shares = [self.backlash, self.stiffness, self.friction];
+        let shares = [self.backlash, self.stiffness, self.friction, self.growth];
         let rates = [self.lead_error, self.scale_error];
-        let sizes = [self.wobble.value(), self.eccentricity.value()];
-        let fine = shares.into_iter().all(|x| (0.0..0.9).contains(&x))
-            && rates.into_iter().all(|x| (0.0..0.1).contains(&x))
-            && sizes.into_iter().all(|x| x >= 0.0 && x.is_finite());
+        let sizes = [self.wobble, self.eccentricity];
+        let fine = shares.into_iter().all(|x| (0.0..0.9).contains(&x.most()))
+            && rates.into_iter().all(|x| (0.0..0.1).contains(&x.most()))
+            && sizes.into_iter().all(|x| x.by >= 0.0 && x.by.is_finite());
         (!fine).then(|| {
             "shares from 0 to below 0.9, errors of lead and scale from 0 to below 0.1 and amplitudes of 0 or more are needed".into()
         })
@@ -98,7 +122,7 @@ impl AxisScatter {
 
 impl SpindleScatter {
     /// As its model says.
-    pub const NONE: Self = Self { friction: 0.0, eccentricity: Angle::ZERO };
+    pub const NONE: Self = Self { friction: Scatter::NONE, eccentricity: Scatter::NONE };
 }
 
 impl AxisErrors {
@@ -109,27 +133,21 @@ impl AxisErrors {
 
 impl AxisModel {
     /// The axis as it was built: every error stated, nothing left to draw.
-    fn drawn(&self, rng: &mut Rng) -> Self {
-        let AxisScatter {
-            backlash,
-            stiffness,
-            friction,
-            lead_error,
-            wobble,
-            eccentricity,
-            scale_error,
-        } = self.scatter;
+    fn drawn(&self, draws: &mut Draws) -> Self {
+        let scatter = &self.scatter;
         let mut axis = *self;
-        axis.backlash = self.backlash * rng.factor(backlash);
-        axis.stiffness = self.stiffness * rng.factor(stiffness);
-        let scale = rng.factor(friction);
+        axis.backlash = self.backlash * scatter.backlash.factor(draws);
+        axis.stiffness = self.stiffness * scatter.stiffness.factor(draws);
+        let scale = scatter.friction.factor(draws);
         axis.friction.coulomb = self.friction.coulomb * scale;
         axis.friction.breakaway = self.friction.breakaway * scale;
         axis.friction.viscous_n_s_per_m *= scale;
-        let lead = lead_error * rng.signed();
-        let waves = (wobble * rng.unit(), Angle::rev(rng.unit()));
-        let disk = (eccentricity * rng.unit(), Angle::rev(rng.unit()));
-        let scale = scale_error * rng.signed();
+        let lead = scatter.lead_error.signed(draws);
+        let wobble = Coordinate::new(scatter.wobble.amplitude(draws));
+        let waves = (wobble, Angle::rev(draws.unit()));
+        let disk = Angle::rev(scatter.eccentricity.amplitude(draws));
+        let disk = (disk, Angle::rev(draws.unit()));
+        let scale = scatter.scale_error.signed(draws);
         let stated = self.errors;
         axis.errors = AxisErrors {
             lead: stated.lead.or(Some(lead)),
@@ -138,6 +156,9 @@ impl AxisModel {
             scale: stated.scale.or(Some(scale)),
             zero: stated.zero,
         };
+        let warmer = scatter.growth.factor(draws);
+        axis.growth =
+            self.growth.map(|growth| ScrewGrowth { warm: growth.warm * warmer, ..growth });
         axis.scatter = AxisScatter::NONE;
         axis
     }
@@ -158,14 +179,14 @@ impl AxisModel {
 }
 
 impl SpindleModel {
-    fn drawn(&self, rng: &mut Rng) -> Self {
-        let SpindleScatter { friction, eccentricity } = self.scatter;
+    fn drawn(&self, draws: &mut Draws) -> Self {
         let mut spindle = *self;
-        let scale = rng.factor(friction);
+        let scale = self.scatter.friction.factor(draws);
         spindle.coulomb = self.coulomb * scale;
         spindle.viscous_n_m_s_per_rad *= scale;
-        let disk = (eccentricity * rng.unit(), Angle::rev(rng.unit()));
-        if eccentricity != Angle::ZERO && self.encoder.eccentricity == Angle::ZERO {
+        let disk = Angle::rev(self.scatter.eccentricity.amplitude(draws));
+        let disk = (disk, Angle::rev(draws.unit()));
+        if self.scatter.eccentricity.by != 0.0 && self.encoder.eccentricity == Angle::ZERO {
             (spindle.encoder.eccentricity, spindle.encoder.eccentric_at) = disk;
         }
         spindle.scatter = SpindleScatter::NONE;
@@ -177,11 +198,12 @@ impl Config {
     /// Axes and spindles as they were built: drawn from the seed, each from a stream of its own.
     pub fn plant(&self) -> (Vec<(usize, AxisModel)>, Vec<SpindleModel>) {
         let mut rng = Rng::new(self.seed ^ OF_PLANT);
-        let mut streams: Vec<Rng> = (0..bus::AXES).map(|_| rng.branch()).collect();
+        let mut stream = || Draws::new(rng.branch(), self.part);
+        let mut streams: Vec<Draws> = (0..bus::AXES).map(|_| stream()).collect();
         let axes =
             self.axes.iter().map(|(index, model)| (*index, model.drawn(&mut streams[*index])));
         let axes = axes.collect();
-        let spindles = self.spindles.iter().map(|model| model.drawn(&mut rng.branch())).collect();
+        let spindles = self.spindles.iter().map(|model| model.drawn(&mut stream())).collect();
         (axes, spindles)
     }
 }
@@ -197,6 +219,12 @@ pub(crate) struct Transmission {
     eccentricity: (f64, f64),
     scale: f64,
     zero: f64,
+    growth: Option<ScrewGrowth>,
+    /// How far the screw has grown in this period, length over length.
+    grown: f64,
+    /// Since the start, s, and a period's time.
+    time: f64,
+    period: f64,
     /// The nut at `ratio`·xm + `offset`, within a period.
     pub(crate) ratio: f64,
     pub(crate) offset: f64,
@@ -206,7 +234,7 @@ pub(crate) struct Transmission {
 
 impl Transmission {
     /// Of an axis as it was built; `believed` is its model.
-    pub(crate) fn new(axis: &AxisModel, believed: &AxisModel) -> Self {
+    pub(crate) fn new(axis: &AxisModel, believed: &AxisModel, period: f64) -> Self {
         let errors = axis.errors;
         let lead_mm = axis.screw_lead.value();
         let wave = |amplitude: f64, phase: Angle| (amplitude, phase.in_rad());
@@ -221,11 +249,15 @@ impl Transmission {
             eccentricity: wave(disk.value() * lead_mm * 1e-3, disk_at),
             scale: errors.scale.unwrap_or(0.0),
             zero: errors.zero.value() * 1e-3,
+            growth: axis.growth,
+            grown: 0.0,
+            time: 0.0,
+            period,
             ratio: 1.0,
             offset: 0.0,
             touched_off: (axis.hang_mm() - believed.hang_mm()) * 1e-3,
         };
-        made.begin_period(made.zero);
+        made.straighten(made.zero);
         made
     }
 
@@ -239,18 +271,29 @@ impl Transmission {
 
     /// Where the nut stands.
     pub(crate) fn nut(&self, motor: f64) -> f64 {
-        motor + self.lead * (motor - self.zero) + self.wave(self.wobble, motor)
+        let straight = motor + self.lead * (motor - self.zero) + self.wave(self.wobble, motor);
+        match self.growth {
+            Some(growth) => straight + self.grown * (motor - growth.bearing.value() * 1e-3),
+            None => straight,
+        }
     }
 
-    /// The screw's error is a straight line for the coming period.
+    /// A period passes.
     pub(crate) fn begin_period(&mut self, motor: f64) {
+        self.straighten(motor);
+        self.time += self.period;
+    }
+
+    /// The screw's error is a straight line for the coming period, its growth a constant.
+    fn straighten(&mut self, motor: f64) {
+        self.grown = self.growth.map_or(0.0, |growth| growth.at(self.time));
         let (amplitude, phase) = self.wobble;
         let slope = if amplitude == 0.0 {
             0.0
         } else {
             amplitude * self.per_m * (motor * self.per_m + phase).cos()
         };
-        self.ratio = 1.0 + self.lead + slope;
+        self.ratio = 1.0 + self.lead + slope + self.grown;
         self.offset = self.nut(motor) - self.ratio * motor;
     }
 
@@ -310,13 +353,14 @@ mod tests {
 
     fn scatter() -> AxisScatter {
         AxisScatter {
-            backlash: 0.2,
-            stiffness: 0.15,
-            friction: 0.2,
-            lead_error: 2e-5,
-            wobble: Coordinate::new(3e-3),
-            eccentricity: Angle::rev(2e-5),
-            scale_error: 5e-6,
+            backlash: Scatter::uniform(0.2),
+            stiffness: Scatter::uniform(0.15),
+            friction: Scatter::uniform(0.2),
+            lead_error: Scatter::uniform(2e-5),
+            wobble: Scatter::uniform(3e-3),
+            eccentricity: Scatter::uniform(2e-5),
+            scale_error: Scatter::uniform(5e-6),
+            growth: Scatter::uniform(0.3),
         }
     }
 
@@ -379,12 +423,49 @@ mod tests {
             scale: None,
             zero: Coordinate::new(-320.0), // 20 revolutions
         };
-        let screw = Transmission::new(&axis, &z_axis());
+        let screw = Transmission::new(&axis, &z_axis(), 250e-6);
         for (mm, um) in
             [(-320.0, 0.0), (-20.0, 9.0 + 2.0 * (-TAU * 1.25).sin()), (-316.0, 0.12 + 2.0)]
         {
             let error = (screw.nut(mm * 1e-3) - mm * 1e-3) * 1e6;
             assert!((error - um).abs() < 1e-6, "{mm} mm: {error} µm, expected {um}");
         }
+    }
+
+    #[test]
+    fn a_warm_screw_is_longer_by_a_first_order_lag_from_its_fixed_bearing() {
+        let mut axis = z_axis();
+        axis.errors = AxisErrors { lead: Some(0.0), scale: Some(0.0), ..AxisErrors::DRAWN };
+        let minutes = |n: f64| Time::s(n * 60.0);
+        axis.growth = Some(ScrewGrowth {
+            warm: 50e-6,
+            time_constant: minutes(40.0),
+            running: minutes(20.0),
+            bearing: Coordinate::new(-10.0),
+        });
+        let mut screw = Transmission::new(&axis, &z_axis(), 0.1);
+        for _ in 0..6000 {
+            screw.begin_period(-0.3);
+        }
+        // the last period began 599.9 s after the start, 1799.9 s after the work was touched off
+        let grown = 50.0 * (1.0 - (-1799.9_f64 / 2400.0).exp());
+        let found = (screw.nut(-0.3) + 0.3) * 1e6;
+        assert!((found + grown * 0.29).abs() < 1e-6, "{found} µm, expected {}", -grown * 0.29);
+        let line = (screw.ratio * -0.3 + screw.offset - screw.nut(-0.3)).abs();
+        assert!(line < 1e-15, "{line} m");
+    }
+
+    #[test]
+    fn a_part_has_its_own_friction_where_that_is_declared_and_the_machine_its_play() {
+        let of = |part| {
+            let mut config = Config { part, ..config(11) };
+            config.axes[2].1.scatter.friction.per = crate::Per::Part;
+            config.plant().0[2].1
+        };
+        let (first, second) = (of(1), of(2));
+        assert_eq!(first, config(11).plant().0[2].1, "the first part is the machine's own draw");
+        assert_eq!(first.backlash, second.backlash);
+        assert!(first.friction.coulomb != second.friction.coulomb);
+        assert_eq!(of(2), second);
     }
 }

@@ -21,6 +21,11 @@ impl Rng {
         Self::new(self.bits())
     }
 
+    /// Another stream still, one for each number.
+    pub(crate) fn stirred(&mut self, number: u64) -> Self {
+        Self::new(self.bits() ^ Self::new(number).bits())
+    }
+
     /// The next 64 bits.
     fn bits(&mut self) -> u64 {
         self.counter = self.counter.wrapping_add(0x9E37_79B9_7F4A_7C15);

@@ -15,7 +15,6 @@
 //! outside, a bore from within.
 //!
 //! Not simulated: bending of the bar, an insert that breaks, chips that wind.
-use crate::rng::Rng;
 use crate::work::Hole;
 use core::f64::consts::TAU;
 use units::{Angle, Length};
@@ -189,13 +188,13 @@ pub(crate) struct Turning {
 }
 
 impl Turning {
-    /// Whole, and with a cutting force that scatters by that share.
-    pub(crate) fn new(bar: Bar, scatter: f64, rng: &mut Rng) -> Self {
+    /// Whole, and with a cutting force of so many times the material's.
+    pub(crate) fn new(bar: Bar, scale: f64) -> Self {
         let length = (bar.face - bar.rear).value().max(STEP_MM);
         let places = ((length / STEP_MM) as usize + 1).min(MOST_PLACES);
         Self {
             bar,
-            scale: rng.factor(scatter),
+            scale,
             places,
             step: length / places as f64,
             outer: Vec::new(),
@@ -411,7 +410,7 @@ mod tests {
     }
 
     fn fresh(bore: f64) -> Turning {
-        Turning::new(bar(bore), 0.0, &mut Rng::new(1))
+        Turning::new(bar(bore), 1.0)
     }
 
     #[test]

@@ -3,11 +3,16 @@ mod fixtures;
 use bus::{Command, Machine};
 use fixtures::{spindle, tapping_center};
 use proptest::{prop_assert, prop_assert_eq, proptest};
-use sim::{Config, SimulatedMachine};
+use sim::{Config, Per, Scatter, SimulatedMachine};
 use units::{Coordinate, Force, Length, Spin, Time, Torque};
 
 fn machine(config: Config) -> SimulatedMachine {
     SimulatedMachine::new(config).expect("the fixture is a machine")
+}
+
+/// The cutting force of each hole is off by up to this share.
+fn of_holes(share: f64) -> Scatter {
+    Scatter { per: Per::Hole, ..Scatter::uniform(share) }
 }
 
 /// All drives on, with these references.
@@ -37,7 +42,7 @@ fn time_advances_by_whole_periods() {
 #[test]
 fn two_runs_of_the_same_inputs_are_equal_to_the_last_bit() {
     let run = || {
-        let mut config = Config { scatter: 0.03, seed: 42, ..tapping_center() };
+        let mut config = Config { scatter: of_holes(0.03), seed: 42, ..tapping_center() };
         config.spindles[0].encoder.noise_counts = 2.0;
         config.tool = 2;
         config.axes[2].1.start = Coordinate::new(-199.9); // a tenth of a millimetre over the work
@@ -62,7 +67,7 @@ fn another_seed_is_another_machine() {
     let coasts_to = |seed| {
         let mut config = Config { seed, ..tapping_center() };
         for (_, axis) in &mut config.axes {
-            axis.scatter.friction = 0.03;
+            axis.scatter.friction = Scatter::uniform(0.03);
         }
         let mut machine = machine(config);
         for _ in 0..1000 {
@@ -152,7 +157,7 @@ fn a_config_that_no_machine_can_have_is_refused_with_all_its_faults_at_once() {
     config.spindles.push(spindle());
     config.spindles.push(spindle());
     config.magazine[1].number = 1;
-    config.scatter = f64::NAN;
+    config.scatter = of_holes(f64::NAN);
     let problems = SimulatedMachine::new(config).expect_err("nothing of it can be built");
     insta::assert_snapshot!(problems.join("\n"));
 }
@@ -178,7 +183,7 @@ fn no_number_of_a_config_may_be_missing() {
         |c, x| c.period = Time::s(x),
         |c, x| c.substep = Time::s(x),
         |c, x| c.tool_change_time = Time::s(x),
-        |c, x| c.scatter = x,
+        |c, x| c.scatter = of_holes(x),
         |c, x| c.axes[0].1.table = units::Mass::kg(x),
         |c, x| c.axes[0].1.stiffness = units::Stiffness::n_per_mm(x),
         |c, x| c.axes[0].1.weight_share = x,

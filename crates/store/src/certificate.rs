@@ -33,6 +33,9 @@ pub struct Certificate {
     pub machine: String,
     /// Seed of everything that scattered.
     pub seed: u64,
+    /// Number of the workpiece on that machine; the first one is not stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<u32>,
     /// How long the program took on the machine.
     pub cycle_time_s: Measured,
     /// The program reached its end.

@@ -103,7 +103,7 @@ impl<'d> Keys<'d> {
     }
 
     /// A table that is missing: nothing is found in it, and one finding for that is enough.
-    fn missing(empty: &'d DeTable<'d>) -> Self {
+    pub(crate) fn missing(empty: &'d DeTable<'d>) -> Self {
         Self::new(String::new(), empty, 0..0, None, Vec::new())
     }
 
@@ -331,6 +331,11 @@ impl<'d> Keys<'d> {
     /// Whether a key is stated at all.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.get(key).is_some()
+    }
+
+    /// Whether this document states a key itself, and not one that it is based on.
+    pub(crate) fn states(&self, key: &str) -> bool {
+        self.table.contains_key(key)
     }
 
     /// Where a key's value stands; the table itself where the key is missing.

@@ -101,6 +101,7 @@ fn certificate() -> Certificate {
         program: "plate.ngc".into(),
         machine: "tapping-center".into(),
         seed: 1,
+        part: None,
         cycle_time_s: Measured::number(61.5),
         ended: true,
         verdict: Verdict::Fail,

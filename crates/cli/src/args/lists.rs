@@ -13,6 +13,9 @@ pub(crate) enum MachineCommand {
         /// Seed of the simulated machine that is shown beside what its control believes [default: the file's]
         #[arg(long, value_name = "N")]
         seed: Option<u64>,
+        /// Number of its workpiece
+        #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+        part: u32,
     },
     /// Say everything that is wrong with a machine file
     Check {

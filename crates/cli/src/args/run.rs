@@ -23,6 +23,9 @@ pub(crate) struct RunArgs {
     /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
+    /// Number of the workpiece on that machine: what varies from part to part is drawn for each [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "simulator")]
+    pub(crate) part: Option<u32>,
     /// Material of the workpiece [default: the machine's set-up]
     #[arg(long, value_name = "NAME")]
     pub(crate) material: Option<String>,

@@ -12,10 +12,14 @@ mod homing;
 mod judge;
 pub mod machine_file;
 mod planner;
+mod scatter;
 mod simulator;
 
 pub use control::{control, encoder};
 pub use homing::{AxisHoming, homing};
 pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};
-pub use simulator::{bar, inputs, left_alone, plain_drive, simulator, start, touched};
+pub use scatter::{alignment, judged_tools, real_tools, scatter};
+pub use simulator::{
+    bar, inputs, left_alone, plain_drive, simulator, simulator_of_part, start, touched,
+};

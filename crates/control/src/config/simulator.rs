@@ -1,16 +1,17 @@
 //! The simulated machine: axes, spindles, magazine and workpiece for the simulator.
+use super::scatter::{alignment, real_tools, scatter};
 use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
-    Axis, InputModel, InputSource, MachineFile, Material, Motor, PlantScatter, PositionFrom, Round,
-    Spindle, TapSeat, eccentric,
+    Axis, InputModel, InputSource, MachineFile, Material, Motor, PositionFrom, Round, Spindle,
+    TapSeat, eccentric,
 };
 use units::{Angle, AxisKind, Coordinate, Inertia, Lead, Length};
 
 /// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
 const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
 
-/// A simulated machine of this file, with these tools in its magazine and nothing in its spindle; the stock is
-/// clamped at `zero`.
+/// A simulated machine of this file at its first workpiece, with these tools in its magazine and nothing in its spindle; the
+/// stock is clamped at `zero`.
 pub fn simulator(
     machine: &MachineFile,
     tools: &ToolLibrary,
@@ -18,11 +19,24 @@ pub fn simulator(
     seed: u64,
     zero: &Position,
 ) -> sim::Config {
+    simulator_of_part(machine, tools, material, (seed, 1), zero)
+}
+
+/// The same at a workpiece by its number, from 1.
+pub fn simulator_of_part(
+    machine: &MachineFile,
+    tools: &ToolLibrary,
+    material: Material,
+    (seed, part): (u64, u32),
+    zero: &Position,
+) -> sim::Config {
     let axes = machine.axes.iter().enumerate();
-    let spindles = machine.spindles.iter().map(|file| spindle(file, &machine.simulation.plant));
+    let spindles = machine.spindles.iter().map(|file| spindle(file, machine));
     let stock = machine.setup.stock;
     let shift = machine.simulation.work_shift;
-    let stands = [0, 1, 2].map(|i| zero.linear[i] + shift[i]);
+    let clamped = alignment(machine, seed, part);
+    let stands = [0, 1, 2].map(|i| zero.linear[i] + shift[i] + clamped[i]);
+    let tools = &real_tools(machine, tools, seed, part);
     sim::Config {
         period: machine.control.period,
         substep: machine.simulation.substep,
@@ -30,7 +44,7 @@ pub fn simulator(
         axes: axes
             .filter_map(|(at, file)| {
                 let file = file.as_ref()?;
-                Some((at, axis(file, &machine.simulation.plant, zero.along(file.letter))))
+                Some((at, axis(file, machine, zero.along(file.letter))))
             })
             .collect(),
         spindles: spindles.collect(),
@@ -54,7 +68,9 @@ pub fn simulator(
             holes: machine.setup.holes.iter().map(|hole| hole_of(hole, stands)).collect(),
             assume_predrilled: true,
         }),
-        scatter: machine.simulation.scatter_share,
+        scatter: scatter(&machine.scatter.cutting_force),
+        material: scatter(&machine.scatter.material_strength),
+        part,
         seed,
         // a program that is simulated begins on a machine that has been homed
         power_on: sim::PowerOn::Known,
@@ -77,29 +93,39 @@ pub fn left_alone(machine: &MachineFile, config: &sim::Config) -> sim::LeftAlone
     }
 }
 
-/// How far the real axis may be from its file.
-fn scatter(file: &Axis, plant: &PlantScatter) -> sim::AxisScatter {
+/// How the real axis may differ from its file.
+fn axis_scatter(file: &Axis, machine: &MachineFile) -> sim::AxisScatter {
+    let plant = &machine.scatter;
     let rotary = file.letter.kind() == AxisKind::Rotary;
     let has_screw = matches!(file.drive.motor, Motor::BallScrew { .. });
-    let disk = eccentric(plant.encoder_eccentricity, plant.motor_encoder_diameter);
+    let with = |is_there: bool, spread| if is_there { scatter(spread) } else { sim::Scatter::NONE };
     sim::AxisScatter {
-        backlash: plant.backlash_share,
-        stiffness: plant.stiffness_share,
-        friction: plant.friction_share,
+        backlash: scatter(&plant.backlash),
+        stiffness: scatter(&plant.stiffness),
+        friction: scatter(&plant.friction),
         // a gear's turn is a whole turn of the table after so many of the motor: nothing grows
-        lead_error: if has_screw && !rotary { plant.screw_lead_error } else { 0.0 },
-        wobble: match (has_screw, rotary) {
-            (true, true) => plant.gear_wobble,
-            (true, false) => Coordinate::linear(plant.screw_wobble),
-            (false, _) => Coordinate::ZERO,
+        lead_error: with(has_screw && !rotary, &plant.screw_lead),
+        wobble: if rotary {
+            with(has_screw, &plant.gear_wobble)
+        } else {
+            with(has_screw, &plant.screw_wobble)
         },
-        eccentricity: if has_screw { disk } else { Angle::ZERO },
-        scale_error: if rotary { 0.0 } else { plant.scale_error },
+        eccentricity: disk(
+            &with(has_screw, &plant.encoder_eccentricity),
+            machine.simulation.graduations.motor,
+        ),
+        scale_error: with(!rotary, &plant.scale_error),
+        growth: with(has_screw && !rotary, &plant.screw_growth),
     }
 }
 
+/// Of a graduation that is off its centre, mm: of what it reads, rev.
+fn disk(off: &sim::Scatter, diameter: Length) -> sim::Scatter {
+    sim::Scatter { by: eccentric(Length::mm(off.by), diameter).value(), ..*off }
+}
+
 /// What is stated to be wrong with it. Everything is zero where the work was touched off.
-fn errors(file: &Axis, plant: &PlantScatter, zero: Coordinate) -> sim::AxisErrors {
+fn errors(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisErrors {
     let by_scale = matches!(file.position_from, PositionFrom::Scale { .. });
     let stated = file.errors;
     sim::AxisErrors {
@@ -108,12 +134,12 @@ fn errors(file: &Axis, plant: &PlantScatter, zero: Coordinate) -> sim::AxisError
         wobble: None,
         eccentricity: stated
             .encoder_eccentricity
-            .map(|by| (eccentric(by, plant.motor_encoder_diameter), Angle::ZERO)),
+            .map(|by| (eccentric(by, machine.simulation.graduations.motor), Angle::ZERO)),
         zero,
     }
 }
 
-fn axis(file: &Axis, plant: &PlantScatter, zero: Coordinate) -> sim::AxisModel {
+fn axis(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisModel {
     let (screw_lead, inertia) = match file.drive.motor {
         Motor::BallScrew { lead, rotating_inertia, .. } => (lead, rotating_inertia),
         Motor::Linear { motor_mass, .. } => {
@@ -153,9 +179,22 @@ fn axis(file: &Axis, plant: &PlantScatter, zero: Coordinate) -> sim::AxisModel {
         },
         start: start(file),
         travel: super::homing::along(file),
-        scatter: scatter(file, plant),
-        errors: errors(file, plant, zero),
+        scatter: axis_scatter(file, machine),
+        errors: errors(file, machine, zero),
+        growth: growth(file, machine),
     }
+}
+
+/// How its screw grows; the fixed bearing is at the motor's end, which is taken to be that of machine zero.
+fn growth(file: &Axis, machine: &MachineFile) -> Option<sim::ScrewGrowth> {
+    let is_screw = matches!(file.drive.motor, Motor::BallScrew { .. });
+    let stated = machine.simulation.screw_growth?;
+    (is_screw && file.letter.kind() == AxisKind::Linear).then(|| sim::ScrewGrowth {
+        warm: stated.warm,
+        time_constant: stated.time_constant,
+        running: stated.running,
+        bearing: start(file),
+    })
 }
 
 /// Where an axis stands when the machine is switched on: at machine zero, or as near as its travel allows.
@@ -163,8 +202,8 @@ pub fn start(file: &Axis) -> Coordinate {
     Coordinate::ZERO.max(file.travel.from).min(file.travel.to)
 }
 
-fn spindle(file: &Spindle, plant: &PlantScatter) -> sim::SpindleModel {
-    let disk = |by| eccentric(by, plant.spindle_encoder_diameter);
+fn spindle(file: &Spindle, machine: &MachineFile) -> sim::SpindleModel {
+    let graduation = machine.simulation.graduations.spindle;
     let stated = file.errors.encoder_eccentricity;
     sim::SpindleModel {
         inertia: file.inertia,
@@ -176,17 +215,17 @@ fn spindle(file: &Spindle, plant: &PlantScatter) -> sim::SpindleModel {
         rounding: file.friction.smoothing,
         encoder: sim::SpindleEncoder {
             counts_per_rev: file.encoder_counts_per_rev,
-            eccentricity: stated.map_or(Angle::ZERO, disk),
+            eccentricity: stated.map_or(Angle::ZERO, |by| eccentric(by, graduation)),
             eccentric_at: Angle::ZERO,
             noise_counts: 0.0,
         },
         start: Angle::ZERO,
         scatter: sim::SpindleScatter {
-            friction: plant.friction_share,
+            friction: scatter(&machine.scatter.friction),
             eccentricity: if stated.is_some() {
-                Angle::ZERO
+                sim::Scatter::NONE
             } else {
-                disk(plant.encoder_eccentricity)
+                disk(&scatter(&machine.scatter.encoder_eccentricity), graduation)
             },
         },
     }
@@ -394,27 +433,27 @@ mod tests {
                 let (scatter, errors) = (file.scatter, real.errors);
                 if file.backlash > Coordinate::ZERO {
                     let play = off(real.backlash.value(), file.backlash.value());
-                    note("play", play, scatter.backlash);
+                    note("play", play, scatter.backlash.most());
                 }
                 let stiffness = off(real.stiffness.value(), file.stiffness.value());
-                note("stiffness", stiffness, scatter.stiffness);
+                note("stiffness", stiffness, scatter.stiffness.most());
                 let friction = off(real.friction.coulomb.value(), file.friction.coulomb.value());
-                note("friction", friction, scatter.friction);
-                note("lead", errors.lead.unwrap_or(0.0), scatter.lead_error);
+                note("friction", friction, scatter.friction.most());
+                note("lead", errors.lead.unwrap_or(0.0), scatter.lead_error.most());
                 let (wobble, _) = errors.wobble.unwrap_or_default();
-                note("wobble", wobble.value(), scatter.wobble.value());
+                note("wobble", wobble.value(), scatter.wobble.most());
                 let (disk, _) = errors.eccentricity.unwrap_or_default();
-                note("encoder", disk.value(), scatter.eccentricity.value());
-                note("scale", errors.scale.unwrap_or(0.0), scatter.scale_error);
+                note("encoder", disk.value(), scatter.eccentricity.most());
+                note("scale", errors.scale.unwrap_or(0.0), scatter.scale_error.most());
             }
             for (index, (file, real)) in believed.spindles.iter().zip(&spindles).enumerate() {
                 let mut note = |what, found, allowed| {
                     self.note(format!("{name} S{index} {what}"), found, allowed);
                 };
                 let friction = real.coulomb.value() / file.coulomb.value() - 1.0;
-                note("friction", friction, file.scatter.friction);
+                note("friction", friction, file.scatter.friction.most());
                 let disk = real.encoder.eccentricity.value();
-                note("encoder", disk, file.scatter.eccentricity.value());
+                note("encoder", disk, file.scatter.eccentricity.most());
             }
         }
     }
@@ -448,10 +487,8 @@ mod tests {
         let of = |axis: usize| {
             config.axes.iter().find(|(index, _)| *index == axis).expect("it is there").1.scatter
         };
-        assert!(
-            of(0).lead_error == 0.0 && of(0).wobble == Coordinate::ZERO && of(0).scale_error > 0.0
-        );
-        assert!(of(2).lead_error > 0.0 && of(2).wobble > Coordinate::ZERO);
+        assert!(of(0).lead_error.by == 0.0 && of(0).wobble.by == 0.0 && of(0).scale_error.by > 0.0);
+        assert!(of(2).lead_error.by > 0.0 && of(2).wobble.by > 0.0);
     }
 
     #[test]

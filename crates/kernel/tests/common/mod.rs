@@ -45,6 +45,7 @@ fn axis(table_kg: f64, weight_share: f64) -> AxisModel {
         start: Coordinate::ZERO,
         travel: sim::Travel::FREE,
         scatter: sim::AxisScatter::NONE,
+        growth: None,
         errors: sim::AxisErrors::DRAWN,
     }
 }
@@ -77,7 +78,9 @@ pub fn machine(command_delay: usize) -> sim::Config {
         tool: 0,
         tool_change_time: Time::s(0.9),
         stock: None,
-        scatter: 0.0,
+        scatter: sim::Scatter::NONE,
+        material: sim::Scatter::NONE,
+        part: 1,
         seed: 1,
         power_on: sim::PowerOn::Known,
     }
@@ -85,12 +88,13 @@ pub fn machine(command_delay: usize) -> sim::Config {
 
 /// The same machine whose friction, play and cutting force are off by up to this share.
 pub fn scattered(mut machine: sim::Config, share: f64, seed: u64) -> sim::Config {
-    (machine.scatter, machine.seed) = (share, seed);
+    let by = sim::Scatter::uniform(share);
+    (machine.scatter, machine.seed) = (sim::Scatter { per: sim::Per::Hole, ..by }, seed);
     for (_, axis) in &mut machine.axes {
-        (axis.scatter.backlash, axis.scatter.friction) = (share, share);
+        (axis.scatter.backlash, axis.scatter.friction) = (by, by);
     }
     for spindle in &mut machine.spindles {
-        spindle.scatter.friction = share;
+        spindle.scatter.friction = by;
     }
     machine
 }

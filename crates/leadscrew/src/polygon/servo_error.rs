@@ -230,15 +230,18 @@ impl Swung<'_> {
 
     /// Errors of an axis' screw and encoder, as far as machines of this kind have them.
     fn pitch(&self, axis: &Axis) -> Pitch {
-        let plant = &self.machine.simulation.plant;
+        let plant = &self.machine.scatter;
+        let off = Length::mm(plant.encoder_eccentricity.by);
         match (axis.position_from, axis.drive.motor) {
             (PositionFrom::Motor { .. }, Motor::BallScrew { lead, .. }) => {
-                let reading = eccentric(plant.encoder_eccentricity, plant.motor_encoder_diameter);
-                let wobble = plant.screw_wobble.value() + (lead * reading).value();
-                let cumulative = plant.screw_lead_error;
+                let reading = eccentric(off, self.machine.simulation.graduations.motor);
+                let wobble = plant.screw_wobble.by + (lead * reading).value();
+                let cumulative = plant.screw_lead.by;
                 Pitch { wobble, cumulative, slope: TAU * wobble / lead.value() + cumulative }
             }
-            _ => Pitch { wobble: 0.0, cumulative: plant.scale_error, slope: plant.scale_error },
+            _ => {
+                Pitch { wobble: 0.0, cumulative: plant.scale_error.by, slope: plant.scale_error.by }
+            }
         }
     }
 

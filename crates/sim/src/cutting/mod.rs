@@ -13,6 +13,7 @@
 //! known by its place: what comes down within [`SAME_HOLE`] of it is in it.
 use crate::drilling::{self, Drilling};
 use crate::rng::Rng;
+use crate::scatter::{Draws, Scatter};
 use crate::tapping::{self, Load, Pose, Tapping, is_too_wide};
 use crate::wear::{TapWear, Worn};
 use crate::work::{Bore, ENTERED_MM, Hole, SAME_HOLE, Stock};
@@ -42,6 +43,30 @@ enum Engagement {
     Broken,
 }
 
+/// How the force of the cut scatters on a workpiece.
+#[derive(Clone, Debug)]
+pub(crate) struct Cut {
+    pub(crate) scatter: Scatter,
+    /// Where all holes have it in common.
+    pub(crate) common: Option<f64>,
+    /// What each hole's own is drawn from.
+    pub(crate) holes: Draws,
+}
+
+impl Cut {
+    /// The same for all holes.
+    #[cfg(test)]
+    pub(crate) fn even() -> Self {
+        let holes = Draws::new(Rng::new(1), 1);
+        Self { scatter: Scatter::NONE, common: None, holes }
+    }
+
+    /// On the force of the next hole.
+    fn factor(&mut self) -> f64 {
+        self.common.unwrap_or_else(|| self.scatter.factor(&mut self.holes))
+    }
+}
+
 /// The work, the tools, and the one in the spindle.
 #[derive(Clone, Debug)]
 pub(crate) struct Cutting {
@@ -50,8 +75,7 @@ pub(crate) struct Cutting {
     broken: Vec<u32>,
     /// What broke the tool in the spindle.
     broken_by: Option<ToolBreak>,
-    scatter: f64,
-    rng: Rng,
+    cut: Cut,
     mounted: Option<Tool>,
     engagement: Engagement,
     at: [Length; 2],
@@ -67,14 +91,13 @@ pub(crate) struct Cutting {
 
 impl Cutting {
     /// No tool yet, in the air.
-    pub(crate) fn new(stock: Stock, magazine: Vec<Tool>, scatter: f64, rng: Rng) -> Self {
+    pub(crate) fn new(stock: Stock, magazine: Vec<Tool>, cut: Cut) -> Self {
         Self {
             stock,
             magazine,
             broken: Vec::new(),
             broken_by: None,
-            scatter,
-            rng,
+            cut,
             mounted: None,
             engagement: Engagement::Air,
             at: [Length::ZERO; 2],
@@ -184,7 +207,7 @@ impl Cutting {
 
     /// The tip goes through the surface.
     fn enter(&mut self, tool: Tool, pose: &Pose, depth: f64) {
-        let scale = self.rng.factor(self.scatter);
+        let scale = self.cut.factor();
         self.entered = self.at;
         let from_above = depth <= ENTRY_DEPTH_MM && self.stock.is_below(self.at);
         self.engagement = match tool.kind {

@@ -13,7 +13,8 @@
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [inputs]       which it has, by number and name; [outputs], [probe]         ─► plan
 //!   [user_codes]   M100 to M199: what each does                                 ─► interp
-//!   [simulation]   substep, seed, scatter, what differs from all this             ─► sim
+//!   [simulation]   substep, seed, what differs from all this                      ─► sim
+//!   [scatter]      how each value varies: machines, workpieces, holes             ─► sim
 //! ```
 //!
 //! Every key carries its unit in its name, and becomes a quantity of `units` here and nowhere else.
@@ -42,6 +43,7 @@ mod hal;
 mod homing;
 mod plant;
 pub(crate) mod rotary;
+mod scatter;
 mod setup;
 mod signals;
 mod spindle;
@@ -60,7 +62,8 @@ pub use drives::{DcBus, Drives};
 pub use grinding::{Grinding, Wheel};
 pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
-pub use plant::{AxisErrors, PlantScatter, SpindleErrors, eccentric};
+pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
+pub use scatter::{Distribution, Per, Scatter, Spread};
 pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
@@ -68,6 +71,7 @@ pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;
+use scatter::StatedBefore;
 use std::path::Path;
 use units::Coordinate;
 
@@ -100,6 +104,8 @@ pub struct MachineFile {
     pub setup: Setup,
     /// The simulation.
     pub simulation: Simulation,
+    /// How the values of the real machine, its tools and its work vary.
+    pub scatter: Scatter,
     /// The inputs that it has, beside the probe.
     pub inputs: Names,
     /// The outputs that it has.
@@ -111,13 +117,14 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 11] = [
+pub const EMBEDDED: [&str; 12] = [
     "tapping-center",
     "polygon-lathe",
     "lathe",
     "cam-grinder",
     "cam-grinder-coarse",
     "tapping-center-scale",
+    "tapping-center-shop",
     "vfd-mill",
     "gear-hobber",
     "bench-xyz",
@@ -133,6 +140,9 @@ pub fn embedded(name: &str) -> Option<&'static str> {
         "lathe" => Some(include_str!("../../../../machines/lathe.toml")),
         "tapping-center-scale" => {
             Some(include_str!("../../../../machines/tapping-center-scale.toml"))
+        }
+        "tapping-center-shop" => {
+            Some(include_str!("../../../../machines/tapping-center-shop.toml"))
         }
         "vfd-mill" => Some(include_str!("../../../../machines/vfd-mill.toml")),
         "cam-grinder" => Some(include_str!("../../../../machines/cam-grinder.toml")),
@@ -194,6 +204,8 @@ impl MachineFile {
     }
 
     fn read(keys: &mut Keys<'_>) -> Self {
+        let mut before = StatedBefore::default();
+        let simulation = keys.section("simulation", |k| Simulation::read(k, &mut before));
         let file = Self {
             name: keys.text("name"),
             description: keys.text("description"),
@@ -207,7 +219,8 @@ impl MachineFile {
             hal: keys.optional_section("hal", Hal::read),
             grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
-            simulation: keys.section("simulation", Simulation::read),
+            simulation,
+            scatter: Scatter::of(keys, &before),
             inputs: keys.optional_section("inputs", Names::read).unwrap_or_default(),
             outputs: keys.optional_section("outputs", Names::read).unwrap_or_default(),
             probe: keys.optional_section("probe", ProbeInput::read),

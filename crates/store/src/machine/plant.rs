@@ -1,42 +1,30 @@
 //! What a machine really is, as far as it differs from what its file says and its control believes.
 //!
-//! Two kinds: what is not known, drawn from the seed within `[simulation.plant]`, and errors that are stated to see what they do,
-//! in `[axes.x.errors]` and `[spindles.errors]`. The simulated plant alone reads either; the control is never told.
-//!
-//! | key | what it is |
-//! |---|---|
-//! | `screw_lead_error_um_per_300_mm` | cumulative lead error, as ISO 3408-3 has it (half of V300p, to either side) |
-//! | `screw_wobble_um` | amplitude of the screw's error once per revolution (half of v2πp) |
-//! | `gear_wobble_arcsec` | the same of a rotary axis' gear, at the table |
-//! | `encoder_eccentricity_um` | a graduation off its centre by e reads 2·e/diameter rad wrong, once per revolution |
-//! | `scale_error_um_per_m` | error of a linear scale, growing with the length |
-use super::setup::percent;
+//! Two kinds: what is not known, drawn from the seed as `[scatter]` says ([`super::Scatter`]), and errors that are stated to
+//! see what they do, in `[axes.x.errors]`, `[spindles.errors]` and `[simulation.screw_growth]`. The simulated plant alone
+//! reads either; the control is never told.
+use super::scatter::StatedBefore;
 use crate::keys::Keys;
-use units::{Angle, Coordinate, Length};
+use units::{Angle, Length, Time};
 
-/// How far the plant may be from its file, to either side.
+/// `[simulation.plant]`: what encoders are like that no control needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlantScatter {
-    /// Play, as a fraction.
-    pub backlash_share: f64,
-    /// Stiffness between motor and table.
-    pub stiffness_share: f64,
-    /// Friction of guideways and spindles.
-    pub friction_share: f64,
-    /// Cumulative lead error of ball screws, length over length.
-    pub screw_lead_error: f64,
-    /// Amplitude of their error once per revolution.
-    pub screw_wobble: Length,
-    /// The same of a rotary axis' gear.
-    pub gear_wobble: Coordinate,
-    /// How far an encoder's graduation is off its centre.
-    pub encoder_eccentricity: Length,
+pub struct Graduations {
     /// Diameter of the graduation of the motors' encoders.
-    pub motor_encoder_diameter: Length,
+    pub motor: Length,
     /// Diameter of the graduation of the spindles' encoders.
-    pub spindle_encoder_diameter: Length,
-    /// Error of linear scales, length over length.
-    pub scale_error: f64,
+    pub spindle: Length,
+}
+
+/// `[simulation.screw_growth]`: screws get warm while they run and grow by s·(1 − e^(−t/T)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScrewGrowth {
+    /// s: of a screw as warm as it gets, length over length.
+    pub warm: f64,
+    /// T.
+    pub time_constant: Time,
+    /// Time that the machine has run since the work was touched off, when a program begins.
+    pub running: Time,
 }
 
 /// Errors of an axis that are stated.
@@ -60,74 +48,38 @@ pub fn eccentric(by: Length, diameter: Length) -> Angle {
     Angle::rev(2.0 * by.value() / diameter.value() / std::f64::consts::TAU)
 }
 
-impl PlantScatter {
+impl Graduations {
     /// Of a machine whose file does not say it.
-    pub const TYPICAL: Self = Self {
-        backlash_share: 0.2,
-        stiffness_share: 0.15,
-        friction_share: 0.2,
-        screw_lead_error: 6e-3 / 300.0,
-        screw_wobble: Length::um(3.0),
-        gear_wobble: Coordinate::new(5.0 / 3600.0),
-        encoder_eccentricity: Length::um(3.0),
-        motor_encoder_diameter: Length::mm(40.0),
-        spindle_encoder_diameter: Length::mm(60.0),
-        scale_error: 3e-6,
-    };
+    pub(super) const TYPICAL: Self = Self { motor: Length::mm(40.0), spindle: Length::mm(60.0) };
 
-    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
-        const SHARE: std::ops::RangeInclusive<f64> = 0.0..=80.0;
-        let usual = Self::TYPICAL;
-        let mut share = |key, usual: f64| {
-            if keys.has(key) { percent(keys, key, SHARE) } else { usual }
-        };
-        let backlash_share = share("backlash_scatter_percent", usual.backlash_share);
-        let stiffness_share = share("stiffness_scatter_percent", usual.stiffness_share);
-        let friction_share = share("friction_scatter_percent", usual.friction_share);
-        let mut number = |key, bounds, scale: f64, usual: f64| {
-            keys.optional(key, bounds).map_or(usual, |n| n * scale)
-        };
+    /// And what the version before stated beside it.
+    pub(super) fn read(keys: &mut Keys<'_>, before: &mut StatedBefore) -> Self {
+        let mut share = |key| keys.optional(key, 0.0..=80.0);
+        before.backlash = share("backlash_scatter_percent");
+        before.stiffness = share("stiffness_scatter_percent");
+        before.friction = share("friction_scatter_percent");
+        before.screw_lead = keys.optional("screw_lead_error_um_per_300_mm", 0.0..=3000.0);
+        before.screw_wobble = keys.optional("screw_wobble_um", 0.0..=1000.0);
+        before.gear_wobble = keys.optional("gear_wobble_arcsec", 0.0..=3600.0);
+        before.encoder_eccentricity = keys.optional("encoder_eccentricity_um", ECCENTRICITY_UM);
+        before.scale_error = keys.optional("scale_error_um_per_m", 0.0..=10_000.0);
+        let mut diameter =
+            |key, most, usual: Length| keys.optional(key, 5.0..=most).map_or(usual, Length::mm);
         Self {
-            backlash_share,
-            stiffness_share,
-            friction_share,
-            screw_lead_error: number(
-                "screw_lead_error_um_per_300_mm",
-                0.0..=3000.0,
-                1e-3 / 300.0,
-                usual.screw_lead_error,
-            ),
-            screw_wobble: Length::mm(number(
-                "screw_wobble_um",
-                0.0..=1000.0,
-                1e-3,
-                usual.screw_wobble.value(),
-            )),
-            gear_wobble: Coordinate::new(number(
-                "gear_wobble_arcsec",
-                0.0..=3600.0,
-                1.0 / 3600.0,
-                usual.gear_wobble.value(),
-            )),
-            encoder_eccentricity: Length::mm(number(
-                "encoder_eccentricity_um",
-                0.0..=1000.0,
-                1e-3,
-                usual.encoder_eccentricity.value(),
-            )),
-            motor_encoder_diameter: Length::mm(number(
-                "motor_encoder_diameter_mm",
-                5.0..=1000.0,
-                1.0,
-                usual.motor_encoder_diameter.value(),
-            )),
-            spindle_encoder_diameter: Length::mm(number(
-                "spindle_encoder_diameter_mm",
-                5.0..=2000.0,
-                1.0,
-                usual.spindle_encoder_diameter.value(),
-            )),
-            scale_error: number("scale_error_um_per_m", 0.0..=10_000.0, 1e-6, usual.scale_error),
+            motor: diameter("motor_encoder_diameter_mm", 1000.0, Self::TYPICAL.motor),
+            spindle: diameter("spindle_encoder_diameter_mm", 2000.0, Self::TYPICAL.spindle),
+        }
+    }
+}
+
+impl ScrewGrowth {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        const MOST_MIN: f64 = 60.0 * 24.0 * 7.0;
+        let minutes = |n: f64| Time::s(n * 60.0);
+        Self {
+            warm: keys.number("warm_um_per_m", 0.0..=1000.0) * 1e-6,
+            time_constant: minutes(keys.number("time_constant_min", 0.01..=MOST_MIN)),
+            running: minutes(keys.optional("running_min", 0.0..=MOST_MIN).unwrap_or(0.0)),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What is clamped, and how the machine is simulated.
 use super::axis::{FARTHEST_MM, n_per_um};
-use super::plant::PlantScatter;
+use super::plant::{Graduations, ScrewGrowth};
+use super::scatter::StatedBefore;
 use super::signals::InputModel;
 use crate::keys::Keys;
 use canon::Position;
@@ -77,10 +78,10 @@ pub struct Simulation {
     pub substep: Time,
     /// Seed of everything that scatters.
     pub seed: u32,
-    /// How far the cutting force of each hole scatters about the material's, as a fraction.
-    pub scatter_share: f64,
-    /// How far the machine as it was built may be from this file.
-    pub plant: PlantScatter,
+    /// The graduations of its encoders.
+    pub graduations: Graduations,
+    /// How screws grow while they get warm; `None`: they do not.
+    pub screw_growth: Option<ScrewGrowth>,
     /// How a tap sits in the thread that it cuts.
     pub tap_seat: TapSeat,
     /// How taps wear; `None`: they do not.
@@ -239,14 +240,16 @@ impl Stock {
 }
 
 impl Simulation {
-    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+    /// And how it scatters, as far as the version before stated it here.
+    pub(super) fn read(keys: &mut Keys<'_>, before: &mut StatedBefore) -> Self {
+        before.cutting_force = keys.optional("scatter_percent", 0.0..=50.0);
         Self {
             substep: Time::s(keys.number("substep_us", 1.0..=1000.0) * 1e-6),
             seed: keys.whole("seed", 0..=u32::MAX),
-            scatter_share: percent(keys, "scatter_percent", 0.0..=50.0),
-            plant: keys
-                .optional_section("plant", PlantScatter::read)
-                .unwrap_or(PlantScatter::TYPICAL),
+            graduations: keys
+                .optional_section("plant", |k| Graduations::read(k, before))
+                .unwrap_or(Graduations::TYPICAL),
+            screw_growth: keys.optional_section("screw_growth", ScrewGrowth::read),
             tap_seat: keys.section("tap_seat", |k| TapSeat {
                 flank_clearance: Length::um(k.number("flank_clearance_um", 0.0..=1000.0)),
                 flank_stiffness: n_per_um(k.number("flank_stiffness_n_per_um", 0.1..=1e5)),
