@@ -78,6 +78,16 @@ def test_short_cases_are_batched(tmp_path: Path) -> None:
     assert len(files) < 100, "4000 cases of a microsecond"
 
 
+def test_many_workers_get_longer_batches_so_that_one_process_can_hand_them_out() -> None:
+    from leadscrew.study._run import MOST_BATCHES_PER_S, batch_size
+
+    for workers in (1, 2, 100, 10_000):
+        for each_s in (1e-6, 0.04, 2.0):
+            cases = batch_size(each_s, 10_000_000, workers)
+            assert cases * each_s >= 0.05 and workers / (cases * each_s) <= MOST_BATCHES_PER_S, (workers, each_s)
+    assert batch_size(0.04, 10_000_000, 2) == 3, "few workers: a tenth of a second"
+
+
 def fails_after(folder: str, case: Mapping[str, Any]) -> dict[str, Any]:
     """As often as the file ``limit`` says it works."""
     counter = Path(folder) / "counter"
@@ -144,6 +154,54 @@ def test_a_worker_that_is_killed_costs_its_running_cases_and_the_table_is_the_sa
     executor = study.processes(2) if where == "processes" else study.dask(workers=2)
     table = study.run(function, cases, out=tmp_path / "killed", executor=executor)
     assert (tmp_path / "marks" / "killed").exists()
+    assert table.drop_columns(["hash"]).equals(undisturbed.drop_columns(["hash"]))
+
+
+def after_a_while(case: Mapping[str, Any]) -> dict[str, Any]:
+    time.sleep(0.25)
+    return {"y": float(np.random.default_rng(case["seed"]).normal())}
+
+
+def test_a_study_goes_on_when_its_scheduler_is_restarted(tmp_path: Path) -> None:
+    """The scheduler is killed in mid-study, its workers end, and all of them are started again at the same address."""
+    pytest.importorskip("distributed")
+    import socket
+
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    running: list[subprocess.Popen[bytes]] = []
+
+    def start() -> None:
+        dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
+        worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "2", "--no-nanny", "--no-dashboard"]
+        for words in (dask, worker):
+            with (tmp_path / "dask.log").open("ab") as log:
+                environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+                running.append(subprocess.Popen(words, stdout=log, stderr=log, env=environment, cwd=tmp_path))
+
+    told: list[study.Progress] = []
+
+    def restart(progress: study.Progress) -> None:
+        told.append(progress)
+        if progress.done >= 4 and len(running) == 2:
+            for process in running:
+                process.send_signal(signal.SIGKILL)
+                process.wait()
+            start()
+
+    cases = squares(10)
+    undisturbed = study.run(after_a_while, cases, out=tmp_path / "undisturbed", executor=study.threads(8))
+    start()
+    try:
+        table = study.run(after_a_while, cases, out=tmp_path / "out", executor=study.dask(address), progress=restart)
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+    assert len(running) == 4, "it was restarted"
+    assert told[-1].done == 20
     assert table.drop_columns(["hash"]).equals(undisturbed.drop_columns(["hash"]))
 
 

@@ -35,6 +35,9 @@ Function: TypeAlias = Callable[[Mapping[str, Any]], "Row | list[Row]"]
 
 #: A batch takes at least so long, s: what is handed about costs about a millisecond.
 SHORTEST_BATCH_S = 0.05
+#: Batches that come back in a second, at most: the study's process writes a file for each, and Dask's scheduler hands out as many
+#: with ease. Many workers get longer batches.
+MOST_BATCHES_PER_S = 100
 #: Batches that wait beside those that run, for each worker.
 AHEAD = 2
 #: An executor is lost so often without a result in between, and the study gives up.
@@ -196,9 +199,7 @@ class _Running:
         if not self.measured or self.seconds == 0:
             return 1
         each = self.seconds / self.measured
-        wanted = max(1, round(2 * SHORTEST_BATCH_S / each + 0.5))
-        fair = max(1, left // (AHEAD * self.executors.workers()))
-        return max(min(wanted, fair), round(SHORTEST_BATCH_S / each + 0.5))
+        return batch_size(each, left, self.executors.workers())
 
     def _takes(self, batch: list[int], answer: Answer) -> None:
         self.lost = 0
@@ -211,6 +212,14 @@ class _Running:
         ]
         _write(self.results, written)
         self.told(len(batch))
+
+
+def batch_size(each_s: float, left: int, workers: int) -> int:
+    """Cases of a batch, where a case takes so long and so many of them are left for so many workers."""
+    shortest = max(SHORTEST_BATCH_S, workers / MOST_BATCHES_PER_S)
+    wanted = max(1, round(2 * shortest / each_s + 0.5))
+    fair = max(1, left // (AHEAD * workers))
+    return max(min(wanted, fair), round(shortest / each_s + 0.5))
 
 
 @dataclass
