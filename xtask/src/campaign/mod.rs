@@ -46,9 +46,13 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
                 });
                 row.stopped_again += u32::try_from(stops.len() - 1).unwrap_or(u32::MAX);
                 if let Err(why) = trial {
-                    let stops: String =
-                        stops.iter().map(|(at, stop)| format!("; {stop:?} at {at:.6}")).collect();
-                    row.problems.push(format!("{}; {reaction}{stops}: {why}", feature.name));
+                    let stops: Vec<_> =
+                        stops.iter().map(|(at, stop)| format!("{stop:?} at {at:.6}")).collect();
+                    row.problems.push(format!(
+                        "{}; {reaction}; {}: {why}",
+                        feature.name,
+                        stops.join("; ")
+                    ));
                 }
             }
             println!("{}", row.text(&format!("{}, {reaction}", feature.name)));

@@ -169,13 +169,12 @@ impl<'a> Trial<'a> {
             let answer = serde_json::from_slice::<Value>(&ended.stdout);
             let outcome = answer.as_ref().ok().and_then(|answer| answer["outcome"].as_str());
             let has_ended = outcome.is_some_and(|outcome| outcome != "refused");
-            match stopped.filter(|_| !has_ended) {
-                Some(stopped) => stops.push(stopped),
-                None => {
-                    let said = String::from_utf8_lossy(&ended.stderr);
-                    return Ok((before, answer.map_err(|e| format!("{e}: {said}"))?));
-                }
+            if let Some(stopped) = stopped.filter(|_| !has_ended) {
+                stops.push(stopped);
+                continue;
             }
+            let said = String::from_utf8_lossy(&ended.stderr);
+            return Ok((before, answer.map_err(|e| format!("{e}: {said}"))?));
         }
     }
 }
@@ -193,7 +192,9 @@ pub(super) fn trial(
     let _simulator = trial.simulator(&["--on-link-loss", reaction, "--on-power-loss", reaction])?;
     let relay = Relay::in_place_of(&trial.folder.path().join("simulator"), &[]);
     let relay = relay.map_err(|e| e.to_string())?;
-    stops.iter().for_each(|&(at, stop)| relay.stop_at(at, stop));
+    for &(at, stop) in stops.iter() {
+        relay.stop_at(at, stop);
+    }
     let ran = relay.output(&mut trial.run("state")).map_err(|e| e.to_string())?;
     let was_stopped = relay.cancel_stops();
     if !was_stopped {

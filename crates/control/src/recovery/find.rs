@@ -158,10 +158,7 @@ pub(super) fn find(
     let beyond =
         error > setting.bears() || way != Way::Straight && depth <= lead && error > lead / 2.0;
     // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
-    let helix = match kept.touches {
-        true => kept.sync_error,
-        false => error.max(kept.sync_error),
-    };
+    let helix = if kept.touches { kept.sync_error } else { error.max(kept.sync_error) };
     let (way, bound) = if apart && (!kept.touches || beyond) {
         let why = if kept.touches { BEYOND } else { NO_THREAD };
         // so near the surface few teeth hold it, and the thread gives way; deeper they do
