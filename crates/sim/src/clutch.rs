@@ -104,7 +104,7 @@ impl Coupling {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cutting::{Cut, Cutting};
+    use crate::cutting::{Cutting, ForceScatter};
     use crate::fixtures::{m6, stock};
     use crate::{Holder, Tap, Tool, ToolKind};
     use core::f64::consts::TAU;
@@ -192,7 +192,7 @@ mod tests {
             let tool = Tool { number: 1, length: Length::mm(100.0), kind: ToolKind::Tap(tap) };
             let work = stock();
             let r_plane = (work.top + tool.length).value() + self.clearance;
-            let mut cutting = Cutting::new(work, vec![tool], Cut::even());
+            let mut cutting = Cutting::new(work, vec![tool], ForceScatter::even());
             cutting.begin_period(Some(1), [Length::ZERO; 2]);
             let mut made = Made {
                 depth: 0.0,

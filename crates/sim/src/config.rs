@@ -3,7 +3,7 @@
 //! The physics step divides the servo period. It must resolve the fastest vibration of every axis: with
 //! position Verlet h·ω = 0.5 errs by 1 % in frequency, and h·ω = 2 explodes. [`Config::problems`] refuses
 //! what is coarser than 0.5 and says which step would do.
-use crate::cutting::Cut;
+use crate::cutting::ForceScatter;
 use crate::oracle::free_mode;
 use crate::rng::Rng;
 use crate::scatter::{Draws, Per, of_part};
@@ -67,13 +67,13 @@ impl Config {
     }
 
     /// How the force of the cut scatters from hole to hole of this workpiece.
-    pub(crate) fn cut(&self, stream: Rng) -> Cut {
+    pub(crate) fn cut(&self, stream: Rng) -> ForceScatter {
         /// The stream of what all holes have in common.
         const COMMON: u64 = 0x4355_5454_494E_4721;
         let scatter = self.scatter;
         let common =
             (scatter.per != Per::Hole).then(|| 1.0 + scatter.drawn(self.seed, COMMON, self.part));
-        Cut { scatter, common, holes: Draws::new(of_part(stream, self.part), 1) }
+        ForceScatter { scatter, common, holes: Draws::new(of_part(stream, self.part), 1) }
     }
 
     /// Everything that is wrong with it, each in one sentence; empty if it can be built.

@@ -45,7 +45,7 @@ enum Engagement {
 
 /// How the force of the cut scatters on a workpiece.
 #[derive(Clone, Debug)]
-pub(crate) struct Cut {
+pub(crate) struct ForceScatter {
     pub(crate) scatter: Scatter,
     /// Where all holes have it in common.
     pub(crate) common: Option<f64>,
@@ -53,7 +53,7 @@ pub(crate) struct Cut {
     pub(crate) holes: Draws,
 }
 
-impl Cut {
+impl ForceScatter {
     /// The same for all holes.
     #[cfg(test)]
     pub(crate) fn even() -> Self {
@@ -75,7 +75,7 @@ pub(crate) struct Cutting {
     broken: Vec<u32>,
     /// What broke the tool in the spindle.
     broken_by: Option<ToolBreak>,
-    cut: Cut,
+    cut: ForceScatter,
     mounted: Option<Tool>,
     engagement: Engagement,
     at: [Length; 2],
@@ -91,7 +91,7 @@ pub(crate) struct Cutting {
 
 impl Cutting {
     /// No tool yet, in the air.
-    pub(crate) fn new(stock: Stock, magazine: Vec<Tool>, cut: Cut) -> Self {
+    pub(crate) fn new(stock: Stock, magazine: Vec<Tool>, cut: ForceScatter) -> Self {
         Self {
             stock,
             magazine,

@@ -24,7 +24,7 @@ struct Hand {
 
 impl Hand {
     fn new(stock: Stock, magazine: Vec<Tool>) -> Self {
-        let cutting = Cutting::new(stock, magazine, Cut::even());
+        let cutting = Cutting::new(stock, magazine, ForceScatter::even());
         Self { cutting, z: 1.0, turns: 0.0, worst: Load::default(), work: 0.0, returned: 0.0 }
     }
 
