@@ -44,7 +44,8 @@ export class Measured {
     const last = this.#last;
     this.#last = sample;
     if (!last || this.path.lines.length === 0) return;
-    const way = Math.hypot(...sample.at.map((value, axis) => value - (last.at[axis] ?? 0)));
+    // An offset that comes into force moves nothing.
+    const way = Math.hypot(...sample.machine.map((value, axis) => value - (last.machine[axis] ?? 0)));
     const speed = (60 * way) / (sample.time_s - last.time_s);
     // Pairs shorter than the way between two statuses have the speed of this way.
     for (let pair = Math.min(before + 1, this.done); pair <= this.done; pair++) {
