@@ -21,10 +21,8 @@ function pathAlong(...places) {
 }
 
 const period_s = 0.02;
-/** Samples of a tool at these places along X, each with its line, and the offset in force, which is none unless stated. */
-const samplesOf = (...places) => places.map(([x, line, offset = 0], step) => ({
-  time_s: step * period_s, at: [x, 0, 0], machine: [x + offset, 0, 0], line, sync_um: null,
-}));
+/** Samples of a tool at these places along X, each with its line. */
+const samplesOf = (...places) => places.map(([x, line], step) => ({ time_s: step * period_s, at: [x, 0, 0], line, sync_um: null }));
 
 test('a pair has the feed it was gone over with, not that of the stop at its end', () => {
   const measured = new Measured(pathAlong(0, 10));
@@ -46,12 +44,4 @@ test('pairs shorter than the way between two statuses have the feed of this way'
   const feed = 60 * 0.3 / period_s;
   assert.ok(Number.isNaN(measured.feed[0]));
   for (const pair of [1, 2]) assert.ok(Math.abs(measured.feed[pair] - feed) < 1e-3 * feed, String(measured.feed));
-});
-
-test('an offset that comes into force is no motion', () => {
-  const measured = new Measured(pathAlong(0, 10));
-  // A tool of 100 mm: the program has it elsewhere from now on, and it has not moved.
-  measured.take(samplesOf([100, 1], [0, 1, 100], [0.2, 1, 100]));
-  const feed = 60 * 0.2 / period_s;
-  assert.ok(Math.abs(measured.feed[0] - feed) < 1e-3 * feed, String(measured.feed[0]));
 });

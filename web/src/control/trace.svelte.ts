@@ -1,11 +1,9 @@
 // The run as this page saw it: place, line and sync error of each status since the program was started.
 import { control, type ServerMessage } from './control.svelte';
-import type { AxisStatus, Status } from './model';
+import type { Status } from './model';
 import { isUnderWay } from './needs';
 
-type Place = [number, number, number];
-/** `at` in the program's coordinates; `machine` in the machine's, by the encoders. */
-export interface Sample { time_s: number; at: Place; machine: Place; line: number; sync_um: number | null }
+export interface Sample { time_s: number; at: [number, number, number]; line: number; sync_um: number | null }
 
 /** An hour at 50 Hz; of a longer run every second status is given up, then every second of these, and so on. */
 const most_samples = 180_000;
@@ -40,13 +38,8 @@ export class RunTrace {
   }
 
   #add(status: Status): void {
-    const axes = ['X', 'Y', 'Z'].map((letter) => status.axes.find((axis) => axis.letter === letter));
-    const place = (of: (axis: AxisStatus) => number): Place => {
-      const [x, y, z] = axes.map((axis) => (axis ? of(axis) : 0));
-      return [x ?? 0, y ?? 0, z ?? 0];
-    };
-    const [at, machine] = [place((axis) => axis.work), place((axis) => axis.machine - axis.following_error)];
-    const sample: Sample = { time_s: status.time_s, at, machine, line: status.program?.line ?? 0, sync_um: status.sync_error_um };
+    const place = (letter: string) => status.axes.find((axis) => axis.letter === letter)?.work ?? 0;
+    const sample: Sample = { time_s: status.time_s, at: [place('X'), place('Y'), place('Z')], line: status.program?.line ?? 0, sync_um: status.sync_error_um };
     const last = this.samples.at(-1);
     if (last && (last.time_s === sample.time_s || this.#skipped + 1 < this.#every)) {
       this.#skipped += 1;

@@ -6,7 +6,7 @@ import { progress, type PathArrays } from './path';
 const standing_mm = 0.005;
 
 export class Measured {
-  /** mm/min, the largest; NaN: not measured. */
+  /** mm/min; NaN: not measured. */
   readonly feed: Float32Array;
   /** µm, the largest in magnitude; NaN: not measured. */
   readonly sync: Float32Array;
@@ -44,12 +44,11 @@ export class Measured {
     const last = this.#last;
     this.#last = sample;
     if (!last || this.path.lines.length === 0) return;
-    // An offset that comes into force moves nothing.
-    const way = Math.hypot(...sample.machine.map((value, axis) => value - (last.machine[axis] ?? 0)));
+    const way = Math.hypot(...sample.at.map((value, axis) => value - (last.at[axis] ?? 0)));
     const speed = (60 * way) / (sample.time_s - last.time_s);
     // Pairs shorter than the way between two statuses have the speed of this way.
     for (let pair = Math.min(before + 1, this.done); pair <= this.done; pair++) {
-      if (way > standing_mm && Number.isFinite(speed) && !((this.feed[pair] ?? NaN) >= speed)) this.feed[pair] = speed;
+      if (way > standing_mm && Number.isFinite(speed)) this.feed[pair] = speed;
       const error = sample.sync_um;
       const known = this.sync[pair] ?? NaN;
       if (error !== null && !(Math.abs(known) >= Math.abs(error))) this.sync[pair] = error;
