@@ -1,8 +1,8 @@
 //! What became of the cases of one row of the table, and whether what was said of each is true.
 use serde_json::Value;
 
-/// Further off the thread that was cut than where the drives had left it, on the way out of a tap that is said to be recovered, µm;
-/// after drives that were just switched off nothing is guaranteed.
+/// Furthest off the thread that was cut, on the way out of a tap that is said to be recovered, µm; after drives that were just
+/// switched off nothing is guaranteed.
 const OFF_THREAD_UM: f64 = 20.0;
 
 /// Counts of a feature and a reaction of the drives.
@@ -100,7 +100,7 @@ impl Row {
                 } else if after["tap_in_thread"] == true || !after["tool_in_work"].is_null() {
                     Some("a tool that is in the work is said to be out of it")
                 } else {
-                    problems.extend(self.way_out(before, after));
+                    problems.extend(self.way_out(after));
                     None
                 }
             }
@@ -130,12 +130,11 @@ impl Row {
     }
 
     /// How far off its thread a tap came out.
-    fn way_out(&mut self, before: &Value, after: &Value) -> Option<String> {
+    fn way_out(&mut self, after: &Value) -> Option<String> {
         let um = after["off_helix_while_coupled_max_um"].as_f64()?;
-        let stood = before["off_helix_um"].as_f64().map_or(0.0, f64::abs);
         self.way_out_um = self.way_out_um.max(um);
-        (self.is_guarded && um > stood + OFF_THREAD_UM)
-            .then(|| format!("{um:.1} µm off its thread on the way out, from {stood:.1}"))
+        (self.is_guarded && um > OFF_THREAD_UM)
+            .then(|| format!("{um:.1} µm off its thread on the way out"))
     }
 
     /// Where a tap was said to stand, against where it stood.
