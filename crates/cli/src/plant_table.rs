@@ -262,16 +262,18 @@ fn axis_rows(
         ));
     }
     if let (Some(stated), Some(drawn)) = (believed.growth, drawn.growth) {
-        rows.push(
-            Around {
-                what: "screw, growth when warm",
-                unit: "µm per m",
-                believed: stated.warm * 1e6,
-                scatter: share(&scatter.growth, stated.warm * 1e6),
-                drawn: drawn.warm * 1e6,
-            }
-            .row(of),
-        );
+        let stated_um = stated.warm * 1e6;
+        let mut row = Around {
+            what: "screw, growth when warm",
+            unit: "µm per m",
+            believed: stated_um,
+            scatter: share(&scatter.growth, stated_um),
+            drawn: drawn.warm * 1e6,
+        }
+        .row(of);
+        // it is of the simulated machine alone
+        "none".clone_into(&mut row[2]);
+        rows.push(row);
     }
     if by_scale && !rotary {
         rows.push(grows("scale", stated.scale, scatter.scale_error, errors.scale));

@@ -100,8 +100,8 @@ impl Config {
         self.check_stock(&mut found);
         for (what, scatter) in [("scatter", self.scatter), ("material", self.material)] {
             let most = scatter.most();
-            if !(0.0..0.9).contains(&most) {
-                found.push(format!("{what} {most}: a share from 0 to below 0.9 is needed"));
+            if !(0.0..0.5).contains(&most) {
+                found.push(format!("{what} {most}: a share from 0 to below 0.5 is needed"));
             }
         }
         found

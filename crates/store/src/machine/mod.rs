@@ -205,7 +205,6 @@ impl MachineFile {
 
     fn read(keys: &mut Keys<'_>) -> Self {
         let mut before = StatedBefore::default();
-        let simulation = keys.section("simulation", |k| Simulation::read(k, &mut before));
         let file = Self {
             name: keys.text("name"),
             description: keys.text("description"),
@@ -219,7 +218,7 @@ impl MachineFile {
             hal: keys.optional_section("hal", Hal::read),
             grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
-            simulation,
+            simulation: keys.section("simulation", |k| Simulation::read(k, &mut before)),
             scatter: Scatter::of(keys, &before),
             inputs: keys.optional_section("inputs", Names::read).unwrap_or_default(),
             outputs: keys.optional_section("outputs", Names::read).unwrap_or_default(),

@@ -140,11 +140,18 @@ const HOLE: &[(&str, Per)] = &[("machine", Per::Machine), ("part", Per::Part), (
 
 /// Most of a share, in percent: what varies by it stays above nothing.
 const SHARE: RangeInclusive<f64> = 0.0..=80.0;
+/// The same of the force of a cut.
+const FORCE_SHARE: RangeInclusive<f64> = 0.0..=49.0;
 
 impl Value {
     /// A share of the value.
     fn share(name: &'static str, per: &'static [(&'static str, Per)], usual: Spread) -> Self {
         Self { name, unit: "percent", bounds: SHARE, scale: 0.01, per, before: None, usual }
+    }
+
+    /// A share of the force of a cut.
+    fn force(name: &'static str, per: &'static [(&'static str, Per)], usual: Spread) -> Self {
+        Self { bounds: FORCE_SHARE, ..Self::share(name, per, usual) }
     }
 
     fn before(mut self, before: Option<f64>) -> Self {
@@ -281,10 +288,10 @@ impl Scatter {
             .before(before.scale_error)
             .read(keys),
             screw_growth: Value::share("screw_growth", PART, usual.screw_growth).read(keys),
-            cutting_force: Value::share("cutting_force", HOLE, usual.cutting_force)
+            cutting_force: Value::force("cutting_force", HOLE, usual.cutting_force)
                 .before(before.cutting_force)
                 .read(keys),
-            material_strength: Value::share("material_strength", PART, usual.material_strength)
+            material_strength: Value::force("material_strength", PART, usual.material_strength)
                 .read(keys),
             tool_diameter: um("tool_diameter", PART, usual.tool_diameter).read(keys),
             tool_lead: growing(
