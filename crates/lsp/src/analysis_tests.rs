@@ -462,3 +462,12 @@ fn a_profile_with_an_unreadable_block_is_not_cut_the_second_time_either() {
     // three blocks, the call, its three; and the same again
     assert_eq!(after(6), after(10), "{lengths:?}");
 }
+
+/// The loop above it is not closed any more.
+#[test]
+fn a_percent_that_comes_into_a_loop_ends_the_text_there() {
+    let text = format!("G0 X1\no2 repeat [4]\n{}o2 endrepeat\nM2\n", "X2\n".repeat(40));
+    for line in [20, 30] {
+        holds_over_edits(Dialect::LinuxCnc, text.clone(), &[(line, 0, "%\n".to_owned(), 1)]);
+    }
+}

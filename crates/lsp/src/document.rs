@@ -167,7 +167,8 @@ impl Document {
     }
 }
 
-/// What jumps and calls lead to in these lines, in their order: O-words, numbered blocks, begins and ends of loops.
+/// What jumps and calls lead to in these lines, in their order: O-words, numbered blocks, begins and ends of loops; and what ends a
+/// text, so that none of it is behind that.
 fn targets(lines: &[u8], grammar: Grammar) -> Vec<String> {
     let (mut parser, mut block) = (Parser::with_grammar(lines, 0, grammar), Block::new());
     parser.seek(0, 2); // what only a program's first line can be, these are not
@@ -175,6 +176,9 @@ fn targets(lines: &[u8], grammar: Grammar) -> Vec<String> {
     while parser.next(&mut block) {
         if block.faulty {
             continue;
+        }
+        if block.percent {
+            targets.push("%".to_owned());
         }
         if let Some(number) = block.number.filter(|_| grammar == Grammar::Fanuc) {
             targets.push(format!("N{number}"));
