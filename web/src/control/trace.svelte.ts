@@ -3,7 +3,8 @@ import { control, type ServerMessage } from './control.svelte';
 import type { Status } from './model';
 import { isUnderWay } from './needs';
 
-export interface Sample { time_s: number; at: [number, number, number]; line: number; sync_um: number | null }
+/** `feed`: speed of the path, mm/min. */
+export interface Sample { time_s: number; at: [number, number, number]; line: number; feed: number; sync_um: number | null }
 
 /** An hour at 50 Hz; of a longer run every second status is given up, then every second of these, and so on. */
 const most_samples = 180_000;
@@ -39,7 +40,7 @@ export class RunTrace {
 
   #add(status: Status): void {
     const place = (letter: string) => status.axes.find((axis) => axis.letter === letter)?.work ?? 0;
-    const sample: Sample = { time_s: status.time_s, at: [place('X'), place('Y'), place('Z')], line: status.program?.line ?? 0, sync_um: status.sync_error_um };
+    const sample: Sample = { time_s: status.time_s, at: [place('X'), place('Y'), place('Z')], line: status.program?.line ?? 0, feed: status.path_mm_per_min, sync_um: status.sync_error_um };
     const last = this.samples.at(-1);
     if (last && (last.time_s === sample.time_s || this.#skipped + 1 < this.#every)) {
       this.#skipped += 1;

@@ -2,9 +2,6 @@
 import type { Sample } from '../control/trace.svelte';
 import { progress, type PathArrays } from './path';
 
-/** Between two statuses a tool that stands moves by less than this, mm: noise of its encoders, and the way it settles. */
-const standing_mm = 0.005;
-
 export class Measured {
   /** mm/min; NaN: not measured. */
   readonly feed: Float32Array;
@@ -17,7 +14,6 @@ export class Measured {
   /** A line that has no pair any more: it is not searched for with each sample. */
   #missing = 0;
   #next = 0;
-  #last: Sample | null = null;
 
   constructor(readonly path: PathArrays) {
     this.feed = new Float32Array(path.lines.length).fill(NaN);
@@ -41,14 +37,10 @@ export class Measured {
       this.done = progress(this.path, before, sample.line, sample.at);
       this.#missing = this.path.lines[this.done] === sample.line ? 0 : sample.line;
     }
-    const last = this.#last;
-    this.#last = sample;
-    if (!last || this.path.lines.length === 0) return;
-    const way = Math.hypot(...sample.at.map((value, axis) => value - (last.at[axis] ?? 0)));
-    const speed = (60 * way) / (sample.time_s - last.time_s);
-    // Pairs shorter than the way between two statuses have the speed of this way.
+    if (this.path.lines.length === 0) return;
+    // Pairs shorter than the way between two statuses have the speed of this way; where the tool stands nothing is measured.
     for (let pair = Math.min(before + 1, this.done); pair <= this.done; pair++) {
-      if (way > standing_mm && Number.isFinite(speed)) this.feed[pair] = speed;
+      if (sample.feed > 0) this.feed[pair] = sample.feed;
       const error = sample.sync_um;
       const known = this.sync[pair] ?? NaN;
       if (error !== null && !(Math.abs(known) >= Math.abs(error))) this.sync[pair] = error;
