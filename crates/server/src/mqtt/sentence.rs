@@ -1,5 +1,6 @@
 //! Why there is no connection to a broker, in a sentence.
 use super::address::BrokerAddress;
+use rumqttc::mqttbytes::Error as Unreadable;
 use rumqttc::mqttbytes::v5::ConnectReturnCode as Refusal;
 use rumqttc::{ConnectionError, PublishNoticeError, StateError};
 
@@ -12,6 +13,14 @@ pub(super) fn of(address: &BrokerAddress, error: &ConnectionError, has_login: bo
         }
         ConnectionError::Timeout(_) => format!("{address} does not answer within 5 s"),
         ConnectionError::Io(error) => format!("cannot reach {address}: {error}"),
+        // before what is no MQTT: the library has what the operating system says among what it cannot read
+        ConnectionError::MqttState(
+            StateError::ConnectionAborted
+            | StateError::Io(_)
+            | StateError::Deserialization(Unreadable::Io(_)),
+        ) => {
+            format!("the connection to {address} has broken off")
+        }
         ConnectionError::NotConnAck(_)
         | ConnectionError::MqttState(
             StateError::Deserialization(_) | StateError::ProtocolViolation(_),
@@ -22,9 +31,6 @@ pub(super) fn of(address: &BrokerAddress, error: &ConnectionError, has_login: bo
         }
         ConnectionError::MqttState(StateError::AwaitPingResp) => {
             format!("{address} does not answer any more")
-        }
-        ConnectionError::MqttState(StateError::ConnectionAborted | StateError::Io(_)) => {
-            format!("the connection to {address} has broken off")
         }
         error => format!("{address}: {error}"),
     }
@@ -55,5 +61,28 @@ pub(super) fn not_taken(address: &BrokerAddress, error: &PublishNoticeError) -> 
             format!("{address} does not take what is published: {reason:?}")
         }
         error => format!("{address} does not take what is published: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    #[test]
+    fn what_the_operating_system_ends_has_broken_off_and_is_no_other_protocol() {
+        let address = BrokerAddress::parse("mqtt://127.0.0.1:1883").unwrap();
+        for kind in [io::ErrorKind::ConnectionReset, io::ErrorKind::BrokenPipe] {
+            for error in [
+                StateError::Io(kind.into()),
+                StateError::Deserialization(Unreadable::Io(kind.into())),
+            ] {
+                let sentence = of(&address, &ConnectionError::MqttState(error), false);
+                assert_eq!(sentence, "the connection to mqtt://127.0.0.1:1883 has broken off");
+            }
+        }
+        let unreadable = StateError::Deserialization(Unreadable::InvalidPacketType(0));
+        let sentence = of(&address, &ConnectionError::MqttState(unreadable), false);
+        assert_eq!(sentence, "what answers at mqtt://127.0.0.1:1883 does not speak MQTT 5");
     }
 }
