@@ -44,11 +44,12 @@ impl Drop for Polling {
 pub(super) async fn run(publisher: &Publisher) -> String {
     let (client, events) =
         AsyncClient::builder(options(publisher)).capacity(MOST_ON_THEIR_WAY).build();
-    let (accepted, mut is_accepted) = watch::channel(false);
+    let (accepted, is_accepted) = watch::channel(false);
+    let mut accepts = is_accepted.clone();
     let mut polling = Polling(tokio::spawn(poll(events, accepted)));
     tokio::select! {
-        why = &mut polling.0 => return ended(publisher, why),
-        Ok(_) = is_accepted.wait_for(|is_so| *is_so) => {}
+        why = &mut polling.0 => return ended(publisher, *is_accepted.borrow(), why),
+        Ok(_) = accepts.wait_for(|is_so| *is_so) => {}
     }
     publisher.is_connected();
     let acknowledged =
@@ -62,7 +63,7 @@ pub(super) async fn run(publisher: &Publisher) -> String {
         if let Err(why) = sending.send() {
             // as a rule because the connection has ended, which says itself why
             return match tokio::time::timeout(SAYS_WHY, &mut polling.0).await {
-                Ok(why) => ended(publisher, why),
+                Ok(why) => ended(publisher, true, why),
                 Err(_) => {
                     format!("{} does not take what is published: {why}", publisher.link.address)
                 }
@@ -72,12 +73,12 @@ pub(super) async fn run(publisher: &Publisher) -> String {
             acknowledged_at = now();
         }
         tokio::select! {
-            why = &mut polling.0 => return ended(publisher, why),
+            why = &mut polling.0 => return ended(publisher, true, why),
             acknowledged = sending.acknowledged() => {
                 if let Err(why) = acknowledged {
                     return match why {
                         // the connection has ended, and says itself why
-                        PublishNoticeError::Recv => ended(publisher, (&mut polling.0).await),
+                        PublishNoticeError::Recv => ended(publisher, true, (&mut polling.0).await),
                         why => sentence::not_taken(&publisher.link.address, &why),
                     };
                 }
@@ -115,10 +116,17 @@ fn fill(publisher: &Publisher, outbox: &mut Outbox, only_a_backlog: bool) {
     }
 }
 
-fn ended(publisher: &Publisher, why: Result<ConnectionError, tokio::task::JoinError>) -> String {
+fn ended(
+    publisher: &Publisher,
+    was_accepted: bool,
+    why: Result<ConnectionError, tokio::task::JoinError>,
+) -> String {
     let address = &publisher.link.address;
     match why {
-        Ok(error) => sentence::of(address, &error, publisher.login.is_some()),
+        Ok(error) => {
+            let has_login = publisher.login.is_some();
+            sentence::of(sentence::Of { address, has_login, was_accepted }, &error)
+        }
         Err(error) => format!("{address}: {error}"),
     }
 }
