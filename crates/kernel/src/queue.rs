@@ -342,6 +342,7 @@ mod tests {
                     spindle: 0,
                     start: here,
                     bottom: Length::mm(-number),
+                    deepest: Length::mm(-number),
                     end: Length::ZERO,
                     surface: Length::ZERO,
                     lead: units::Lead::mm_per_rev(-1.0),

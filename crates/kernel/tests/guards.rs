@@ -438,7 +438,7 @@ fn a_spindle_that_stalls_is_an_alarm_and_everything_stops() {
 }
 
 #[test]
-fn an_axis_follows_a_spindle_without_a_drive_no_deeper_than_three_pitches() {
+fn an_axis_follows_a_spindle_without_a_drive_no_deeper_than_there_is_room_for_its_tap() {
     let mut config = config();
     if let Some(z) = &mut config.axes[2] {
         z.travel = None;
@@ -467,7 +467,7 @@ fn an_axis_follows_a_spindle_without_a_drive_no_deeper_than_three_pitches() {
     gone |= seen.kernel.faults().iter().any(|fault| fault.kind == FaultKind::FollowsTooDeep);
     assert!(gone, "{:?}", seen.kernel.faults());
     seen.check(FaultKind::DriveNotReady, Subject::Spindle(0));
-    // 3 pitches, and what the axis needs to brake from 50 mm/s at 2000 mm/s²
+    // its room of 3 mm, and what the axis needs to brake from 50 mm/s at 2000 mm/s²
     let deepest = seen.samples.iter().map(|s| s.axis(2).value()).fold(0.0, f64::min);
     assert!(deepest < -83.0 && deepest > -83.0 - 50.0 * 50.0 / 4000.0 - 0.1, "{deepest}");
     // the spindle turns on

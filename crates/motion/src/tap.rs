@@ -23,6 +23,8 @@ pub struct TapPlan {
     pub start: Position,
     /// Coordinate of `axis` at the turning point.
     pub bottom: Length,
+    /// Coordinate of `axis` down to which it may follow a spindle that coasts because its drive is gone.
+    pub deepest: Length,
     /// Coordinate of `axis` where it ends: the start, or inside the thread where a peck only breaks the
     /// chip and the next one goes on from there.
     pub end: Length,

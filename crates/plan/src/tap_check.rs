@@ -29,6 +29,8 @@ use units::{Lead, Length, Spin, Torque};
 
 /// Lead of tap and program may differ by this share before the thread is spoilt.
 const LEAD_TOLERANCE: f64 = 0.01;
+/// A hole is deeper than its thread by the chamfer of a tap, 2 to 3 pitches (form C of DIN 2197).
+const BEYOND_PITCHES: f64 = 3.0;
 /// Rounding of a program's numbers, mm.
 const ROUNDING: f64 = 1e-6;
 /// Height of the thread's core above its axis: D − D₁ = 1.0825·P (ISO 724).
@@ -277,6 +279,23 @@ impl TapCheck<'_> {
         )
     }
 
+    /// How much deeper than programmed the hole has its full diameter, where this program has drilled it.
+    fn hole_has(&self) -> Option<Length> {
+        self.hole.map(|hole| self.tap.bottom - self.tool.worn_length() - hole.full_bottom)
+    }
+
+    /// How much deeper than programmed the tap's thread reaches.
+    fn flutes_reach(&self) -> Length {
+        self.tap_tool.thread_length - self.depth()
+    }
+
+    /// How much deeper than programmed there is room for the tap: what its hole has, or by convention [`BEYOND_PITCHES`] where that is
+    /// not known, as far as its flutes reach.
+    pub(crate) fn room(&self) -> Length {
+        let unknown = Length::mm(BEYOND_PITCHES * self.tap_tool.lead.abs().value());
+        self.hole_has().unwrap_or(unknown).min(self.flutes_reach()).max(Length::ZERO)
+    }
+
     /// A spindle that coasts when the control dies or the mains fail, deeper than there is room for.
     fn left_alone(&self, cut: Torque) -> Option<Diagnostic> {
         let Coasts { on_link_loss, on_power_loss } = self.coasts;
@@ -288,12 +307,10 @@ impl TapCheck<'_> {
         };
         let (lead, spin) = (self.tap.lead, self.tap.spin);
         let deeper = overrun(self.spindle, cut, lead, spin).value();
-        let flutes = (self.tap_tool.thread_length - self.depth()).value();
-        let below =
-            self.hole.map(|h| (self.tap.bottom - self.tool.worn_length() - h.full_bottom).value());
-        let (room, what) = match below {
-            Some(below) if below < flutes => (below, "the hole has"),
-            _ => (flutes, "its flutes reach"),
+        let flutes = self.flutes_reach();
+        let (room, what) = match self.hole_has() {
+            Some(below) if below < flutes => (below.value(), "the hole has"),
+            _ => (flutes.value(), "its flutes reach"),
         };
         if room < 0.0 || deeper <= room {
             return None; // too deep as programmed, which is refused, or deep enough for anything

@@ -1,7 +1,7 @@
 //! Taps in pecks, at a preset, and as short as they can be.
 mod common;
 use canon::OpKind;
-use common::{steps_of, tap, turn};
+use common::{change, hole, steps_of, tap, turn};
 use motion::{Profile, TapPlan};
 use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Retract, SpindleLimits, Start, StrokeRequest};
@@ -70,6 +70,36 @@ fn pecks_that_break_the_chip_go_on_where_the_helix_was_left() {
         let dwells: Vec<_> = plans.iter().map(|p| p.dwell.value()).collect();
         assert_eq!(dwells, [0.0, 0.0, 0.2]);
     }
+}
+
+#[test]
+fn a_tap_may_follow_a_spindle_without_a_drive_as_deep_as_its_hole_is_and_its_flutes_reach() {
+    let room = |drilled: Option<f64>, depth: f64, peck: Option<f64>| {
+        let mut t = tap(10.0, 0.0, 2.0, -depth, 1.0, 600.0);
+        t.peck = peck.map(Length::mm);
+        let drill = drilled.map(|z| [change(1), turn(800.0), hole(10.0, 0.0, -z)]);
+        let to = common::rapid(10.0, 0.0, t.start.linear[2].value());
+        let taps = [change(2), turn(600.0), to, OpKind::Tap(t)];
+        let deepest = common::steps(drill.into_iter().flatten().chain(taps))
+            .into_iter()
+            .filter_map(|step| match step.kind {
+                StepKind::Tap(plan) => Some((t.bottom - plan.deepest).value()),
+                _ => None,
+            });
+        deepest.collect::<Vec<_>>()
+    };
+    let near = |found: Vec<f64>, expected: &[f64]| {
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}");
+    };
+    // the point of a drill of 5 mm and 118° is 2.5/tan 59° = 1.502 mm high
+    near(room(Some(30.0), 12.0, None), &[30.0 - 1.502 - 12.0]);
+    near(room(Some(45.0), 12.0, None), &[32.0 - 12.0]);
+    // not drilled here: three pitches, as a tap's chamfer takes; and never beyond its flutes
+    near(room(None, 12.0, None), &[3.0]);
+    near(room(None, 30.5, None), &[1.5]);
+    // a peck has the room of the whole hole
+    near(room(Some(30.0), 12.0, Some(7.0)), &[16.498, 16.498]);
 }
 
 #[test]

@@ -53,6 +53,7 @@ fn tap(spindle: u8) -> TapPlan {
         spindle,
         start: Position::xyz(1.0, 2.0, 3.0),
         bottom: Length::mm(-20.0),
+        deepest: Length::mm(-23.75),
         end: Length::mm(5.0),
         surface: Length::ZERO,
         lead: Lead::mm_per_rev(-1.25),

@@ -147,18 +147,26 @@ pub(super) fn find(
         (Leaving::Along, RecoveryWay::UnloadFirst) => Way::UnloadFirst(seat),
     };
     let kept = welcome.evidence.in_work.unwrap_or_default();
+    let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
+    let error = stored.error(at).abs();
+    // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
+    let helix = if kept.touches { kept.sync_error } else { error.max(kept.sync_error) };
+    let stored = if kept.touches || apart {
+        stored
+    } else {
+        // so along the middle it is off its own thread by half of that at most; a recovery that was stopped may stand there already
+        let middle = helix.min(error * 2.0) / 2.0 * stored.error(at).value().signum();
+        let coupling = Coupling::line(stroke.lead, stroke.theta0, stroke.z0 + middle);
+        Stored::on(coupling, angle(stroke.start), angle(stroke.bottom), direction)
+    };
     let overrun = (place - stroke.bottom) * sense_in(stroke);
     let lead = Length::mm(stroke.lead.value().abs());
     // what it may press on the ground with: its core bears no more
     let core = Force::n(setting.bears().value() * stroke.stiffness.value());
     let ground = if overrun > lead { core } else { Force::ZERO };
-    let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
-    let error = stored.error(at).abs();
     // near the surface it may have left its thread and come back into another of its turns
     let beyond =
         error > setting.bears() || way != Way::Straight && depth <= lead && error > lead / 2.0;
-    // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
-    let helix = if kept.touches { kept.sync_error } else { error.max(kept.sync_error) };
     let (way, bound) = if apart && (!kept.touches || beyond) {
         let why = if kept.touches { BEYOND } else { NO_THREAD };
         // so near the surface few teeth hold it, and the thread gives way; deeper they do
@@ -347,18 +355,28 @@ mod tests {
         assert!(at_the_surface(Stop::Coupled).bound.is_ok());
     }
 
-    /// It touched the work while the drives braked and went off its coupling; its thread may be off as far.
+    /// It touched the work while the drives braked and went off its coupling; its thread may be off as far. In the middle it is
+    /// off its thread by half of that at most.
     #[test]
-    fn what_a_recovery_has_led_back_still_may_have_cut_its_thread_elsewhere() {
+    fn a_tap_that_touched_the_work_while_the_drives_braked_is_led_out_along_the_middle() {
         let kept = Engagement { touches: false, ..touching() };
-        let off = Length::um(60.0);
-        let first = found(Stop::QuickStop, Length::mm(-1.0), off.value() / 1.25, kept);
+        let depth = Length::mm(-1.0);
+        let first = found(Stop::QuickStop, depth, 0.06 / 1.25, kept);
+        let never = found(Stop::QuickStop, depth, 0.06 / 1.25, touching());
+        let record = never.stored.error(never.at);
+        assert!(record.abs() > Length::um(30.0), "the weight on the screw takes some: {record}");
+        let halved = first.stored.error(first.at) - record / 2.0;
+        assert!(halved.abs() < Length::um(0.1), "{halved}");
+        // a recovery that was stopped there goes on along the same, and its thread may be off as far as before
         let kept = first.mark(Some(kept)).expect("it is kept");
-        let again = found(Stop::QuickStop, Length::mm(-1.0), 0.0, kept);
-        let never = found(Stop::QuickStop, Length::mm(-1.0), 0.0, touching());
-        let wider = bound(&again) - bound(&never);
-        let exact = first.stored.error(first.at).abs();
-        assert!(exact > Length::um(30.0), "the weight on the screw takes some of it: {exact}");
-        assert!((wider - exact).abs() < Length::um(0.1), "{wider}, {exact}");
+        let turned_back = first.stored.phase_difference(first.at).value().abs();
+        let again = found(Stop::QuickStop, depth, 0.06 / 1.25 - turned_back, kept);
+        let aside = again.stored.start().place - first.stored.start().place;
+        assert!(aside.abs() < Length::um(0.1), "{aside}");
+        let on_it = again.stored.error(again.at);
+        assert!(on_it.abs() < Length::um(0.1), "{on_it}");
+        let wider = bound(&again)
+            - bound(&found(Stop::QuickStop, depth, 0.06 / 1.25 - 2.0 * turned_back, touching()));
+        assert!((wider - record.abs()).abs() < Length::um(0.1), "{wider}, {record}");
     }
 }

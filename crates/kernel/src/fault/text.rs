@@ -148,7 +148,7 @@ impl FaultKind {
                 sentence: "the spindle turns on, and the axis that follows it has come as deep as it may",
                 unit: "mm",
                 reaction: Reaction::Halt,
-                cause: "The drive of the spindle has failed in a tap, and the spindle coasts by more than a hole is deeper than its thread.",
+                cause: "The drive of the spindle has failed in a tap, and the spindle coasts by more than the hole is deeper than its thread.",
                 remedy: "The tap may have broken, and is not to be turned out by the control. Brake the spindle faster: drives.on_link_loss, a holding brake.",
             },
             Self::NotAtSpeed => Text {

@@ -3,10 +3,9 @@
 //! ```text
 //!   surface ──┬──
 //!             │ ╲  thread, followed            A spindle without a drive coasts, and the axis goes with it: that is right
-//!   bottom ───┼──╲───                          in the thread, and wrong for ever. A hole is deeper than its thread by the
-//!             │   ╲ chamfer of the tap         tap's chamfer, 2 to 3 pitches (form C of DIN 2197): so far it may go.
-//!   as deep ──┴────▌ the axis brakes
-//!   as it may
+//!   bottom ───┼──╲───                          in the thread, and wrong for ever. The hole has some room below the
+//!             │   ╲ room of the hole           programmed depth, at least for the tap's chamfer: so far it may go.
+//!   deepest ──┴────▌ the axis brakes
 //! ```
 use super::{Outcome, TapRun, Trailing};
 use crate::axis::AxisLoop;
@@ -14,9 +13,6 @@ use crate::config::Subject;
 use crate::drives::Finding;
 use crate::fault::FaultKind;
 use motion::TapPlan;
-
-/// A hole is deeper than its thread by so many pitches.
-const BEYOND_PITCHES: f64 = 3.0;
 
 /// The axis brakes, and stays.
 pub(super) fn stay(axis: &mut AxisLoop) -> Outcome {
@@ -28,9 +24,8 @@ impl TapRun {
     /// Whether the axis, which follows a spindle that does not obey, is not too deep; it is said once, and the axis brakes
     /// from then on.
     pub(super) fn check_depth(&mut self, plan: &TapPlan, axis: &AxisLoop) -> Result<(), Finding> {
-        let from = plan.start.along(plan.axis).value();
-        let inward = (plan.bottom.value() - from).signum();
-        let deepest = plan.bottom.value() + inward * BEYOND_PITCHES * plan.lead.value().abs();
+        let inward = (plan.bottom.value() - plan.start.along(plan.axis).value()).signum();
+        let deepest = plan.deepest.value();
         let at = axis.target.position;
         if self.trailing == Trailing::No || self.too_deep || (at - deepest) * inward <= 0.0 {
             return Ok(());

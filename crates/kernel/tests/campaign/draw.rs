@@ -1,7 +1,7 @@
 //! Which cases: at every instant of a tap, and at random.
 use super::bench::{Bench, Case};
 use super::fate::Tally;
-use super::work::{M8, RIGID, Work, unload};
+use super::work::{FLUTES_MM, M8, RIGID, Work, unload};
 use crate::common::{PERIOD, TapOrder};
 use bus::{DriveReaction, Machine as _};
 use core::f64::consts::PI;
@@ -109,6 +109,7 @@ impl Dice {
                 lead_mm,
                 rpm: self.between(200.0, (9000.0 / diameter_mm).min(3000.0)).round(),
                 to_mm: -102.0 - depth,
+                room_mm: FLUTES_MM - depth,
                 dwell_s: 0.0,
                 left: self.unit() < 0.3,
                 cut_n_m: cut_n_m(diameter_mm, lead_mm),

@@ -17,6 +17,9 @@ pub struct Work {
 pub const RIGID: sim::Holder =
     sim::Holder { stiffness: Stiffness::n_per_mm(20_000.0), travel: None };
 
+/// Flutes of every tap here; its holes are as deep as these reach.
+pub const FLUTES_MM: f64 = 40.0;
+
 /// M8×1.25, 20 mm deep at 1000 rpm, from 2 mm above.
 pub const M8: Work = Work {
     size: "M8x1.25",
@@ -27,6 +30,7 @@ pub const M8: Work = Work {
         from_mm: -100.0,
         surface_mm: -102.0,
         to_mm: -122.0,
+        room_mm: FLUTES_MM - 20.0,
         dwell_s: 0.05,
         ramp_s: None,
         start_angle: Some(Angle::ZERO),

@@ -50,6 +50,8 @@ pub(super) struct Means {
     /// What the spindle turns up and down with where nothing ties it to the feed: no preset is for that.
     pub(super) turning: SpindleLimits,
     cut: Torque,
+    /// How much deeper than programmed there is room for the tap.
+    room: Length,
     /// Acceleration asked for on the way out.
     spindle_accel: Option<SpinAccel>,
 }
@@ -126,6 +128,7 @@ impl Planner {
             coasts: self.limits.tapping.coasts,
         };
         let mut found = check.findings(cut);
+        let room = check.room();
         if hole.is_none() && tap.axis == Axis::Z {
             let beside = self.holes.beside(&tap.start, tool.diameter);
             let frame = &self.frame;
@@ -146,7 +149,7 @@ impl Planner {
             self.findings.add_once(Diagnostic::note("M0324", job.span, text));
         }
         let spindle_accel = spindle_accel.ok().filter(|_| !refused)?;
-        Some(Means { inward, outward, turning: spindle, cut, spindle_accel })
+        Some(Means { inward, outward, turning: spindle, cut, room, spindle_accel })
     }
 
     /// The acceleration asked for on the way out (I), if drives and ramps can obey it.
@@ -361,6 +364,7 @@ impl Planner {
             spindle: 0,
             start: tap.start.with(tap.axis, Coordinate::linear(peck.from)),
             bottom: peck.bottom,
+            deepest: tap.bottom + means.room * direction,
             end: peck.end,
             surface: tap.surface,
             lead: tap.lead * direction,
