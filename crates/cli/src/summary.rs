@@ -20,7 +20,7 @@ pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
     said += &format!("tools from {}\n", job.session.tools_from);
     said += &crate::measures::tables(outcome);
     said += &features(outcome);
-    said += &crate::worst::text(&outcome.features, tolerances);
+    said += &crate::worst::text(&outcome.features, tolerances, outcome.recorder.measure());
     said += &went_wrong(outcome);
     said += &saturation(outcome);
     said += &warnings(outcome);

@@ -5,12 +5,12 @@
 //!   torque     of each tap over the thread that it cut: wear; and against the tap makers' formula
 //! ```
 use crate::check::plural;
-use report::Standing;
+use report::{Measure, Standing, headroom_text, why_nearest};
 use verify::{Feature, FeatureKind, Summary, Tolerances, TorqueTrend};
 
 /// A line for the worst feature and why, one for each tap that cut two threads or more of one size, and one for torques that
 /// the formula does not explain.
-pub(crate) fn text(features: &[Feature], tolerances: &Tolerances) -> String {
+pub(crate) fn text(features: &[Feature], tolerances: &Tolerances, measure: Measure) -> String {
     // what was not cut or not judged is not near to anything
     let measured =
         |f: &&Feature| !matches!(Standing::of(f), Standing::NotCut | Standing::NotJudged);
@@ -20,10 +20,12 @@ pub(crate) fn text(features: &[Feature], tolerances: &Tolerances) -> String {
     if let Some((index, left)) = summary.worst {
         let feature = &cut[index];
         said += &format!(
-            "nearest to its limit: line {}, {}: {left}{}\n",
+            "nearest to its limit: line {}, {}: {}{}\n",
             feature.line,
             feature.kind_name(),
-            feature.why(&left).map_or_else(String::new, |why| format!(", because: {why}")),
+            headroom_text(&left, measure),
+            why_nearest(feature, &left, measure)
+                .map_or_else(String::new, |why| format!(", because: {why}")),
         );
     }
     for trend in TorqueTrend::of(features) {

@@ -13,6 +13,7 @@
 //! to look for. The pictures are drawn by this crate's own writer of SVG.
 
 mod measure;
+mod nearest;
 mod page;
 mod pictures;
 mod record;
@@ -24,6 +25,7 @@ mod svg;
 mod thin;
 
 pub use measure::Measure;
+pub use nearest::{headroom_text, why_nearest};
 pub use page::{
     CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Side,
     TappingMethod, WayOfCompensation, cam_html, comparison_html, compensation_html, feature_name,

@@ -39,6 +39,11 @@ impl Measure {
         fixed(self.number(length), self.decimals())
     }
 
+    /// A place or a size to a tenth of a millimetre, or a hundredth of an inch, without its unit.
+    pub fn coarse(self, length: Length) -> String {
+        fixed(self.number(length), self.decimals() - 2)
+    }
+
     /// A place or a size in its unit.
     pub fn number(self, length: Length) -> f64 {
         length.value() / self.unit.in_mm()

@@ -10,7 +10,6 @@
 //! is TD2, so 0.4 means the same for an M3 and an M20.
 use crate::config::Tolerances;
 use crate::feature::{Feature, FeatureKind, Gauge, Hole, Thread, Verdict};
-use std::fmt;
 use units::Length;
 
 /// How many, and how many of them good.
@@ -110,84 +109,7 @@ impl Headroom {
     }
 }
 
-impl fmt::Display for Headroom {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (left, tolerance) = (self.left.in_um(), self.tolerance.in_um());
-        // of a small tolerance whole micrometres would say that all of it is left
-        let decimals = usize::from(tolerance < 20.0);
-        let is_whole = (tolerance - tolerance.round()).abs() < 0.05;
-        let tolerance = format!("{tolerance:.*}", if is_whole { 0 } else { decimals });
-        match self.of {
-            Criterion::Whole => f.write_str("not made as ordered"),
-            of if left < 0.0 => {
-                write!(f, "{}: {:.decimals$} µm out of {tolerance} µm", of.name(), -left)
-            }
-            of => write!(f, "{}: {left:.decimals$} of {tolerance} µm left", of.name()),
-        }
-    }
-}
-
-/// Where in a thread a depth is.
-fn place(depth: Length, thread: &Thread) -> &'static str {
-    let bottom = thread.tip_depth.value();
-    match depth.value() {
-        d if d > 0.9 * bottom => "at the reversal",
-        d if d < 0.1 * bottom => "at the entry",
-        _ => "on the way",
-    }
-}
-
 impl Feature {
-    /// Why it is as near to its limit as it is: what the motion, the tool and the hole had to do with it.
-    pub fn why(&self, headroom: &Headroom) -> Option<String> {
-        if headroom.of == Criterion::Whole {
-            return self.verdict.reason().map(str::to_owned);
-        }
-        let FeatureKind::Thread(thread) = &self.kind else { return None };
-        let um = |length: Length| length.in_um();
-        Some(match headroom.of {
-            Criterion::Depth if thread.depth_error > Length::ZERO => {
-                format!("the tap turned back {:.1} µm beyond the bottom", um(thread.depth_error))
-            }
-            Criterion::Depth => {
-                format!("the tap turned back {:.1} µm short of the bottom", -um(thread.depth_error))
-            }
-            Criterion::PitchDiameter(gauge) => {
-                let (widening, lead) = (um(thread.groove_widening), um(thread.lead_error));
-                let by = match gauge {
-                    Gauge::Go => format!("lead error of {lead:.1} µm"),
-                    Gauge::NoGo => format!(
-                        "groove {widening:.1} µm wider than the tap, {}",
-                        place(thread.widest_depth, thread)
-                    ),
-                };
-                format!(
-                    "{by}; sync error {:.1} µm, largest {:.1} mm deep, {}",
-                    um(thread.sync_error_max),
-                    thread.sync_error_depth.value(),
-                    place(thread.sync_error_depth, thread)
-                )
-            }
-            Criterion::SyncError => format!(
-                "sync error largest {:.1} mm deep, {}",
-                thread.sync_error_depth.value(),
-                place(thread.sync_error_depth, thread)
-            ),
-            Criterion::MinorDiameter => {
-                format!("the bore has {:.3} mm", thread.minor_diameter.value())
-            }
-            Criterion::Position => {
-                format!("{:.1} µm off its place", um(thread.position_error))
-            }
-            Criterion::Flatness
-            | Criterion::AcrossFlats
-            | Criterion::Contour
-            | Criterion::Pitch
-            | Criterion::Helix
-            | Criterion::Whole => return None, // no thread has one, and the whole was named
-        })
-    }
-
     /// What is left of the tolerance that is nearest to its limit.
     pub fn headroom(&self, tolerances: &Tolerances) -> Headroom {
         let measured = match &self.kind {

@@ -44,7 +44,6 @@ fn a_narrow_thread_is_limited_by_go_and_a_wide_one_by_no_go() {
     let wide = m6(50.0).headroom(&tolerances());
     assert_eq!(wide.of, Criterion::PitchDiameter(Gauge::NoGo));
     assert!((wide.left.in_um() - (150.0 - 40.0 - 3.0_f64.sqrt() * 50.0)).abs() < 0.01);
-    assert_eq!(wide.to_string(), "No-go gauge: 23 of 150 µm left");
 }
 
 #[test]
@@ -64,7 +63,8 @@ fn a_feature_out_of_tolerance_comes_before_every_good_one() {
     assert!(!summary.passes());
     let (index, headroom) = summary.worst.unwrap();
     assert_eq!(index, 1);
-    assert_eq!(headroom.to_string(), "depth: 150 µm out of 50 µm");
+    assert_eq!(headroom.of, Criterion::Depth);
+    assert!((headroom.left.in_um() + 150.0).abs() < 0.5, "{headroom:?}");
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn what_failed_without_a_measure_is_the_worst_of_all() {
     let summary = Summary::of(&[hole(12.2), broken], &tolerances());
     let (index, headroom) = summary.worst.unwrap();
     assert_eq!(index, 1);
-    assert!(headroom.share() < -1.0, "{headroom}");
+    assert!(headroom.share() < -1.0, "{headroom:?}");
 }
 
 #[test]

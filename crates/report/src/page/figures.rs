@@ -3,9 +3,9 @@ use super::features::by_badness;
 use crate::pictures::tolerance_share;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
-use crate::{Measure, Run, Standing};
+use crate::{Measure, Run, Standing, headroom_text};
 use units::{Length, Time};
-use verify::{Criterion, Feature, FeatureKind, Headroom, Summary, Thread};
+use verify::{Feature, FeatureKind, Summary, Thread};
 
 /// The figures as a row of cards.
 pub(super) fn figures(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
@@ -127,20 +127,10 @@ fn depth_error(summary: &Summary, measure: Measure, features: &[Feature]) -> Opt
     Some(card("Largest depth error of a thread", &value, &format!("No. {}, {sense}", index + 1)))
 }
 
-/// What is left of the nearest tolerance, in the unit of the page.
-fn room(left: &Headroom, measure: Measure) -> String {
-    if measure == Measure::METRIC || left.of == Criterion::Whole {
-        return left.to_string();
-    }
-    let unit = measure.small_symbol();
-    let (rest, whole) = (measure.small(left.left, 0), measure.small(left.tolerance, 0));
-    format!("{}: {rest} of {whole} {unit} left", left.of.name())
-}
-
 fn tightest(run: &Run, measure: Measure, features: &[Feature]) -> Option<String> {
     let (index, left) = *by_badness(run, features).first()?;
     let feature = &features[index];
-    let why = feature.verdict.reason().map_or_else(|| room(&left, measure), Into::into);
+    let why = feature.verdict.reason().map_or_else(|| headroom_text(&left, measure), Into::into);
     let name = match Standing::of(feature) {
         Standing::Good => "Nearest to its limit",
         Standing::Bad => "Worst feature",
