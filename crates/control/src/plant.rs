@@ -91,6 +91,17 @@ impl Plant {
         }
     }
 
+    /// Blanks are clamped on the work spindle of a machine that is simulated here; on any other one they are clamped by hand.
+    ///
+    /// # Errors
+    /// They cannot be ground on this machine; nothing is changed.
+    pub fn clamp(&mut self, grinding: sim::Grinding) -> Result<(), Refused> {
+        let Self::Inside(machine) = self else { return Ok(()) };
+        machine.machine_mut().clamp(grinding).map_err(|problems| {
+            Refused::because(format!("cams cannot be ground here: {}", problems.join("; ")))
+        })
+    }
+
     /// A fault of the machine is over.
     pub fn repair(&mut self, fault: Fault) {
         if let Self::Inside(machine) = self {

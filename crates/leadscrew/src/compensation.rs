@@ -264,7 +264,7 @@ impl Case<'_> {
             job.session.cams.phases = phases.clone();
         }
         let machine = job.machine(u64::from(job.session.machine.simulation.seed))?;
-        let judge = verify::Config { cams: job.session.cams.library.clone(), ..job.judge() };
+        let judge = job.judge();
         let idle = verify::IdleTurns::new(judge.clone());
         let mut run = job.start(Plant::simulated(machine), judge)?;
         run.observers.idle = Some(idle);

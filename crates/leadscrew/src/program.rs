@@ -160,8 +160,7 @@ impl Job {
 
     /// What the workpiece is judged by.
     pub(crate) fn judge(&self) -> verify::Config {
-        let Session { machine, tools, .. } = &self.session;
-        config::judge(machine, tools, self.material, &self.session.work_zero())
+        self.session.judge(self.material, &self.session.work_zero())
     }
 
     /// The tools that the judge takes, as they really are on the simulated machine of this seed.

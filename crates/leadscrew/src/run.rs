@@ -241,13 +241,7 @@ impl Run {
         }
         let mut kernel = Kernel::new(control);
         kernel.recall(memory.as_ref().map_or_else(Vec::new, |m| m.records.clone()));
-        let judge = verify::Config {
-            synchronised: session.taps.method == plan::TapMethod::Synchronised,
-            tolerances,
-            cams: session.cams.library.clone(),
-            tools: job.judged_tools(seed),
-            ..job.judge()
-        };
+        let judge = verify::Config { tolerances, tools: job.judged_tools(seed), ..job.judge() };
         let restart = restart.as_ref();
         let replay = restart.filter(|restart| restart.skip > 0).map(|restart| {
             let with = With {

@@ -196,6 +196,11 @@ impl<M: Machine> Faulty<M> {
         &self.machine
     }
 
+    /// The same, to change what is clamped on it.
+    pub const fn machine_mut(&mut self) -> &mut M {
+        &mut self.machine
+    }
+
     /// Let a fault come now.
     pub fn strike(&mut self, fault: Fault) {
         let now = self.machine.feedback();

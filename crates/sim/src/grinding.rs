@@ -136,6 +136,11 @@ impl Grinder {
         Self { model, surfaces, worn_mm: 0.0, before: None, contact: Contact::default(), energy }
     }
 
+    /// These blanks are clamped, beside this wheel.
+    pub(crate) fn has(&self, grinding: &Grinding) -> bool {
+        self.model == *grinding
+    }
+
     /// The blanks as they were ground elsewhere; the wheel is another one.
     pub(crate) fn take_surfaces_of(&mut self, other: &Self) {
         if self.surfaces.len() == other.surfaces.len() {

@@ -116,6 +116,18 @@ impl SimulatedMachine {
     /// # Errors
     /// One sentence for each number that cannot be meant, and for an axis or spindle that is missing.
     pub fn with_grinding(mut self, grinding: Grinding) -> Result<Self, Vec<String>> {
+        self.clamp(grinding)?;
+        Ok(self)
+    }
+
+    /// Clamp these blanks on the work spindle, beside this grinding wheel; those that are clamped already stay as they are ground.
+    ///
+    /// # Errors
+    /// As [`SimulatedMachine::with_grinding`]; nothing is changed.
+    pub fn clamp(&mut self, grinding: Grinding) -> Result<(), Vec<String>> {
+        if self.grinder.as_ref().is_some_and(|grinder| grinder.has(&grinding)) {
+            return Ok(());
+        }
         let mut found = Vec::new();
         grinding.problems(&mut found);
         let has = |axis: usize| self.config.axes.iter().any(|(index, _)| *index == axis);
@@ -129,7 +141,7 @@ impl SimulatedMachine {
         let energy = self.config.scatter.factor(&mut draws) * self.config.strength();
         self.grinder = Some(Grinder::new(grinding, energy));
         self.cutting = None;
-        Ok(self)
+        Ok(())
     }
 
     /// The same machine with a bar in its first spindle, that inserts turn.

@@ -21,7 +21,7 @@ use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
 use bus::Sample;
-use canon::{CamOrder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, Tool};
+use canon::{CamLibrary, CamOrder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, Tool};
 use std::collections::VecDeque;
 use units::Time;
 
@@ -118,6 +118,11 @@ impl Judge {
             *own = bar.at_rest();
         }
         self
+    }
+
+    /// A program begins that may grind these cams.
+    pub fn may_grind(&mut self, cams: CamLibrary) {
+        self.config.cams = cams;
     }
 
     /// What is left of the work.

@@ -1,10 +1,10 @@
 //! What the judge goes by.
 use canon::{Position, ToolLibrary};
-use store::machine::{MachineFile, Material};
+use store::machine::{Follows, MachineFile, Material};
 use units::Length;
 use verify::{Bar, Config, Tolerances};
 
-/// Class 6H, the shop's usual tolerances, and the stock clamped at the workpiece's zero.
+/// Class 6H, the shop's usual tolerances on such a machine, and the stock clamped at the workpiece's zero.
 pub fn judge(
     machine: &MachineFile,
     tools: &ToolLibrary,
@@ -13,6 +13,7 @@ pub fn judge(
 ) -> Config {
     Config {
         material: known(material),
+        tolerances: tolerances(machine.control.synchronisation.follows == Follows::Encoder),
         stock: Some(verify::Stock {
             from: [0, 1, 2].map(|i| zero.linear[i] + machine.setup.stock.from[i]),
             to: [0, 1, 2].map(|i| zero.linear[i] + machine.setup.stock.to[i]),

@@ -1,6 +1,6 @@
 //! The machine as the control holds it: here, or in the servo thread.
-use crate::Plant;
 use crate::real_time::MachineLink;
+use crate::{Plant, Refused};
 use bus::{Feedback, Machine as _, Truth};
 use servo::Record;
 use sim::Fault;
@@ -80,6 +80,17 @@ impl MachineHandle {
         match self {
             Self::Here(machine) => machine.strike(fault),
             Self::There(link) => link.strike(fault),
+        }
+    }
+
+    /// [`Plant::clamp`]; in the servo thread what cannot be ground ends it, with the reason.
+    pub fn clamp(&mut self, grinding: sim::Grinding) -> Result<(), Refused> {
+        match self {
+            Self::Here(machine) => machine.clamp(grinding),
+            Self::There(link) => {
+                link.clamp(grinding);
+                Ok(())
+            }
         }
     }
 

@@ -253,6 +253,15 @@ impl Session {
         zero
     }
 
+    /// What the workpiece is judged by that is clamped at this zero. Tools are as the table has them.
+    pub fn judge(&self, material: Material, zero: &canon::Position) -> verify::Config {
+        verify::Config {
+            synchronised: self.taps.method == plan::TapMethod::Synchronised,
+            cams: self.cams.library.clone(),
+            ..crate::config::judge(&self.machine, &self.tools, material, zero)
+        }
+    }
+
     /// The workpiece before it is cut, in machine coordinates of a tool's tip.
     pub fn stock(&self) -> plan::Stock {
         let (zero, stock) = (self.work_zero().linear, self.machine.setup.stock);

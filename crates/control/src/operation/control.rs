@@ -55,6 +55,8 @@ pub struct Control {
     pub(super) base: Session,
     pub(super) executor: Executor,
     pub(super) workpiece: Workpiece,
+    /// Zero of the work as it is clamped, in machine coordinates.
+    pub(super) work_zero: Position,
     /// Number of the next operation that is done to the workpiece.
     pub(super) next_op: u32,
     pub(super) data: Data,
@@ -141,13 +143,17 @@ impl Control {
         for axis in machine.axes.iter().flatten() {
             kernel.forget_home(axis.letter);
         }
-        let judge = config::judge(machine, &base.tools, material, &zero);
+        let judge = verify::Config {
+            tools: config::judged_tools(machine, &base.tools, seed, 1),
+            ..base.judge(material, &zero)
+        };
         let data =
             Data { parameters: base.parameters.clone(), tools: base.tools.clone(), rest: None };
         let mut control = Self {
             options,
             executor: Executor::new(kernel, plant),
             workpiece: Workpiece::new(judge),
+            work_zero: zero,
             next_op: 0,
             data,
             power: Power::Off,

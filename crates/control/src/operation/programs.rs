@@ -166,10 +166,17 @@ impl Control {
             options,
             planned: proved.known.planned,
         };
+        if let Some(grinding) = session.cams.grinding(&self.work_zero) {
+            self.executor
+                .machine
+                .clamp(grinding)
+                .map_err(|why| Refusal::because(why.to_string()))?;
+        }
         let writer = self.record_writer(&session, (&name, &text), restart.as_ref())?;
         let first = self.next_op;
         let mut workpiece = self.workpiece.clone();
         workpiece.watch.begin_program();
+        workpiece.judge.may_grind(session.cams.library.clone());
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());
         if let Some(writer) = writer {

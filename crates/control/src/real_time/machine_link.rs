@@ -7,8 +7,9 @@ use units::Time;
 use wire::Engagement;
 
 /// What is asked of the machine beside its commands.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum MachineRequest {
+    Clamp(Box<sim::Grinding>),
     Strike(Fault),
     Repair(Fault),
     Mend,
@@ -54,6 +55,10 @@ impl MachineLink {
 
     pub(crate) fn period(&self) -> Time {
         self.period
+    }
+
+    pub(crate) fn clamp(&mut self, grinding: sim::Grinding) {
+        self.ask(MachineRequest::Clamp(Box::new(grinding)));
     }
 
     pub(crate) fn strike(&mut self, fault: Fault) {

@@ -3,9 +3,9 @@ use super::clock::PeriodClock;
 use super::kernel_link::{KernelLink, KernelRings};
 use super::machine_link::{MachineLink, MachineRequest};
 use super::{RECORDS, REQUESTS, RealTimeOptions, SAID, STEPS, ServoMetrics, scheduling};
-use crate::Plant;
 use crate::executor::{answer, obey};
 use crate::timings::TickTimes;
+use crate::{Plant, Refused};
 use bus::{Machine as _, Sample};
 use kernel::{Kernel, Request};
 use plan::{Boxed, Step};
@@ -43,6 +43,8 @@ struct Servo {
     machine: Box<Plant>,
     ticks: TickTimes,
     metrics: Arc<ServoMetrics>,
+    /// Why it has ended.
+    why: Arc<OnceLock<String>>,
 }
 
 /// The rings' ends on this side.
@@ -115,6 +117,7 @@ impl Prepared {
             machine,
             ticks,
             metrics: Arc::clone(&metrics),
+            why: Arc::clone(&why),
         };
         let (up, is_up) = std::sync::mpsc::sync_channel(1);
         let (told, over) = (Arc::clone(&stop), Over(Arc::clone(&is_over)));
@@ -144,6 +147,10 @@ impl Servo {
         let period = Duration::from_secs_f64(self.machine.period().value());
         let mut clock = PeriodClock::new(period);
         while !stop.load(Ordering::Acquire) {
+            if let Err(refused) = self.ask_machine() {
+                let _ = self.why.set(refused.to_string()); // it ends once
+                break;
+            }
             self.period(around);
             let begun = clock.wait();
             self.metrics.begun(begun.late, period, begun.is_set_anew);
@@ -152,7 +159,6 @@ impl Servo {
     }
 
     fn period(&mut self, around: fn(&mut dyn FnMut())) {
-        self.ask_machine();
         let mut answered = None;
         around(&mut || {
             self.seat.before_tick();
@@ -172,15 +178,17 @@ impl Servo {
     }
 
     /// What is asked of the machine: at most what the ring holds.
-    fn ask_machine(&mut self) {
+    fn ask_machine(&mut self) -> Result<(), Refused> {
         while let Ok(request) = self.seat.rings.of_machine.pop() {
             match request {
+                MachineRequest::Clamp(grinding) => self.machine.clamp(*grinding)?,
                 MachineRequest::Strike(fault) => self.machine.strike(fault),
                 MachineRequest::Repair(fault) => self.machine.repair(fault),
                 MachineRequest::Mend => self.machine.mend(),
                 MachineRequest::Engage(engagement) => self.machine.engage(engagement),
             }
         }
+        Ok(())
     }
 }
 
