@@ -84,6 +84,9 @@ impl MachineHandle {
     }
 
     /// [`Plant::clamp`]; in the servo thread what cannot be ground ends it, with the reason.
+    ///
+    /// # Errors
+    /// As there, where the machine is in this thread.
     pub fn clamp(&mut self, grinding: sim::Grinding) -> Result<(), Refused> {
         match self {
             Self::Here(machine) => machine.clamp(grinding),
