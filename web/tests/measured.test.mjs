@@ -47,3 +47,28 @@ test('pairs shorter than the way between two statuses have the feed of this way'
   assert.ok(Number.isNaN(measured.feed[0]));
   assert.deepEqual([...measured.feed.slice(1)], [900, 900]);
 });
+
+/** A hole along Z, drilled by one line: down with the feed and out of it by rapid, over the same places. */
+const hole = { points: Float32Array.of(0, 0, 2, 0, 0, -3, 0, 0, -3, 0, 0, 2), lines: Uint32Array.of(1, 1), kinds: ['feed', 'rapid'], least: [0, 0, -3], most: [0, 0, 2] };
+const strokes = (...places) => places.map(([z, feed], step) => ({ time_s: step * 0.1, at: [0, 0, z], line: 1, feed, sync_um: null }));
+
+test('the way out of a hole is not the way in, though it leads over the same places', () => {
+  const measured = new Measured(hole);
+  measured.take(strokes([2, 0], [1, 600], [0, 600], [-1, 600], [-2, 600], [-3, 600], [-2.7, 1594], [0, 9000], [1.9, 5000], [2, 0]));
+  assert.deepEqual([...measured.feed], [600, 9000]);
+  assert.equal(measured.doneAt[5], 0);
+  assert.equal(measured.doneAt[6], 1);
+});
+
+test('a pair has none of the speed with which the one before it was gone', () => {
+  const measured = new Measured(hole);
+  measured.take(strokes([60, 9000], [1.95, 1800], [1.85, 60], [1.75, 60]));
+  assert.equal(measured.feed[0], 60);
+});
+
+test('a tool that trembles where it stands does not go back', () => {
+  const measured = new Measured(hole);
+  measured.take(strokes([2, 0], [0, 600], [0.001, 1], [0, 1], [0.002, 1], [-1, 600]));
+  assert.equal(measured.done, 0);
+  assert.equal(measured.feed[0], 600);
+});

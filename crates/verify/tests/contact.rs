@@ -8,6 +8,9 @@ use verify::{Config, Feature, Judge, Stock};
 /// Coordinate of the tip where the records have the program's zero.
 const ZERO_MM: f64 = common::SURFACE_MM - common::LENGTH_MM;
 
+/// How far the tool goes from one sample of the records to the next, at most.
+const SAMPLE_WAY_MM: f64 = 0.03;
+
 /// A hole 12 mm deep, drilled as ordered.
 fn drilled(stock: Stock) -> Feature {
     let mut judge = Judge::new(Config { stock: Some(stock), ..config(tools()) });
@@ -42,8 +45,11 @@ proptest! {
             // how far it really was in the stock
             let reach = shifted.contact.reach.map_or(f64::NAN, Length::value);
             let really = f64::clamp(ordered + above_mm + off_mm, 0.0, 40.0);
-            prop_assert!((reach - really).abs() < 0.03, "{reach} mm, really {really} mm");
-            prop_assert_eq!(shifted.contact.is_cut(), really > 0.03, "{} mm", really);
+            prop_assert!((reach - really).abs() < SAMPLE_WAY_MM, "{reach} mm, really {really} mm");
+            // what was in the stock by less than that may lie between two samples: it may be seen or not
+            if really == 0.0 || really > SAMPLE_WAY_MM {
+                prop_assert_eq!(shifted.contact.is_cut(), really > 0.0, "{} mm", really);
+            }
         }
     }
 

@@ -40,8 +40,14 @@ export function arraysOf(segments: Segment[]): PathArrays {
   return { points, lines, kinds, least, most };
 }
 
-/** Up to which pair the path is done: from `from` on, the next pair of `line` that passes nearest to the tool. */
-export function progress(path: PathArrays, from: number, line: number, tool: readonly number[]): number {
+/** A pair that leads against the tool's motion counts as farther away by this, mm: the way out of a hole is not the way in. */
+const against_motion = 0.05;
+
+/**
+ * Up to which pair the path is done: from `from` on, the next pair of `line` that passes nearest to the tool.
+ * `motion`: how far the tool has moved along X, Y and Z of late, mm; 0: it stands.
+ */
+export function progress(path: PathArrays, from: number, line: number, tool: readonly number[], motion: readonly number[]): number {
   let best = from;
   let nearest = Infinity;
   let hasFound = false;
@@ -52,10 +58,15 @@ export function progress(path: PathArrays, from: number, line: number, tool: rea
       continue;
     }
     hasFound = true;
-    const distance = toPair(path.points, pair, tool);
+    const distance = toPair(path.points, pair, tool) + (leadsAgainst(path.points, pair, motion) ? against_motion : 0);
     if (distance < nearest) [nearest, best] = [distance, pair];
   }
   return best;
+}
+
+function leadsAgainst(points: Float32Array, pair: number, motion: readonly number[]): boolean {
+  const along = (axis: number) => (points[pair * 6 + 3 + axis] ?? 0) - (points[pair * 6 + axis] ?? 0);
+  return motion.reduce((sum, moved, axis) => sum + moved * along(axis), 0) < 0;
 }
 
 function toPair(points: Float32Array, pair: number, tool: readonly number[]): number {
