@@ -13,7 +13,7 @@ from typing import Literal, TypedDict, TypeAlias
 Path: TypeAlias = str | os.PathLike[str]
 
 Dialect: TypeAlias = Literal[
-    "linuxcnc", "brother", "fanuc", "fanuc-lathe-a", "fanuc-lathe-b", "fanuc-lathe-c", "toyoda"
+    "linuxcnc", "grbl", "brother", "fanuc", "fanuc-lathe-a", "fanuc-lathe-b", "fanuc-lathe-c", "toyoda"
 ]
 
 
@@ -31,6 +31,7 @@ class ProgramOptions(TypedDict, total=False):
     clutch_dwell: Literal["refuse", "warn"] | None
     dialect: Dialect | None
     decimal_point: Literal["increments", "calculator"] | None
+    accept: Sequence[Literal["unknown-m-codes", "no-end"]] | None
     block_skip: Sequence[int] | None
     subprograms: Sequence[Path] | None
     cams: Path | None

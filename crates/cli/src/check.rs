@@ -1,5 +1,7 @@
 //! `leadscrew check`: everything that is wrong with programs, at once, without moving anything.
 use crate::args::{CheckArgs, FindingsFormat};
+use crate::causes::Causes;
+use crate::guess::{self, Fitted};
 use crate::pieces::{self, Pieces};
 use crate::progress::Progress;
 use crate::refusal;
@@ -15,7 +17,7 @@ use std::{
 };
 
 /// Endings of files that are taken for programs in a folder.
-const PROGRAM_ENDINGS: [&str; 6] = ["ngc", "nc", "tap", "gcode", "cnc", "mpf"];
+const PROGRAM_ENDINGS: [&str; 8] = ["ngc", "nc", "tap", "gcode", "cnc", "mpf", "eia", "gc"];
 
 /// Of a file that is no text.
 const NO_TEXT: &str = "P0191";
@@ -26,6 +28,7 @@ const MOST_SHOWN: usize = 1000;
 /// Check them all; true if none is refused.
 pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
     let mut results = Vec::new();
+    let mut causes = Causes::default();
     let (mut refused, mut remarks) = (0, 0);
     let programs = programs(&args.programs)?;
     for path in &programs {
@@ -33,9 +36,14 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
         let mut told = Told {
             format: args.format,
             quiet,
+            only_summed: args.summary,
             results,
             errors: 0,
             others: 0,
+            first: None,
+            codes: Vec::new(),
+            read_as: None,
+            hint: None,
             tools_from: String::new(),
         };
         if let Some(session) = long_session(args, path)? {
@@ -47,10 +55,18 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
                 Err(unreadable) => return Err(unreadable),
             }
         }
-        told.sum_up(&name)?;
+        if args.summary {
+            causes.add(&name, told.read_as.take(), told.first.take(), told.errors, &told.codes);
+        } else {
+            told.sum_up(&name)?;
+        }
         refused += usize::from(told.errors > 0);
         remarks += told.others;
         results = told.results;
+    }
+    if args.summary {
+        causes.say(args.format)?;
+        return Ok(refused == 0);
     }
     match args.format {
         FindingsFormat::Text if programs.len() > 1 && !quiet => say::out(&format!(
@@ -69,6 +85,16 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
 struct Told {
     format: FindingsFormat,
     quiet: bool,
+    /// Nothing is told but in the table at the end.
+    only_summed: bool,
+    /// The first error: code, line, sentence.
+    first: Option<(&'static str, u32, String)>,
+    /// Codes of the errors, each once.
+    codes: Vec<&'static str>,
+    /// Dialect and machine.
+    read_as: Option<(&'static str, String)>,
+    /// A machine that would be large enough.
+    hint: Option<String>,
     results: Vec<serde_json::Value>,
     errors: usize,
     others: usize,
@@ -83,6 +109,17 @@ impl Told {
         let errors = found.iter().filter(|finding| finding.is_error()).count();
         self.errors += errors;
         self.others += found.len() - errors;
+        for finding in found.iter().filter(|finding| finding.is_error()) {
+            if !self.codes.contains(&finding.code) {
+                self.codes.push(finding.code);
+            }
+            if self.first.is_none() {
+                self.first = Some((finding.code, finding.span.line, finding.message.clone()));
+            }
+        }
+        if self.only_summed {
+            return Ok(());
+        }
         match self.format {
             FindingsFormat::Text if self.quiet => {
                 let wrong: Vec<_> = shown.iter().filter(|f| f.is_error()).cloned().collect();
@@ -102,6 +139,11 @@ impl Told {
 
     /// One of several that cannot be read: the others are looked at all the same.
     fn unreadable(&mut self, why: &Refused) {
+        if self.only_summed {
+            self.errors += 1;
+            self.first = Some(("", 0, why.sentence()));
+            return;
+        }
         refusal::say(why);
         if self.format == FindingsFormat::Json {
             self.results.extend(refusal::findings_as_json(why));
@@ -124,7 +166,8 @@ impl Told {
             "" => String::new(),
             from => format!("; tools from {from}"),
         };
-        say::out(&format!("{name}: {e}, {o}{hidden}{tools}\n"))
+        let hint = self.hint.as_ref().map_or(String::new(), |hint| format!("; {hint}"));
+        say::out(&format!("{name}: {e}, {o}{hidden}{tools}{hint}\n"))
     }
 }
 
@@ -134,11 +177,11 @@ fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<
         return as_found(args, path, text, told);
     }
     let name = path.display().to_string();
-    let mut session = Session::load(&args.source.options(), path, text)?;
-    let options = session.plan_options(session.machine.setup.stock.material);
     let progress = Progress::new(1, "checking");
-    let found = preflight::judge(&mut session, text, options, &|| true);
+    let Fitted { session, found, machine, hint } = guess::judge(args, path, text)?;
     drop(progress);
+    told.hint = hint;
+    told.read_as = Some((session.dialect.name(), machine));
     told.tools_from = session.tools_from;
     told.tell(&found, &Source { name: &name, text, drawn: &session.drawn })
 }
@@ -268,6 +311,16 @@ pub(crate) fn programs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
     Ok(found)
 }
 
+/// By its ending, or a name as controls give them: `O1234`, with no ending or `.txt`.
+fn is_program(path: &Path) -> bool {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("");
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    PROGRAM_ENDINGS.iter().any(|e| ending.eq_ignore_ascii_case(e))
+        || (ending.is_empty() || ending.eq_ignore_ascii_case("txt"))
+            && stem.strip_prefix(['O', 'o']).is_some_and(is_number)
+}
+
 /// The programs in a folder and in those below it. Links to folders are not followed: they may lead in a circle.
 fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Refused> {
     let unreadable = |e| Refused::because(format!("cannot read {}: {e}", folder.display()));
@@ -275,10 +328,9 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Refused> {
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
         let path = entry.path();
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             below.push(path);
-        } else if path.is_file() && PROGRAM_ENDINGS.iter().any(|e| ending.eq_ignore_ascii_case(e)) {
+        } else if path.is_file() && is_program(&path) {
             inside.push(path);
         }
     }

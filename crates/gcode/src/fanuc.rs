@@ -27,6 +27,8 @@ pub enum Grammar {
     /// RS-274/NGC as LinuxCNC reads it.
     #[default]
     Rs274,
+    /// The same as senders stream it to Grbl: lines for the sender and the controller itself among the blocks.
+    Grbl,
     /// Fanuc's tapes and custom macros.
     Fanuc,
 }
@@ -97,10 +99,10 @@ impl Grammar {
 
     /// Where the block at the beginning of `text` ends, and the next one begins if it is in the same line.
     pub(crate) fn end_of_block(self, text: &[u8]) -> Option<(usize, usize)> {
-        if self == Self::Rs274 {
+        if self != Self::Fanuc {
             return None;
         }
-        let mut inside = false;
+        let (mut inside, mut begun) = (false, false);
         let mark = text.iter().position(|byte| match byte {
             b'(' => {
                 inside = true;
@@ -111,9 +113,14 @@ impl Grammar {
                 false
             }
             b';' => !inside,
-            _ => false,
+            // the end of the tape may stand behind the last block
+            b'%' => begun && !inside,
+            _ => {
+                begun |= !(inside || byte.is_ascii_whitespace());
+                false
+            }
         })?;
-        Some((mark, mark + 1))
+        Some((mark, mark + usize::from(text[mark] == b';')))
     }
 }
 
@@ -135,6 +142,11 @@ impl Line<'_, '_> {
                 self.take();
                 self.block.percent = true;
                 return self.only_comments(Problem::PercentNotAlone);
+            }
+            // `[BILLET X50 Z100`: what a school's simulator is told
+            b'[' => {
+                self.leave_out_rest(Problem::ForTheSender);
+                return Ok(());
             }
             b'G' | b'I' | b'W' | b'D' | b'E' => self.control()?,
             _ => {}
@@ -235,18 +247,18 @@ impl Line<'_, '_> {
     }
 
     fn control(&mut self) -> Read<()> {
-        let control = if self.take_text("GOTO") {
+        let control = if self.take_text("GOTO") || self.take_short_goto() {
             Control::GoTo(self.whole_value()?)
         } else if self.take_text("IF[") {
             let condition = self.condition()?;
-            if self.take_text("GOTO") {
+            if self.take_word("GOTO") {
                 Control::IfGoTo { condition, to: self.whole_value()? }
-            } else if self.take_text("THEN") {
+            } else if self.take_word("THEN") {
                 Control::IfThen(condition)
             } else {
                 return self.fault_here(Problem::ThenExpected);
             }
-        } else if self.take_text("WHILE[") {
+        } else if self.take_text("WHILE[") || self.take_text("WH[") {
             let condition = Some(self.condition()?);
             if !self.take_text("DO") {
                 return self.fault_here(Problem::DoExpected);
@@ -254,7 +266,7 @@ impl Line<'_, '_> {
             Control::While { condition, level: self.level()? }
         } else if self.take_text("DO") {
             Control::While { condition: None, level: self.level()? }
-        } else if self.take_text("END") {
+        } else if self.take_word("END") {
             Control::End(self.level()?)
         } else {
             return Ok(());
@@ -279,6 +291,25 @@ impl Line<'_, '_> {
             level @ (1.0 | 2.0 | 3.0) => Ok(level as u8),
             _ => self.fault_since(Problem::LevelExpected, from),
         }
+    }
+
+    /// Takes a word of the macro language: its first two letters are enough.
+    fn take_word(&mut self, word: &str) -> bool {
+        self.take_text(word) || self.take_text(&word[..2])
+    }
+
+    /// `GO100`, where nothing but a number follows: `GO1 Z-5` is a G0 that was written with a letter.
+    fn take_short_goto(&mut self) -> bool {
+        let before = (self.at, self.end);
+        let is_number = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'#' | b' ' | b'\t');
+        if self.take_text("GO") {
+            let to = self.text[self.at..].split(|byte| matches!(byte, b'(' | b';')).next();
+            if to.is_some_and(|to| to.iter().all(is_number) && !to.trim_ascii().is_empty()) {
+                return true;
+            }
+        }
+        (self.at, self.end) = before;
+        false
     }
 
     /// Takes these bytes if they come next, blanks between them or not.

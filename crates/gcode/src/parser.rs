@@ -64,6 +64,7 @@ impl<'a> Parser<'a> {
             parser.report(Problem::FileTooLong, &[], 0, parser.place(0, 0));
             parser.source = &[];
         }
+        parser.source = before_end_mark(parser.source);
         if parser.source.starts_with(b"\xEF\xBB\xBF") {
             parser.offset = 3; // the byte order mark some editors write
         }
@@ -227,12 +228,13 @@ impl<'a> Parser<'a> {
         if self.reported.contains(&line_start) || line_start < self.more_up_to {
             return;
         }
-        let once = matches!(problem, Problem::NotText | Problem::CommentNotUtf8);
+        let once =
+            matches!(problem, Problem::NotText | Problem::CommentNotUtf8 | Problem::ForTheSender);
         let again = once && self.diagnostics.iter().any(|d| d.code == problem.code());
         if self.reported.len() < MAX_DIAGNOSTICS && !again {
             self.reported.push(line_start);
             self.diagnostics.push(problem.diagnostic(text, from, span));
-        } else if problem != Problem::CommentNotUtf8 {
+        } else if !matches!(problem, Problem::CommentNotUtf8 | Problem::ForTheSender) {
             self.more += 1;
             self.more_up_to = span.end;
         }
@@ -256,6 +258,14 @@ impl Line<'_, '_> {
             return self.fanuc_block();
         }
         match self.peek() {
+            b'$' | b'?' | b'!' | b'~' if self.grammar == Grammar::Grbl => {
+                self.leave_out_rest(Problem::ForTheSender);
+                Ok(())
+            }
+            b'%' if self.grammar == Grammar::Grbl => {
+                self.at = self.text.len(); // streamed files may begin and end with it: it says nothing
+                Ok(())
+            }
             b'O' => {
                 self.o_word()?;
                 self.only_comments(Problem::EndAfterOWord)
@@ -267,6 +277,14 @@ impl Line<'_, '_> {
             }
             _ => self.items(),
         }
+    }
+
+    /// The rest of the line is not read, and a remark says so.
+    pub(crate) fn leave_out_rest(&mut self, why: Problem) {
+        let from = self.at;
+        self.at = self.text.len();
+        self.end = self.text.trim_ascii_end().len();
+        self.remark = Some(Fault { problem: why, from, to: self.end.max(from) });
     }
 
     /// `/` or `/3`, if it comes next.
@@ -393,6 +411,16 @@ impl Line<'_, '_> {
                 _ => return self.fault_here(otherwise),
             }
         }
+    }
+}
+
+/// A text without the byte by which old systems marked the end of a file (Ctrl-Z), and what they filled it up with.
+fn before_end_mark(source: &[u8]) -> &[u8] {
+    let is_filling = |byte: &u8| matches!(byte, 0x1A | 0 | b' ' | b'\t' | b'\r' | b'\n');
+    let text = source.iter().rposition(|byte| !is_filling(byte)).map_or(0, |last| last + 1);
+    match memchr::memchr(0x1A, &source[text..]) {
+        Some(mark) => &source[..text + mark],
+        None => source,
     }
 }
 

@@ -48,6 +48,7 @@ pub(crate) enum Problem {
     LineTooLong,
     Binary,
     NotText,
+    ForTheSender,
     LoneReturn,
     CommentNotUtf8,
     FileTooLong,
@@ -60,6 +61,15 @@ pub(crate) struct Fault {
     pub(crate) problem: Problem,
     pub(crate) from: usize,
     pub(crate) to: usize,
+}
+
+fn number_after(letter: char, found: &str) -> String {
+    if found.eq_ignore_ascii_case("\"O\"") {
+        return format!(
+            "expected a number after {letter}, found the letter O: {letter}0 has a zero"
+        );
+    }
+    format!("expected a number after {letter}, found {found}")
 }
 
 impl Problem {
@@ -104,6 +114,7 @@ impl Problem {
             Self::LineTooLong => "P0190",
             Self::Binary => "P0191",
             Self::NotText => "P0192",
+            Self::ForTheSender => "P0196",
             Self::LoneReturn => "P0193",
             Self::CommentNotUtf8 => "P0194",
             Self::FileTooLong => "P0195",
@@ -114,9 +125,7 @@ impl Problem {
     /// The sentence; `here` is the text that the fault marks, `found` what stands there.
     fn message(self, here: &str, found: &str) -> String {
         match self {
-            Self::NumberAfter(letter) => {
-                format!("expected a number after {}, found {found}", letter as char)
-            }
+            Self::NumberAfter(letter) => number_after(letter as char, found),
             Self::BadNumber => {
                 format!("expected a number such as 1.5 or -.25, found \"{here}\"")
             }
@@ -202,6 +211,7 @@ impl Problem {
                 format!("expected lines of at most {MAX_LINE_BYTES} bytes: this one is longer")
             }
             Self::Binary => "expected a text file, found a NUL byte: this is binary data".into(),
+            Self::ForTheSender => format!("{here} is for a sender, its controller or a simulator, and is left out"),
             Self::NotText => format!("expected plain ASCII text outside comments, found {found}"),
             Self::LoneReturn => {
                 "expected lines that end with LF or CR LF, found a CR in the middle".into()
@@ -221,6 +231,8 @@ impl Problem {
         let message = self.message(&here, &found(line, from));
         match self {
             Self::CommentNotUtf8 => Diagnostic::note(self.code(), span, message),
+            Self::ForTheSender => Diagnostic::note(self.code(), span, message)
+                .with_help("do by hand what it asks for, if it is needed. Said once"),
             Self::UnknownFunction(_) | Self::KeywordUnknown => {
                 let finding = Diagnostic::error(self.code(), span, message);
                 let names = match self {
@@ -270,7 +282,7 @@ const KEYWORDS: &[&str] = &[
 
 const fn functions(grammar: Grammar) -> &'static [&'static str] {
     match grammar {
-        Grammar::Rs274 => FUNCTIONS,
+        Grammar::Rs274 | Grammar::Grbl => FUNCTIONS,
         Grammar::Fanuc => FANUC_FUNCTIONS,
     }
 }

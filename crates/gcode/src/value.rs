@@ -26,7 +26,7 @@ impl Line<'_, '_> {
     /// What a setting sets: Fanuc needs no brackets around `#1=#1+1`.
     pub(crate) fn setting_value(&mut self) -> Read<Value> {
         match self.grammar {
-            Grammar::Rs274 => self.whole_value(),
+            Grammar::Rs274 | Grammar::Grbl => self.whole_value(),
             Grammar::Fanuc => {
                 self.nodes_before = self.block.nodes.len();
                 self.expression(1, 0)
@@ -110,7 +110,7 @@ impl Line<'_, '_> {
             b'/' => Operator::Divide,
             b'*' => {
                 self.take();
-                let power = self.grammar == Grammar::Rs274 && self.take_if(b'*');
+                let power = self.grammar != Grammar::Fanuc && self.take_if(b'*');
                 return Ok(Some(if power { Operator::Power } else { Operator::Times }));
             }
             b'A'..=b'Z' => return self.operator_name(from),
@@ -151,7 +151,7 @@ impl Line<'_, '_> {
             b"ATAN" => self.atan(from, depth),
             b"AT" | b"ATA" | b"ATN" if self.grammar == Grammar::Fanuc => self.atan(from, depth),
             b"POW" if self.grammar == Grammar::Fanuc => self.power(from, depth),
-            b"EXISTS" if self.grammar == Grammar::Rs274 => {
+            b"EXISTS" if self.grammar != Grammar::Fanuc => {
                 self.open("EXISTS")?;
                 if self.peek() != b'#' {
                     return self.fault_here(Problem::ExistsNeedsParameter);
@@ -164,7 +164,7 @@ impl Line<'_, '_> {
             }
             name => {
                 let more: &[_] = match self.grammar {
-                    Grammar::Rs274 => &[],
+                    Grammar::Rs274 | Grammar::Grbl => &[],
                     Grammar::Fanuc => &Function::FANUC,
                 };
                 let short = self.grammar == Grammar::Fanuc && name.len() >= 2;
@@ -207,7 +207,7 @@ impl Line<'_, '_> {
 
     /// `[value]`, and of Fanuc's `[value,value]`.
     fn arguments(&mut self, function: &'static str, depth: u32) -> Read<(Value, Option<Value>)> {
-        if self.grammar == Grammar::Rs274 {
+        if self.grammar != Grammar::Fanuc {
             return Ok((self.argument(function, depth)?, None));
         }
         self.open(function)?;

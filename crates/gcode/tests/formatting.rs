@@ -6,7 +6,7 @@ use gcode::{Block, Grammar, Parser, format};
 use proptest::prelude::*;
 use std::path::Path;
 
-const GRAMMARS: [Grammar; 2] = [Grammar::Rs274, Grammar::Fanuc];
+const GRAMMARS: [Grammar; 3] = [Grammar::Rs274, Grammar::Grbl, Grammar::Fanuc];
 
 fn blocks(text: &[u8], grammar: Grammar) -> Vec<Block> {
     let (mut parser, mut block) = (Parser::with_grammar(text, 0, grammar), Block::new());

@@ -15,6 +15,7 @@
 //! Source: LinuxCNC 2.9 manual, "G2, G3 Arc Move"; tolerances measured on its stand-alone interpreter.
 use crate::{
     call::{Call, Sink, Units},
+    codes::set,
     compensation,
     fault::{Outcome, error, refuse},
     frame::SAME_POINT,
@@ -33,16 +34,14 @@ const RELATIVE: f64 = 0.001;
 struct Tolerance {
     /// Of the two radii, however small they are.
     ends: f64,
-    /// Of R against half the distance.
-    radius: f64,
 }
 
 impl Tolerance {
     const fn of(units: Units) -> Self {
         use core::f64::consts::SQRT_2;
         match units {
-            Units::Millimetre => Self { ends: 0.02 * SQRT_2, radius: 0.00127 },
-            Units::Inch => Self { ends: 0.002 * SQRT_2, radius: 0.00005 },
+            Units::Millimetre => Self { ends: 0.02 * SQRT_2 },
+            Units::Inch => Self { ends: 0.002 * SQRT_2 },
         }
     }
 }
@@ -107,7 +106,8 @@ fn centre_by_offsets(
 ) -> Outcome<[f64; 2]> {
     let [first, second, none] = centre_letters(modes);
     let span = words.place.span;
-    if words.get(none).is_some() {
+    let may_be_zero = words.rules().idle & set("K") != 0;
+    if words.get(none).is_some_and(|value| value != 0.0 || !may_be_zero) {
         let text = format!(
             "{} has no effect: arcs of this plane have their centre at {} and {}",
             none as char, first as char, second as char
@@ -224,8 +224,7 @@ fn centre_by_radius(
         );
     }
     let size = radius.abs();
-    let tolerance = Tolerance::of(modes.units);
-    if size < half - tolerance.radius {
+    if size < half - words.rules().short_radius[usize::from(modes.units == Units::Inch)] {
         let text = format!("R{radius} is too small to reach the end: at least {half:.4} is needed");
         return refuse("I0418", words.span(b'R'), text);
     }

@@ -49,6 +49,6 @@ pub(crate) fn tools_and_switches<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S
     switch::coolant(&ex.words, &mut ex.modes, out);
     switch::overrides(&ex.words, &mut ex.modes, out);
     context::context(ex, out)?;
-    outputs::user_code(&ex.words, &ex.settings, out)?;
+    outputs::user_code(ex, out)?;
     switch::dwell(&ex.words, out)
 }

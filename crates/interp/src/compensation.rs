@@ -124,7 +124,10 @@ fn compensation_on<S: Sink>(
     out: &mut Out<'_, S>,
 ) -> Outcome {
     let span = words.place.span;
-    if modes.compensation.is_some() {
+    if let Some(on) = &modes.compensation {
+        if words.rules().restates_modes && on.code == code && words.get(b'D').is_none() {
+            return Ok(());
+        }
         let fault = error("I0540", span, "cutter radius compensation is on already");
         return Err(fault.with_help("write G40 before it is changed").into());
     }

@@ -12,7 +12,7 @@ use crate::{
     arcs, auxiliary,
     call::{Call, Sink},
     cam, chips,
-    codes::{AXES, CENTRE, GGroup, MGroup, NON_STOP_CHANGE, POLAR},
+    codes::{AXES, CENTRE, GGroup, Letters, MGroup, NON_STOP_CHANGE, POLAR, set},
     compensation::{self, forbidden},
     cycles, distances,
     eval::Values,
@@ -30,10 +30,11 @@ use crate::{
     setup::Setup,
     splines, switch, thread_cycle, threads, tool_change,
     tools::{ToolTable, Tools},
-    words::{Stage, Words},
+    words::{OwnCodes, Stage, Words},
 };
 use canon::Plane;
 use gcode::Block;
+use std::collections::BTreeSet;
 
 /// What happens after a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +56,7 @@ pub(crate) fn new(setup: &Setup) -> Executor {
     let mut new = Executor {
         modes: Modes::new(),
         store: Store::new(setup.parameters.clone()),
-        words: Words::new(setup.dialect.rules()),
+        words: Words::new(setup.dialect.rules(), OwnCodes::of(setup)),
         tools: Tools {
             library: setup.tools.clone(),
             missing: setup.missing_tools,
@@ -68,15 +69,21 @@ pub(crate) fn new(setup: &Setup) -> Executor {
             stand_alone: setup.stand_alone,
             fastest_rpm: setup.fastest_spindle.map_or(f64::INFINITY, units::Spin::in_rpm),
             user_codes: setup.user_codes.clone(),
+            leaves: setup.leaves,
             cycles: setup.cycles,
         },
         recording: None,
+        idle_told: 0,
+        codes_told: BTreeSet::new(),
         remarks: Vec::new(),
     };
     // where none was called yet LinuxCNC's stand-alone interpreter believes in the first pocket
     new.modes.current_pocket = u32::from(setup.stand_alone);
     new.modes.retract_to_initial = new.settings.rules.starts_at_initial_level;
     offsets::load_offsets(&mut new.modes, &mut new.store, &new.settings);
+    if new.settings.rules.begins_rapidly {
+        new.modes.motion = Motion::Rapid;
+    }
     let machine = crate::frame::machine_point(&setup.start);
     new.modes.at = new.modes.frame.to_program(&machine);
     new
@@ -125,8 +132,15 @@ fn obey<S: Sink>(
     out: &mut Out<'_, S>,
 ) -> Outcome<After> {
     let before = ex.words.m(MGroup::Tool).map(|_| ex.modes.place());
-    ex.words
-        .check_letters(motion.map_or(0, letters_of), chips::letters_beside(&ex.settings, motion))?;
+    let modal = motion.map_or(0, letters_of);
+    let beside = chips::letters_beside(&ex.settings, motion);
+    if ex.settings.rules.has_laser {
+        remark_on_laser(ex);
+    }
+    if ex.settings.rules.idle != 0 {
+        drop_idle(ex, modal | beside);
+    }
+    ex.words.check_letters(modal, beside)?;
     let words = &ex.words;
     if words.has_codes() || words.any(crate::codes::set("STF")) {
         if ex.modes.compensating() || words.g(GGroup::Compensation).is_some() {
@@ -152,6 +166,9 @@ fn obey<S: Sink>(
         }
     }
     ex.words.stage = Stage::Motion;
+    if ex.settings.leaves.feed.is_some() {
+        assume_feed(ex, motion, out);
+    }
     if let Some(motion) = motion {
         rigid::rigid_motion(&ex.words, &mut ex.modes, motion)?;
         move_along(ex, motion, out)?;
@@ -164,6 +181,50 @@ fn obey<S: Sink>(
         return Ok(After::Profile(ex.words.whole(b'Q', 999_999_999)?.unwrap_or(0)));
     }
     stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out)
+}
+
+/// The machine's feed, where a program has said none.
+fn assume_feed<S: Sink>(ex: &mut Executor, motion: Option<Motion>, out: &mut Out<'_, S>) {
+    let needs = motion.is_some_and(|motion| !matches!(motion, Motion::Rapid | Motion::None));
+    let modes = &mut ex.modes;
+    let Some(feed) = ex.settings.leaves.feed.filter(|_| needs && modes.feed == 0.0) else { return };
+    if modes.feed_mode != crate::modes::FeedMode::PerMinute {
+        return;
+    }
+    let rate = feed.in_mm_per_min() / modes.units.in_mm();
+    modes.feed = rate;
+    out.say(&Call::FeedRate { rate, duration_s: None });
+    let text = format!("no F before this move: it goes with F{}", crate::spelling::short(rate));
+    ex.remarks.push(
+        diag::Diagnostic::warning("I0324", ex.words.place.span, text)
+            .with_help("feed_mm_per_min under [control.programs] of the machine's file says so"),
+    );
+}
+
+/// M4 of a program that was made for a laser.
+fn remark_on_laser(ex: &mut Executor) {
+    if ex.words.m(MGroup::Spindle) != Some(4) || ex.idle_told & set("M") != 0 {
+        return;
+    }
+    ex.idle_told |= set("M");
+    let text = "M4 turns a spindle counter-clockwise here; to a laser it means power that follows the speed";
+    ex.remarks.push(diag::Diagnostic::note("I0647", ex.words.place.span, text).with_help(
+        "Leadscrew does not simulate lasers; a spindle turns clockwise with M3. Said once",
+    ));
+}
+
+/// Words that the dialect takes without effect.
+fn drop_idle(ex: &mut Executor, modal: Letters) {
+    let Some((letter, span)) = ex.words.drop_idle(ex.settings.rules.idle, modal) else { return };
+    if ex.idle_told & set(letter.encode_utf8(&mut [0; 4])) != 0 {
+        return;
+    }
+    ex.idle_told |= set(letter.encode_utf8(&mut [0; 4]));
+    let text = format!("{letter} has no effect here, and is left out");
+    ex.remarks.push(
+        diag::Diagnostic::warning("I0113", span, text)
+            .with_help("no code of this block takes it. Said once for each letter"),
+    );
 }
 
 /// Which motion this block asks for: its own code, or the one in force if there are axis words for it.

@@ -7,17 +7,19 @@
 //!
 //! Functions of this crate take the parts that they need; only those that need most of them take it whole.
 use crate::{
+    codes::Letters,
     dialect::rules::Rules,
     eval::Values,
     modes::Modes,
     names::Store,
     out::Held,
     profile::recording::Recording,
-    setup::{Cycles, UserCode},
+    setup::{Cycles, Leaves, UserCode},
     tools::Tools,
     words::Words,
 };
 use diag::Diagnostic;
+use std::collections::BTreeSet;
 
 /// The interpreter without its text.
 #[derive(Clone)]
@@ -38,6 +40,10 @@ pub(crate) struct Executor {
     pub(crate) held: Held,
     /// A profile being taken down.
     pub(crate) recording: Option<Box<Recording>>,
+    /// Letters without effect that were remarked upon.
+    pub(crate) idle_told: Letters,
+    /// M codes without effect that were remarked upon.
+    pub(crate) codes_told: BTreeSet<u16>,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
 }
@@ -58,10 +64,19 @@ pub(crate) struct Settings {
     pub(crate) stand_alone: bool,
     /// What the machine's own M codes do.
     pub(crate) user_codes: Vec<UserCode>,
+    /// What a program may leave out.
+    pub(crate) leaves: Leaves,
     /// The machine's settings for cycles.
     pub(crate) cycles: Cycles,
     /// What the spindle turns at most, rev/min; infinite: it is not known.
     pub(crate) fastest_rpm: f64,
+}
+
+impl Settings {
+    /// Whether a program may lack M2 and M30.
+    pub(crate) const fn may_end_with_text(&self) -> bool {
+        self.rules.ends_with_text || self.leaves.end
+    }
 }
 
 /// The modes kept at one level.

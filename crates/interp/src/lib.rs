@@ -109,12 +109,12 @@ pub use lint::{Lint, lint};
 pub use listing::Listing;
 pub use live::{Live, asks};
 pub use ops::{Ops, called_files, check, defined_subprograms, with_dialect};
-pub use other_dialect::{looks_like, other_dialect};
+pub use other_dialect::{is_turned, looks_like, other_dialect, unended};
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use resolve::Resolver;
 pub use setup::{
-    Aside, Chips, Cycles, Increments, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup,
-    Subprogram, UserCode,
+    Aside, Chips, Cycles, Increments, Leaves, Limits, MAX_PARAMETER, MissingTools, Parameters,
+    Setup, Subprogram, UserAction, UserCode,
 };
 pub use snapshot::{Snapshot, Standing};
 pub use unknown::Unknown;

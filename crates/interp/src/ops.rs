@@ -31,6 +31,9 @@ impl<'s> Ops<'s> {
 
     /// With what the beginning of the program looks like.
     pub(crate) fn suspecting(self, source: &[u8], setup: &Setup) -> Self {
+        if let Some(printer) = crate::other_dialect::printer(source) {
+            return Self { ended: true, other_dialect: Some(printer), ..self };
+        }
         Self { other_dialect: crate::other_dialect(source, setup), ..self }
     }
 
@@ -52,6 +55,7 @@ impl<'s> Ops<'s> {
     pub fn has_errors(&self) -> bool {
         self.interpreter.has_errors()
             || self.resolver.diagnostics().iter().any(Diagnostic::is_error)
+            || self.other_dialect.as_ref().is_some_and(Diagnostic::is_error)
     }
 
     /// The tools, with the stand-ins for those that the program has called so far and the library lacks.
@@ -124,6 +128,9 @@ pub fn check(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
 /// others, which may be due to it alone, and so it comes before them in whatever order they are told.
 pub fn with_dialect(suspicion: Option<Diagnostic>, found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let Some(mut suspicion) = suspicion else { return found };
+    if suspicion.is_error() {
+        return vec![suspicion]; // nothing else was read
+    }
     if found.iter().any(Diagnostic::is_error) {
         suspicion.severity = diag::Severity::Error;
     }
@@ -154,7 +161,7 @@ fn in_order(found: impl IntoIterator<Item = Diagnostic>) -> Vec<Diagnostic> {
 /// without zeros before it, or their name.
 pub fn called_files(source: &[u8], grammar: Grammar) -> Vec<String> {
     let (mut called, defined) = match grammar {
-        Grammar::Rs274 => subprograms(source),
+        Grammar::Rs274 | Grammar::Grbl => subprograms(source),
         Grammar::Fanuc => crate::dialect::fanuc::programs(source),
     };
     called.retain(|name| !defined.contains(name));

@@ -25,6 +25,8 @@ const DECISIVE: u32 = 4;
 /// Lines and bytes that are looked at.
 const LINES: usize = 4000;
 const BYTES: u32 = 1 << 18;
+/// Bytes at the end in which a program's end is looked for.
+const TAIL: usize = 4096;
 /// Pieces of evidence that are named.
 const NAMED: usize = 4;
 /// Brother's U and E, which a machine's setting gives to all dialects.
@@ -139,6 +141,90 @@ fn gather(source: &[u8]) -> Vec<Evidence> {
     all
 }
 
+/// The last line of a text that has neither M2 nor M30, M99 nor `%` in its last lines.
+pub fn unended(source: &[u8]) -> Option<u32> {
+    let tail = &source[source.len().saturating_sub(TAIL)..];
+    let ends = tail.split(|byte| *byte == b'\n').any(|text| {
+        let line = Line::read(text, Span::default());
+        let stops = |(letter, number, _): &(char, String, Span)| {
+            *letter == 'M' && matches!(number.parse(), Ok(2.0 | 30.0 | 99.0))
+        };
+        line.code.contains('%') || line.words.iter().any(stops) || line.code.starts_with('O')
+    });
+    let last = source.iter().rposition(|byte| !byte.is_ascii_whitespace())?;
+    let number = memchr::memchr_iter(b'\n', &source[..last]).count() as u32 + 1;
+    (!ends).then_some(number)
+}
+
+/// What a program for a 3D printer has, and no machine tool.
+const PRINTERS: [(&str, &str); 8] = [
+    ("M105", "the temperature is asked for"),
+    ("M108", "how fast filament comes"),
+    ("M104", "the temperature of the nozzle"),
+    ("M109", "the temperature of the nozzle"),
+    ("M140", "the temperature of the bed"),
+    ("M190", "the temperature of the bed"),
+    ("M82", "how filament is counted"),
+    ("M83", "how filament is counted"),
+];
+
+/// A program for a 3D printer: one sentence, in the place of all that would follow.
+pub(crate) fn printer(source: &[u8]) -> Option<Diagnostic> {
+    let (mut start, mut seen) = (0_u32, Vec::<(&str, String, Span)>::new());
+    for (number, text) in source.split(|byte| *byte == b'\n').take(LINES).enumerate() {
+        if start > BYTES {
+            break;
+        }
+        let line = Line::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
+        start += text.len() as u32 + 1;
+        let mut add = |what: &'static str, written: String, span| {
+            if seen.iter().all(|(known, ..)| *known != what) {
+                seen.push((what, written, span));
+            }
+        };
+        for (letter, number, span) in &line.words {
+            let written = format!("{letter}{number}");
+            if let Some((_, what)) = PRINTERS.iter().find(|(code, _)| *code == written) {
+                add(what, written, *span);
+            } else if *letter == 'E'
+                && line
+                    .number('G')
+                    .is_some_and(|(g, _)| matches!(g.trim_start_matches('0'), "" | "1"))
+            {
+                add("filament on a move", written, *span);
+            }
+        }
+    }
+    if seen.len() < 2 {
+        return None;
+    }
+    let (_, _, span) = seen[0];
+    let named: Vec<_> = seen
+        .iter()
+        .map(|(what, written, span)| format!("{what} ({written} in line {})", span.line))
+        .collect();
+    let text = format!("this is a program for a 3D printer: {}", named.join(", "));
+    Some(
+        Diagnostic::error("I0910", span, text)
+            .with_help("Leadscrew leads machines that cut; what else stands in it was not read"),
+    )
+}
+
+/// Whether a program turns: it never names Y, and has a code of lathes.
+pub fn is_turned(source: &[u8]) -> bool {
+    let mut turns = false;
+    for text in source[..source.len().min(BYTES as usize)].split(|byte| *byte == b'\n') {
+        let line = Line::read(text, Span::default());
+        if line.has("Y") {
+            return false;
+        }
+        turns |= line.words.iter().any(|(letter, number, _)| {
+            *letter == 'G' && matches!(number.parse(), Ok(7.0 | 8.0 | 18.0 | 33.0 | 76.0 | 96.0))
+        });
+    }
+    turns
+}
+
 /// One line: its letters, without comments and blanks.
 struct Line {
     /// Capitals, without N and its number.
@@ -149,6 +235,8 @@ struct Line {
     divided: Option<(bool, bool)>,
     /// The first comment in brackets, up to its comma.
     keyword: String,
+    /// A comment speaks of Grbl.
+    names_grbl: bool,
     /// From its first to its last character that is no blank.
     span: Span,
 }
@@ -166,6 +254,7 @@ impl Line {
             words: Vec::new(),
             divided: None,
             keyword: String::new(),
+            names_grbl: text.windows(4).any(|word| word.eq_ignore_ascii_case(b"grbl")),
             span,
         };
         let (mut inside, mut comment, mut depth) = (false, String::new(), 0_u32);
@@ -272,6 +361,19 @@ impl Line {
     /// What the form of the line gives away.
     fn form(&self, first: bool, tell: &mut impl FnMut(Evidence)) {
         let code = self.code.as_str();
+        if let Some(rest) = code.strip_prefix('$')
+            && (rest.is_empty()
+                || rest.starts_with(['$', 'H', 'X', 'I', 'N', 'G'])
+                || rest.contains('='))
+        {
+            let (of, what, written) = (Family::Grbl, "a line for the controller", code.to_owned());
+            tell(Evidence { of, weight: 5, what, written, span: self.span });
+        }
+        if self.names_grbl {
+            let (of, what, written) =
+                (Family::Grbl, "a comment that names Grbl", "\"Grbl\"".to_owned());
+            tell(Evidence { of, weight: 4, what, written, span: self.span });
+        }
         let mut say = |of, weight, what, written: &str| {
             tell(Evidence { of, weight, what, written: written.to_owned(), span: self.span });
         };

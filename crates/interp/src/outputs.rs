@@ -16,10 +16,11 @@
 use crate::{
     call::{Call, Sink},
     codes::MGroup,
-    executor::Settings,
+    executor::{Executor, Settings},
     fault::{Outcome, error, refuse},
     names::Store,
     out::Out,
+    setup::UserAction,
     words::Words,
 };
 use canon::{Await, InputWait, Output, Signal};
@@ -114,17 +115,33 @@ pub(crate) fn was_read(store: &mut Store, value: Option<f64>) {
 }
 
 /// M100 … M199 of the block at hand, and what else the machine's file names.
-pub(crate) fn user_code<S: Sink>(
-    words: &Words,
-    settings: &Settings,
-    out: &mut Out<'_, S>,
-) -> Outcome {
+pub(crate) fn user_code<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
+    let (words, settings) = (&ex.words, &ex.settings);
     let Some(number) = words.m(MGroup::User) else { return Ok(()) };
     let Some(code) = settings.user_codes.iter().find(|code| code.number == number) else {
-        return Err(unnamed(words, settings, number).into());
+        if !settings.leaves.unknown_codes {
+            return Err(unnamed(words, settings, number).into());
+        }
+        if ex.codes_told.insert(number) {
+            let text = format!("M{number} is the machine builder's, and has no effect here");
+            let help = format!(
+                "write M{number} = \"what it does\" under [user_codes] of the machine's file. Said once for each code"
+            );
+            let remark = Diagnostic::warning("I0646", words.place.span, text).with_help(help);
+            ex.remarks.push(remark);
+        }
+        return Ok(());
     };
     let (p, q) = (words.get(b'P'), words.get(b'Q'));
     out.say(&Call::User { number, name: &code.name, p, q });
+    match code.action {
+        UserAction::None => {}
+        UserAction::Output { number, on } => {
+            let signal = Signal::Digital { on };
+            out.say(&Call::Output(Output { number, signal, with_motion: false }));
+        }
+        UserAction::Wait(time) => out.say(&Call::Dwell(time.value())),
+    }
     Ok(())
 }
 

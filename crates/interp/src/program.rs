@@ -104,7 +104,7 @@ impl<'s> Program<'s> {
                 self.piece_over = true;
                 return Ok(false);
             }
-            return self.end_of_file().map(|()| false);
+            return self.end_of_file(out).map(|()| false);
         }
         self.executed += 1;
         self.spoke |= self.block.faulty || !(self.block.is_blank() || self.block.percent);
@@ -180,7 +180,7 @@ impl<'s> Program<'s> {
         self.percent = true;
     }
 
-    fn end_of_file(&mut self) -> Outcome {
+    fn end_of_file<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         self.ended = true;
         if self.diagnostics.iter().any(|finding| finding.code == "P0191") {
             return Ok(()); // no text: where it would end is nobody's question
@@ -195,11 +195,17 @@ impl<'s> Program<'s> {
             start: end.min(span.start.max(end.saturating_sub(1))),
             end,
         };
+        if self.executor.settings.may_end_with_text() && self.file == 0 {
+            let text = "the program ends where its text does: M2 or M30 is missing";
+            self.report(Diagnostic::note("I0323", span, text));
+            out.say(&Call::Finish);
+            return Ok(());
+        }
         let fault =
             error("I0301", span, "the program does not end: the file is over before M2 or M30");
         Err(fault
             .with_help(
-                "was it cut off? Else write M30 as its last block, or % as its first and last line",
+                "was it cut off? Else write M30 as its last block, or % as its first and last line; --accept no-end lets it end with its text",
             )
             .into())
     }

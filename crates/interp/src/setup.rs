@@ -33,6 +33,17 @@ pub struct Chips {
     pub every: u32,
 }
 
+/// What a program may leave to the machine, as it is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Leaves {
+    /// M codes that neither the dialect nor the machine's file knows have no effect.
+    pub unknown_codes: bool,
+    /// The program ends where its text does.
+    pub end: bool,
+    /// What moves and cycles without F go with.
+    pub feed: Option<units::Speed>,
+}
+
 /// What becomes of a tool number that the library does not have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MissingTools {
@@ -61,6 +72,8 @@ pub struct Setup {
     pub subprograms: Vec<Subprogram>,
     /// What the machine's own M codes do.
     pub user_codes: Vec<UserCode>,
+    /// What a program may leave out.
+    pub leaves: Leaves,
     /// Where the axes stand when the program begins.
     pub start: Position,
     /// No machine is there to be asked: tool changes, inputs and positions are answered as LinuxCNC's stand-alone
@@ -109,12 +122,31 @@ impl Increments {
 }
 
 /// An M code of the machine's own.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct UserCode {
     /// The number after M.
     pub number: u16,
-    /// What it does.
+    /// What it does, for people.
     pub name: String,
+    /// What it does, for the machine.
+    pub action: UserAction,
+}
+
+/// What an M code of the machine's own moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum UserAction {
+    /// Nothing that this control would know of.
+    #[default]
+    None,
+    /// It switches a digital output.
+    Output {
+        /// Its number.
+        number: u8,
+        /// On or off.
+        on: bool,
+    },
+    /// The program waits.
+    Wait(units::Time),
 }
 
 /// A file with a subprogram.

@@ -46,7 +46,8 @@ impl Tools {
             return *entry;
         }
         let mut entry = ToolEntry { number, ..ToolEntry::default() };
-        if let Some(tool) = self.library.get(number) {
+        // what a stand-in measures is not known: the tool is led on the way that is written
+        if let Some(tool) = self.library.get(number).filter(|tool| !tool.stand_in) {
             entry.offset[2] = tool.worn_length().value();
             entry.diameter = tool.worn_diameter().value();
         }

@@ -6,6 +6,7 @@ use crate::{
     eval::Values,
     fault::{Outcome, error},
     number,
+    setup::Setup,
 };
 use diag::Span;
 
@@ -31,6 +32,8 @@ pub(crate) struct Words {
     /// What the block's codes take.
     letters: Letters,
     rules: &'static Rules,
+    /// M codes of the machine's own.
+    own: OwnCodes,
     /// Letters of words that could not be understood.
     pub(crate) unread: Letters,
     /// Its ways are written by letters of their own: Fanuc's U, V and W.
@@ -42,7 +45,7 @@ pub(crate) struct Words {
 }
 
 impl Words {
-    pub(crate) fn new(rules: &'static Rules) -> Self {
+    pub(crate) fn new(rules: &'static Rules, own: OwnCodes) -> Self {
         Self {
             place: Place::default(),
             present: 0,
@@ -55,6 +58,7 @@ impl Words {
             any_mode: false,
             letters: 0,
             rules,
+            own,
             unread: 0,
             by_increments: false,
             step_turns_deg: 0.0,
@@ -178,7 +182,11 @@ impl Words {
 
     /// Add an M code of the shared table.
     pub(crate) fn take_m(&mut self, value: f64, span: Span) -> Outcome {
-        let Some(code) = number::tenths(value).and_then(codes::m_code) else {
+        let known = number::tenths(value).filter(|_| !self.own.replaces(value));
+        let Some(code) = known.and_then(codes::m_code) else {
+            if self.own.has(value) {
+                return self.take_own_m(value, span);
+            }
             let text = format!("M{value} is no known code");
             return Err(
                 guessed(error("I0105", span, text), crate::spelling::similar_m(value)).into()
@@ -196,6 +204,25 @@ impl Words {
         }
         *slot = number::tenths(value).unwrap_or(code.tenths);
         Ok(())
+    }
+
+    /// Add an M code of the machine's own.
+    pub(crate) fn take_own_m(&mut self, value: f64, span: Span) -> Outcome {
+        (self.any_code, self.any_mode) = (true, true);
+        self.letters |= codes::set("PQ");
+        let slot = &mut self.m[MGroup::User as usize];
+        if *slot != NONE {
+            let other = crate::spelling::written(*slot);
+            let text = format!("M{value} and M{other} exclude each other in one block");
+            return Err(error("I0107", span, text).with_help("write two blocks").into());
+        }
+        *slot = number::tenths(value).unwrap_or(NONE);
+        Ok(())
+    }
+
+    /// Whether the machine knows an M code, or lets it pass, that is none of the language's.
+    pub(crate) fn is_own_m(&self, value: f64) -> bool {
+        self.own.has(value)
     }
 
     /// An M code of this group, in tenths, as if it stood in the block.
@@ -296,9 +323,30 @@ impl Words {
         }
     }
 
+    /// The dialect's conventions.
+    pub(crate) const fn rules(&self) -> &'static Rules {
+        self.rules
+    }
+
+    /// Take away, of these letters, the words that belong to no code: where they stood.
+    pub(crate) fn drop_idle(&mut self, letters: Letters, modal: Letters) -> Option<(char, Span)> {
+        let idle = self.strays(modal, 0) & letters;
+        if idle == 0 {
+            return None;
+        }
+        self.present &= !idle;
+        let first = idle.trailing_zeros() as usize;
+        Some((codes::letter(first), self.at[first]))
+    }
+
     /// Every word must belong to a code: the block's own, or the modal motion (whose letters are given).
     /// `beside` are those that the dialect or the machine adds.
     pub(crate) fn check_letters(&self, modal: Letters, beside: Letters) -> Outcome {
+        let stray = self.strays(modal, beside);
+        if stray == 0 { Ok(()) } else { Err(self.stray(stray).into()) }
+    }
+
+    fn strays(&self, modal: Letters, beside: Letters) -> Letters {
         let mut allowed = FREE | beside | self.letters;
         if self.any(codes::set("S")) {
             allowed |= codes::set("$");
@@ -306,8 +354,7 @@ impl Words {
         if self.any(AXES | CENTRE | POLAR) {
             allowed |= modal;
         }
-        let stray = self.present & !allowed;
-        if stray == 0 { Ok(()) } else { Err(self.stray(stray).into()) }
+        self.present & !allowed
     }
 
     fn stray(&self, stray: Letters) -> diag::Diagnostic {
@@ -337,6 +384,34 @@ impl Words {
             }
             _ => fault,
         }
+    }
+}
+
+/// The M codes that a machine's file names, and whether others pass.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OwnCodes {
+    named: Vec<u16>,
+    others: bool,
+}
+
+impl OwnCodes {
+    pub(crate) fn of(setup: &Setup) -> Self {
+        let named = setup.user_codes.iter().map(|code| code.number).collect();
+        Self { named, others: setup.leaves.unknown_codes }
+    }
+
+    /// Named, or one that nothing names and that may pass. What the machine's files may name, they name.
+    fn has(&self, value: f64) -> bool {
+        let whole = number::near_whole(value).and_then(|number| u16::try_from(number).ok());
+        whole.is_some_and(|number| number < 1000 && (self.others || self.named.contains(&number)))
+    }
+
+    /// A code of the language that the machine's file gives another meaning.
+    fn replaces(&self, value: f64) -> bool {
+        !self.named.is_empty()
+            && number::near_whole(value)
+                .and_then(|number| u16::try_from(number).ok())
+                .is_some_and(|number| number < 100 && self.named.contains(&number))
     }
 }
 

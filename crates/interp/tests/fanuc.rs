@@ -244,7 +244,8 @@ fn what_is_not_known_or_has_no_effect_is_said() {
     is_told("O1\nG5.7 Q1\nM30\n", "I0102");
     is_told("O1\nM77\nM30\n", "I0105");
     is_told("O1\nG68.2\nM30", "I0103");
-    is_told("O1\nG1 X1. F100. H3\nM30\n", "I0110");
+    is_told("O1\nG1 X1. F100. E3\nM30\n", "I0110");
+    is_told("O1\nG1 X1. F100. H3\nM30\n", "I0113");
     is_told("O1\nG0 X1. I2. I3.\nM30\n", "I0101");
     is_told("O1\n#<name>=1\nM30\n", "I1011");
     is_told("O1\nG0 X1.\nO2\nM30\n", "I0301");

@@ -309,7 +309,7 @@ fn tapers_are_called_i_and_k_too() {
 #[test]
 fn what_a_cycle_does_not_take_is_said_and_the_codes_beside_it_hold() {
     is_told("G0 X30. Z2.\nG71 U2. R1. E3.", "I0110");
-    is_told("G0 X30. Z2. F0.2\nG70 P10 Q20 D3.\nN10 G0 X10.\nN20 G1 Z-10.", "I0110");
+    is_told("G0 X30. Z2. F0.2\nG70 P10 Q20 D3.\nN10 G0 X10.\nN20 G1 Z-10.", "I0113");
     // G98 in the cycle's own line: F is per minute
     let program = b"O1\nG97 S500 M3\nG0 X20. Z1.\nG98 G74 Z-4. Q2000 F100.\nM30\n";
     let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };

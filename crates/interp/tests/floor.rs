@@ -192,3 +192,99 @@ fn a_profile_is_finished_on_the_side_that_its_blocks_say() {
         assert_eq!(found, 1, "{wanted:?} in {cycle:?}");
     }
 }
+
+/// All that is found in a program of a dialect, errors and remarks, by their codes.
+fn found(text: &str, dialect: Dialect) -> Vec<&'static str> {
+    let setup = setup(dialect);
+    let mut ops = Ops::new(text.as_bytes(), &setup);
+    ops.by_ref().for_each(drop);
+    ops.diagnostics().iter().map(|finding| finding.code).collect()
+}
+
+#[test]
+fn g28_takes_the_axis_words_beside_a_motion_which_is_in_force_afterwards() {
+    for block in ["G0 G91 G28 Z0", "G91 G28 G0 Z0.", "G28G91G0Z0"] {
+        let text = format!("O1\nG90 G1 X1. Y2. Z3. F100\n{block}\nG90 X7.\nM30\n");
+        let kinds = ops(&text, Dialect::Fanuc);
+        let rapids = kinds.iter().filter(|kind| matches!(kind, OpKind::Rapid { .. })).count();
+        assert_eq!(places(&kinds).last(), Some(&[7.0, 2.0, 0.0]), "{block}");
+        assert!(rapids >= 2, "{block}: X7 goes by rapid as well: {kinds:?}");
+    }
+}
+
+#[test]
+fn an_arc_that_says_nothing_of_its_circle_goes_straight_and_stays_an_arc() {
+    let text = "O1\nG90 G1 X0 Y0 F100\nG3 X10. Y0 R5.\nX20.\nX30. R5.\nM30\n";
+    let kinds = ops(text, Dialect::Fanuc);
+    let arcs = kinds.iter().filter(|kind| matches!(kind, OpKind::Arc { .. })).count();
+    assert_eq!((arcs, places(&kinds).len()), (2, 3), "{kinds:?}");
+    assert_eq!(found(text, Dialect::Fanuc), ["I0419"]);
+    assert!(found("G1 X1 F9\nG3 X10\nM2\n", Dialect::LinuxCnc).contains(&"I0411"));
+}
+
+#[test]
+fn words_that_no_code_takes_are_left_out_and_said_once_for_each_letter() {
+    let text = "O1\nT1 M6\nG43 H1 D1 Z50.\nF100.\nG81 X1. Z-5. R2. Q.5\nX2. Q.5\nG83 X3. Z-5. R2. Q1. P500\nM30\n";
+    assert_eq!(found(text, Dialect::Fanuc), ["I0113", "I0113", "I0113"]);
+    assert_eq!(holes(text, Dialect::Fanuc).len(), 3);
+    assert!(found("G0 X1 Q5\nM2\n", Dialect::LinuxCnc).contains(&"I0110"));
+}
+
+#[test]
+fn a_lathe_calls_its_tool_beside_m6_and_ends_its_tape_behind_m30() {
+    let text = "O1\nT0101 M06\nG0 X20. Z5.\nM30%\n";
+    assert_eq!(places(&ops(text, Dialect::FanucLatheA)).len(), 1);
+}
+
+#[test]
+fn two_letters_of_a_macros_words_are_enough() {
+    let text = "O1\n#1=0\nWH[#1LT3]DO1\n#1=#1+1\nG0 X#1\nEN1\nIF[#1EQ3]GO20\nG0 X99.\nN20 M30\n";
+    assert_eq!(
+        places(&ops(text, Dialect::Fanuc)),
+        [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]]
+    );
+    // the letter O in the place of a zero is no jump
+    assert!(found("O1\nGO X5.\nM30\n", Dialect::Fanuc).contains(&"P0101"));
+}
+
+#[test]
+fn a_file_may_end_in_the_mark_of_old_systems() {
+    for end in ["\u{1a}", "\r\n\u{1a}\u{1a}\0\0", "\n \u{1a}\n"] {
+        let text = format!("G0 X1\nM2{end}");
+        assert_eq!(places(&ops(&text, Dialect::LinuxCnc)).len(), 1, "{end:?}");
+    }
+    assert!(found("G0 X1\u{1a}\nG0 X2\nM2\n", Dialect::LinuxCnc).contains(&"P0192"));
+}
+
+#[test]
+fn the_last_rapid_of_a_profile_takes_the_tool_away_and_is_none_of_its_shape() {
+    let turned = |last: &str| {
+        format!(
+            "O1\nS500 M3\nG0 X32. Z1.\nG71 U2. R1.\nG71 P10 Q20 U0.2 W0.1 F0.2\nN10 G0 X10.\nG1 Z-10.\nX20.\nZ-20.\nX32.\n{last}\nM30\n"
+        )
+    };
+    let with = places(&ops(&turned("N20 G0 G40 Z1."), Dialect::FanucLatheA));
+    let without = places(&ops(&turned("N20 X32."), Dialect::FanucLatheA));
+    assert_eq!(with, without);
+    // by feed it is a part of the shape, which runs back; the place is said as it is programmed
+    let setup = setup(Dialect::FanucLatheA);
+    let text = turned("N20 G1 Z-5.");
+    let mut ops = Ops::new(text.as_bytes(), &setup);
+    ops.by_ref().for_each(drop);
+    let back = ops.diagnostics().into_iter().find(|finding| finding.code == "I0585").unwrap();
+    assert!(back.message.ends_with("diameter 32.0000 Z-5.0000"), "{}", back.message);
+}
+
+#[test]
+fn h_names_the_tools_radius_where_no_d_stands() {
+    let with = |block: &str| {
+        format!(
+            "O1\nG90 G10 L12 P19 R3.\nG0 X0 Y0\n{block}\nG1 X50. Y10. F100\nX60.\nG40 G0 X80.\nM30\n"
+        )
+    };
+    let beside = places(&ops(&with("G42 D19"), Dialect::Fanuc));
+    assert_eq!(places(&ops(&with("G42 H19"), Dialect::Fanuc)), beside);
+    assert_ne!(places(&ops(&with("G42 D18"), Dialect::Fanuc)), beside);
+    let longer = "O1\nG91 G10 L12 P14 R3.\nG0 G45 X10. H14\nM30\n";
+    assert_eq!(places(&ops(longer, Dialect::Fanuc)), [[13.0, 0.0, 0.0]]);
+}

@@ -137,7 +137,7 @@ fn no_program_of_the_pages_is_suspected_in_its_own_dialect() {
             let named =
                 options.split("--dialect ").nth(1).and_then(|rest| rest.split_whitespace().next());
             let is_lathe_page = options.contains("--machine");
-            let dialect = ALL.into_iter().find(|dialect| Some(dialect.name()) == named);
+            let dialect = Dialect::ALL.into_iter().find(|dialect| Some(dialect.name()) == named);
             let dialect = dialect.unwrap_or(Dialect::LinuxCnc);
             if is_lathe_page && named.is_none() || program.contains("G65 P9100 A#1") {
                 continue; // the machine's file has the dialect; the program that explains the finding

@@ -84,7 +84,8 @@ fn outputs_and_inputs_want_their_numbers() {
 #[test]
 fn a_code_of_the_machines_own_is_refused_unless_the_machine_names_it() {
     assert_eq!(codes("M101"), ["I0645"]);
-    let clamp = UserCode { number: 101, name: "clamp the vice".into() };
+    let clamp =
+        UserCode { number: 101, name: "clamp the vice".into(), action: interp::UserAction::None };
     let setup = Setup { user_codes: vec![clamp], ..Setup::default() };
     let kinds = kinds(&setup, "M101 P2");
     let OpKind::UserCode(code) = &kinds[0] else { panic!("{kinds:?}") };

@@ -99,7 +99,7 @@ impl Document {
     /// Whether a line that these bytes lie in may call a subprogram.
     pub(crate) fn may_call(&self, from: usize, to: usize, grammar: Grammar) -> bool {
         let calls: &[&str] = match grammar {
-            Grammar::Rs274 => &["CALL"],
+            Grammar::Rs274 | Grammar::Grbl => &["CALL"],
             Grammar::Fanuc => &["M98", "M198", "G65", "G66"],
         };
         self.has_near(from, to, calls)
@@ -184,7 +184,7 @@ fn targets(lines: &[u8], grammar: Grammar) -> Vec<String> {
             targets.push(format!("N{number}"));
         }
         match block.o {
-            Some(o) if grammar == Grammar::Rs274 && o.keyword == Keyword::Call => {}
+            Some(o) if grammar != Grammar::Fanuc && o.keyword == Keyword::Call => {}
             Some(o) => targets.push(match o.label {
                 Label::Number(number) => format!("{number} {:?}", o.keyword),
                 Label::Name(name) => format!("<{}> {:?}", block.text(name), o.keyword),

@@ -14,7 +14,7 @@ fn is_cycle(code: &str) -> bool {
 /// What the word says to the code (such as `G83`), in a few words.
 pub(crate) fn role(dialect: Dialect, letter: u8, code: &str) -> Option<&'static str> {
     match dialect {
-        Dialect::LinuxCnc | Dialect::Toyoda => shared(letter, code),
+        Dialect::LinuxCnc | Dialect::Grbl | Dialect::Toyoda => shared(letter, code),
         Dialect::Brother => match letter {
             b'K' if is_cycle(code) => Some("how many holes in a row"),
             _ => shared(letter, code),

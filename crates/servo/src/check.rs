@@ -5,7 +5,9 @@
 use bus::SPINDLES;
 use core::fmt;
 use kernel::Request;
-use motion::{AXES, Curve, Follow, Inline, PHASES, Step, StepKind, Superpose, Superposed};
+use motion::{
+    AXES, Curve, Follow, Inline, PHASES, Shape as _, Step, StepKind, Superpose, Superposed,
+};
 
 /// A step or a request that names what no machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +18,8 @@ pub enum Senseless {
     Axis(usize),
     /// So many phases of a stretch.
     Phases(usize),
+    /// A path whose length is below zero.
+    Length,
 }
 
 impl fmt::Display for Senseless {
@@ -30,6 +34,7 @@ impl fmt::Display for Senseless {
             Self::Phases(count) => {
                 write!(f, "a stretch of a path has {count} phases: 1 to {PHASES} are possible")
             }
+            Self::Length => f.write_str("a path has a length below zero"),
         }
     }
 }
@@ -45,6 +50,15 @@ fn follow(plan: &Follow) -> Result<(), Senseless> {
     let count = usize::from(plan.count);
     if !(1..=PHASES).contains(&count) {
         return Err(Senseless::Phases(count));
+    }
+    let of_curve = match &plan.piece.curve {
+        Curve::Line(line) => line.length,
+        Curve::Arc(arc) => arc.length,
+        Curve::Bezier(curve) => curve.length(),
+        Curve::Polynomial(curve) => curve.length,
+    };
+    if plan.piece.length < 0.0 || of_curve < 0.0 {
+        return Err(Senseless::Length);
     }
     match &plan.piece.curve {
         Curve::Arc(arc) => match arc.plane.iter().find(|axis| **axis >= AXES) {

@@ -324,7 +324,7 @@ impl<'d> Keys<'d> {
     }
 
     /// Note that a text is none of what is expected.
-    pub(crate) fn unknown_name(&self, key: &'static str, message: impl Into<String>) {
+    pub(crate) fn unknown_name(&self, key: &str, message: impl Into<String>) {
         self.note("S0407", &self.place_of(key), message.into());
     }
 

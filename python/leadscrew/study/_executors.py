@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from typing import Any
+
+
+#: A batch takes at least so long, s: what is handed about costs about a millisecond.
+SHORTEST_BATCH_S = 0.05
 
 
 @dataclass
@@ -24,6 +29,8 @@ class Executors:
     """What a person wants to know of it, such as the address of a dashboard."""
     again: bool = True
     """A lost one is followed by another."""
+    shortest_batch_s: float = SHORTEST_BATCH_S
+    """Batches of cases are no shorter: handing one out has its price."""
     lost: tuple[type[BaseException], ...] = field(default=())
     """Exceptions that say that a worker was lost, and not that a case has failed."""
 
@@ -54,6 +61,7 @@ def dask(scheduler: str | None = None, *, workers: int | None = None, retries: i
     from distributed.scheduler import KilledWorker
 
     held: dict[str, Any] = {"cluster": None, "client": None}
+    counted: tuple[float, int] = (0.0, 0)
 
     def client() -> Any:
         if held["client"] is not None and held["client"].status in ("running", "connecting"):
@@ -75,8 +83,12 @@ def dask(scheduler: str | None = None, *, workers: int | None = None, retries: i
         return executor
 
     def count() -> int:
-        counts: dict[str, int] = client().nthreads()
-        return max(1, sum(counts.values()))
+        # the scheduler is asked, which is not for nothing
+        nonlocal counted
+        if counted[1] == 0 or time.monotonic() - counted[0] > 1:
+            counts: dict[str, int] = client().nthreads()
+            counted = (time.monotonic(), max(1, sum(counts.values())))
+        return counted[1]
 
     def close() -> None:
         for name in ("client", "cluster"):
@@ -87,7 +99,7 @@ def dask(scheduler: str | None = None, *, workers: int | None = None, retries: i
     def about() -> str:
         return f"Dask's dashboard: {client().dashboard_link}"
 
-    return Executors(make, count, close, about, lost=(KilledWorker, CommClosedError))
+    return Executors(make, count, close, about, shortest_batch_s=0.25, lost=(KilledWorker, CommClosedError))
 
 
 def given(executor: Executor) -> Executors:

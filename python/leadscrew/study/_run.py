@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from .. import _leadscrew as _native
-from ._executors import Executors, given, threads
+from ._executors import SHORTEST_BATCH_S, Executors, given, threads
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -33,8 +33,6 @@ Row: TypeAlias = dict[str, Any]
 #: A function of a study: a row, or several, for a case.
 Function: TypeAlias = Callable[[Mapping[str, Any]], "Row | list[Row]"]
 
-#: A batch takes at least so long, s: what is handed about costs about a millisecond.
-SHORTEST_BATCH_S = 0.05
 #: Batches that come back in a second, at most: the study's process writes a file for each, and Dask's scheduler hands out as many
 #: with ease. Many workers get longer batches.
 MOST_BATCHES_PER_S = 100
@@ -199,7 +197,7 @@ class _Running:
         if not self.measured or self.seconds == 0:
             return 1
         each = self.seconds / self.measured
-        return batch_size(each, left, self.executors.workers())
+        return batch_size(each, left, self.executors.workers(), self.executors.shortest_batch_s)
 
     def _takes(self, batch: list[int], answer: Answer) -> None:
         self.lost = 0
@@ -214,9 +212,9 @@ class _Running:
         self.told(len(batch))
 
 
-def batch_size(each_s: float, left: int, workers: int) -> int:
+def batch_size(each_s: float, left: int, workers: int, shortest_s: float = SHORTEST_BATCH_S) -> int:
     """Cases of a batch, where a case takes so long and so many of them are left for so many workers."""
-    shortest = max(SHORTEST_BATCH_S, workers / MOST_BATCHES_PER_S)
+    shortest = max(shortest_s, workers / MOST_BATCHES_PER_S)
     wanted = max(1, round(2 * shortest / each_s + 0.5))
     fair = max(1, left // (AHEAD * workers))
     return max(min(wanted, fair), round(shortest / each_s + 0.5))

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 /// Where programs, machines, tools and parameters come from.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct ProgramArgs {
-    /// The machine: a name from `leadscrew machine list`, or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "tapping-center")]
-    pub(crate) machine: String,
+    /// The machine: a name from `leadscrew machine list`, or a file [default: tapping-center; `check` looks for one that fits]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) machine: Option<String>,
     /// Tool table: TOML, or LinuxCNC's .tbl [default: tools.toml or tool.tbl beside the program, else the embedded one]
     #[arg(long, value_name = "FILE")]
     pub(crate) tools: Option<PathBuf>,
@@ -37,6 +37,10 @@ pub(crate) struct ProgramArgs {
     /// increments]
     #[arg(long, value_enum)]
     pub(crate) decimal_point: Option<DecimalPoint>,
+    /// What is accepted of programs for other machines, as in --accept unknown-m-codes,no-end; the machine's file may say
+    /// it under [control.programs]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
+    pub(crate) accept: Vec<Accept>,
     /// Leave out blocks that begin with `/` of these levels (1 is `/` alone), as in --block-skip 1,2
     #[arg(long, value_delimiter = ',', value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(1..=9))]
     pub(crate) block_skip: Vec<u8>,
@@ -109,6 +113,8 @@ pub(crate) enum ClutchDwell {
 pub(crate) enum Dialect {
     /// RS-274/NGC as LinuxCNC 2.9 reads it
     Linuxcnc,
+    /// Grbl 1.1 and what took its place: as hobby CAM makes programs and senders stream them
+    Grbl,
     /// Cycles as Brother's tapping centres have them: K repeats, U and E throw chips off
     Brother,
     /// Fanuc's machining centres: custom macro B, least input increments
@@ -121,6 +127,15 @@ pub(crate) enum Dialect {
     FanucLatheC,
     /// The cam grinding words of Toyoda's grinders: G50 to G53, G55, and G01 and G04 in cam mode
     Toyoda,
+}
+
+/// What is accepted of programs for other machines.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Accept {
+    /// M codes that neither the dialect nor the machine's file knows: they have no effect, with a remark for each
+    UnknownMCodes,
+    /// A program without M2 or M30: it ends where its text does
+    NoEnd,
 }
 
 /// What a number without a decimal point counts in Fanuc's dialects.

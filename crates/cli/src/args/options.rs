@@ -1,8 +1,9 @@
 //! From arguments to the plain options that programs are loaded with.
 use super::common::{
-    ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, MissingTools, ProgramArgs, Switch,
-    Tapping, TappingPreset, ToolUnit, WorkSpeedChoice,
+    Accept, ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, MissingTools, ProgramArgs,
+    Switch, Tapping, TappingPreset, ToolUnit, WorkSpeedChoice,
 };
+use control::job::DEFAULT_MACHINE;
 use control::job::options::{self, ProgramOptions};
 use store::{cams::WorkSpeed, machine::Preset, tools::TableUnit};
 
@@ -10,7 +11,8 @@ impl ProgramArgs {
     /// The same without a command line.
     pub(crate) fn options(&self) -> ProgramOptions {
         ProgramOptions {
-            machine: (&self.machine).into(),
+            machine: self.machine.as_deref().unwrap_or(DEFAULT_MACHINE).into(),
+            without_table: false,
             plant: None,
             tools: self.tools.clone(),
             tool_unit: match self.tool_unit {
@@ -36,6 +38,11 @@ impl ProgramArgs {
                 DecimalPoint::Increments => options::DecimalPoint::Increments,
                 DecimalPoint::Calculator => options::DecimalPoint::Calculator,
             }),
+            leaves: interp::Leaves {
+                unknown_codes: self.accept.contains(&Accept::UnknownMCodes),
+                end: self.accept.contains(&Accept::NoEnd),
+                feed: None,
+            },
             block_skip: self.block_skip.clone(),
             subprograms: self.subprograms.clone(),
             cams: self.cams.clone(),
@@ -69,6 +76,7 @@ impl From<Dialect> for interp::Dialect {
     fn from(named: Dialect) -> Self {
         match named {
             Dialect::Linuxcnc => Self::LinuxCnc,
+            Dialect::Grbl => Self::Grbl,
             Dialect::Brother => Self::Brother,
             Dialect::Fanuc => Self::Fanuc,
             Dialect::FanucLatheA => Self::FanucLatheA,

@@ -11,6 +11,10 @@ pub(crate) struct CheckArgs {
     pub(crate) programs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) source: ProgramArgs,
+    /// A table alone: each program with its verdict, how and where it was read, and the first thing wrong; then what was wrong,
+    /// by how many programs have it
+    #[arg(long)]
+    pub(crate) summary: bool,
     /// How findings are printed
     #[arg(long, value_enum, default_value_t = FindingsFormat::Text)]
     pub(crate) format: FindingsFormat,

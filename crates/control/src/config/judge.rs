@@ -1,4 +1,5 @@
 //! What the judge goes by.
+use super::scatter::known_tools;
 use canon::{Position, ToolLibrary};
 use store::machine::{Follows, MachineFile, Material};
 use units::Length;
@@ -22,7 +23,7 @@ pub fn judge(
         work_axis: [zero.linear[0], zero.linear[1]],
         stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
         bar: bar(machine, zero),
-        ..Config::new(tools.clone())
+        ..Config::new(known_tools(tools))
     }
 }
 

@@ -59,7 +59,21 @@ pub fn judged_tools(
     ToolLibrary::new(tools.iter().cloned().map(real))
 }
 
-fn with_diameter(mut tool: Tool, machine: &MachineFile, of: (u64, u32)) -> Tool {
+/// What is really known of tools: of a stand-in nothing, whatever it is planned as.
+pub(super) fn known_tools(tools: &ToolLibrary) -> ToolLibrary {
+    ToolLibrary::new(tools.iter().cloned().map(known))
+}
+
+fn known(tool: Tool) -> Tool {
+    if tool.stand_in {
+        Tool { kind: ToolKind::Other, diameter: Length::ZERO, ..tool }
+    } else {
+        tool
+    }
+}
+
+fn with_diameter(tool: Tool, machine: &MachineFile, of: (u64, u32)) -> Tool {
+    let mut tool = known(tool);
     let number = tool.number;
     let off = || Length::mm(drawn(&machine.scatter.tool_diameter, of, OF_DIAMETER, number));
     match &mut tool.kind {

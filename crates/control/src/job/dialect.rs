@@ -7,6 +7,7 @@ pub fn of(asked: Option<interp::Dialect>, machine: &MachineFile) -> interp::Dial
         Some(asked) => asked,
         None => match machine.control.dialect {
             machine::Dialect::LinuxCnc => interp::Dialect::LinuxCnc,
+            machine::Dialect::Grbl => interp::Dialect::Grbl,
             machine::Dialect::Brother => interp::Dialect::Brother,
             machine::Dialect::Fanuc => interp::Dialect::Fanuc,
             machine::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
@@ -24,6 +25,30 @@ pub fn increments(control: &Control) -> interp::Increments {
         Some(machine::Increments::C) => interp::Increments::C,
         Some(machine::Increments::B) | None => interp::Increments::B,
     }
+}
+
+/// What programs may leave to the machine: asked for, or as its file has it.
+pub fn leaves(asked: interp::Leaves, control: &Control) -> interp::Leaves {
+    let programs = control.programs;
+    interp::Leaves {
+        unknown_codes: asked.unknown_codes || programs.ignores_unknown_codes,
+        end: asked.end || programs.end_with_text,
+        feed: asked.feed.or(programs.feed),
+    }
+}
+
+/// The machine's own M codes.
+pub fn user_codes(codes: &[machine::UserCode]) -> Vec<interp::UserCode> {
+    let code = |code: &machine::UserCode| interp::UserCode {
+        number: code.number,
+        name: code.name.clone(),
+        action: match code.action {
+            machine::UserAction::None => interp::UserAction::None,
+            machine::UserAction::Output(number, on) => interp::UserAction::Output { number, on },
+            machine::UserAction::Wait(time) => interp::UserAction::Wait(time),
+        },
+    };
+    codes.iter().map(code).collect()
 }
 
 /// What `[control.canned]` sets; where it is silent, the dialect decides.

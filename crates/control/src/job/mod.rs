@@ -6,6 +6,7 @@
 //!       subprograms, cams   restart
 //! ```
 pub mod cams;
+mod described;
 pub mod dialect;
 mod live;
 mod operations;

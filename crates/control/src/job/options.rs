@@ -14,6 +14,8 @@ pub struct ProgramOptions {
     pub plant: Option<MachineSource>,
     /// Tool table; `None` is `tools.toml` or `tool.tbl` beside the program, else the built-in one.
     pub tools: Option<PathBuf>,
+    /// The built-in table is none of this program's: its tools are what its comments say, and stand-ins.
+    pub without_table: bool,
     /// Unit of the lengths in a `.tbl`, which does not state it.
     pub tool_unit: TableUnit,
     /// Parameter file with work offsets; `None` is the machine's set-up.
@@ -30,6 +32,8 @@ pub struct ProgramOptions {
     pub dialect: Option<interp::Dialect>,
     /// What a number without a decimal point counts in Fanuc's dialects; `None` is as the machine's file says.
     pub decimal_point: Option<DecimalPoint>,
+    /// What a program may leave to the machine, besides what the machine's file lets it.
+    pub leaves: interp::Leaves,
     /// Levels of `/` whose blocks are left out, 1 to 9.
     pub block_skip: Vec<u8>,
     /// Folders in which subprogram files are looked for, besides the program's own and the machine file's.
@@ -57,6 +61,7 @@ impl ProgramOptions {
             machine: machine.into(),
             plant: None,
             tools: None,
+            without_table: false,
             tool_unit: TableUnit::Millimetre,
             parameters: None,
             inputs: None,
@@ -65,6 +70,7 @@ impl ProgramOptions {
             clutch_dwell: plan::DwellCheck::Refuse,
             dialect: None,
             decimal_point: None,
+            leaves: interp::Leaves::default(),
             block_skip: Vec::new(),
             subprograms: Vec::new(),
             cams: None,

@@ -48,6 +48,13 @@ pub struct Proved {
 /// Interpret a program, with all that has to be known of it before it is planned: stand-ins are added to the session's
 /// tools. Also what is to be said of them.
 pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<Diagnostic>) {
+    if session.missing_tools == MissingTools::StandIn {
+        for tool in super::described::tools(source) {
+            if session.tools.get(tool.number).is_none() {
+                session.tools.insert(tool);
+            }
+        }
+    }
     let setup = session.interp_setup();
     let mut operations = Operations::after(session.before.clone(), source, &setup);
     if session.depends_on_program() {
@@ -237,6 +244,8 @@ fn telling(
 /// Operations between two tellings, and between two looks whether the check has been cancelled.
 const OFTEN: u32 = 1 << 14;
 
+/// Of a program that is for no machine tool.
+const OTHER_MACHINE: &str = "I0910";
 /// Of a program that does not end.
 const NO_END: &str = "I0301";
 
@@ -263,6 +272,9 @@ fn read(
     findings.extend(planner.take_findings());
     findings.extend(table.take());
     add(&mut findings, interp::lint(source, &session.interp_setup()));
+    if findings.iter().any(|finding| finding.code == OTHER_MACHINE) {
+        findings.retain(|finding| finding.code == OTHER_MACHINE);
+    }
     if session.is_subprogram || session.before.is_typed {
         findings.retain(|finding| finding.code != NO_END);
     }
@@ -380,11 +392,19 @@ fn stand_in(session: &mut Session, operations: &Operations) -> Vec<Diagnostic> {
         return Vec::new();
     }
     let mut mounted = 0;
+    let mut called = BTreeSet::new();
     let mut empty_drills = false;
+    let mut leads = BTreeMap::new();
     for op in operations.all() {
-        match op.kind {
-            OpKind::ChangeTool { number } => mounted = number,
+        match &op.kind {
+            OpKind::ChangeTool { number } => {
+                mounted = *number;
+                called.insert(mounted);
+            }
             OpKind::Hole(_) => empty_drills |= mounted == 0,
+            OpKind::Tap(tap) => {
+                leads.entry(mounted).or_insert(tap.lead);
+            }
             _ => {}
         }
     }
@@ -392,20 +412,64 @@ fn stand_in(session: &mut Session, operations: &Operations) -> Vec<Diagnostic> {
     if empty_drills {
         assumed.push(no_tool());
     }
-    let findings = assumed.iter().map(assumption).collect();
+    for tool in &mut assumed {
+        if let (ToolKind::Other, Some(lead)) = (&tool.kind, leads.get(&tool.number)) {
+            tool.kind = ToolKind::Tap(tap_of(*lead));
+        }
+    }
+    let is_said = |tool: &&Tool| {
+        tool.number == 0 || tool.description == "stand-in" || called.contains(&tool.number)
+    };
+    let findings = assumed.iter().filter(is_said).map(assumption).collect();
     for tool in assumed {
         session.tools.insert(tool);
     }
     findings
 }
 
+/// What a tool taps with of which only the programmed lead is known.
+fn tap_of(lead: units::Lead) -> canon::TapTool {
+    canon::TapTool {
+        designation: format!("a thread of {:.3} mm lead", lead.abs().value()),
+        lead,
+        chamfer_pitches: 3.0,
+        thread_length: Length::mm(1000.0),
+        flute: canon::Flute::SpiralFlute,
+        oversize: Length::ZERO,
+        holder: canon::Holder::Rigid { stiffness: units::Stiffness::n_per_mm(20_000.0) },
+    }
+}
+
 fn assumption(tool: &Tool) -> Diagnostic {
     let text = match tool.number {
         0 => "holes are drilled with no tool in the spindle: a stand-in takes its place".to_owned(),
-        n => format!("tool {n} is not in the table: a stand-in of no length takes its place"),
+        n if tool.description == "stand-in" => {
+            format!("tool {n} is not in the table: a stand-in of no length takes its place")
+        }
+        n => format!(
+            "tool {n} is not in the table: a stand-in takes its place, by the program's comment \"{}\" {} of no length",
+            tool.description,
+            described(tool)
+        ),
     };
     Diagnostic::warning("A0101", diag::Span::default(), text)
         .with_help("what it makes is not judged; add the tool to the table for a true answer")
+}
+
+/// What a stand-in was taken for.
+fn described(tool: &Tool) -> String {
+    let kind = match &tool.kind {
+        ToolKind::Drill { .. } => "a drill",
+        ToolKind::SpotDrill { .. } => "a spot drill",
+        ToolKind::EndMill => "a mill",
+        ToolKind::Tap(_) => "a tap",
+        ToolKind::Insert(_) => "an insert",
+        _ => "a tool",
+    };
+    match tool.diameter.value() {
+        diameter if diameter > 0.0 => format!("{kind} of {diameter:.4} mm,"),
+        _ => kind.to_owned(),
+    }
 }
 
 /// What an empty spindle drills with.

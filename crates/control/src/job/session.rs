@@ -25,6 +25,8 @@ const LAG_SHARE: f64 = 0.8;
 
 /// Number of the parameter that holds X of the work offset G54.
 const G54: usize = 5221;
+/// How far the numbers of one work offset are from those of the next.
+const OFFSETS_APART: usize = 20;
 
 /// Everything that is loaded before a program is read.
 pub struct Session {
@@ -55,6 +57,7 @@ pub struct Session {
     /// The axes are driven without their feed-forward.
     without_feed_forward: bool,
     decimal_point: Option<DecimalPoint>,
+    leaves: interp::Leaves,
     block_skip: Vec<u8>,
     has_parameter_file: bool,
     /// Where the machine stands and which tool it holds, if it was not switched on just now.
@@ -91,12 +94,16 @@ impl Session {
             load_inputs(path, &mut machine)?;
         }
         let plant = options.plant.as_ref().map(|plant| plant_of(plant, &machine)).transpose()?;
-        let (tools, tools_from, table, bytes) =
+        let dialect = dialect::of(options.dialect, &machine);
+        let (mut tools, mut tools_from, table, bytes) =
             tools(options.tools.as_deref(), options.tool_unit, program)?;
+        let mut missing_tools = options.missing_tools;
+        if table.is_none() && (options.without_table || dialect == interp::Dialect::Grbl) {
+            (tools, tools_from) = (ToolLibrary::default(), "the program".into());
+            missing_tools = interp::MissingTools::StandIn;
+        }
         let machine_text = crate::config::machine_file::text(&options.machine)?;
         let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
-        let missing_tools = options.missing_tools;
-        let dialect = dialect::of(options.dialect, &machine);
         let cams = CamSetup::load(options, program, &machine)?;
         let mut session = Self {
             cams,
@@ -123,6 +130,7 @@ impl Session {
             before: Before::default(),
             dialect,
             decimal_point: options.decimal_point,
+            leaves: options.leaves,
             block_skip: options.block_skip.clone(),
         };
         session.cams.recall(&session.machine)?;
@@ -231,12 +239,8 @@ impl Session {
             missing_tools: self.missing_tools,
             parameters: self.parameters.clone(),
             subprograms: self.drawn.iter().map(|drawn| drawn.sub.clone()).collect(),
-            user_codes: self
-                .machine
-                .user_codes
-                .iter()
-                .map(|(number, name)| interp::UserCode { number: *number, name: name.clone() })
-                .collect(),
+            user_codes: dialect::user_codes(&self.machine.user_codes),
+            leaves: dialect::leaves(self.leaves, &self.machine.control),
             start,
             ..interp::Setup::default()
         }
@@ -394,8 +398,14 @@ fn parameters(named: Option<&Path>, machine: &MachineFile) -> Result<interp::Par
         }
         return Ok(parameters);
     }
-    for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
-        parameters.set(G54 + axis.index(), machine.setup.g54.along(axis).value());
+    let setup = &machine.setup;
+    let zeros = std::iter::once(Some(&setup.g54)).chain(setup.more.iter().map(Option::as_ref));
+    for (at, zero) in zeros.enumerate() {
+        let Some(zero) = zero else { continue };
+        for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
+            let number = G54 + OFFSETS_APART * at + axis.index();
+            parameters.set(number, zero.along(axis).value());
+        }
     }
     Ok(parameters)
 }

@@ -9,6 +9,7 @@
 //! crate asks which dialect is read: it asks for the rule.
 pub(crate) mod brother;
 pub(crate) mod fanuc;
+pub(crate) mod grbl;
 pub(crate) mod linuxcnc;
 pub(crate) mod rules;
 pub(crate) mod toyoda;
@@ -34,14 +35,17 @@ pub enum Dialect {
     FanucLatheB,
     /// Fanuc's lathes, G code system C.
     FanucLatheC,
+    /// Grbl 1.1, `grblHAL` and `FluidNC`: programs as hobby CAM and senders make them.
+    Grbl,
     /// The same core with the cam grinding words of Toyoda's grinders: G50 to G53 and G55, and in cam mode G01 and G04.
     Toyoda,
 }
 
 impl Dialect {
     /// All of them, the shared language first.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::LinuxCnc,
+        Self::Grbl,
         Self::Brother,
         Self::Toyoda,
         Self::Fanuc,
@@ -51,14 +55,15 @@ impl Dialect {
     ];
 
     /// Those that a program's words can tell apart, the rarer words first.
-    pub(crate) const BY_RARITY: [Self; 5] =
-        [Self::Brother, Self::Toyoda, Self::Fanuc, Self::FanucLatheA, Self::LinuxCnc];
+    pub(crate) const BY_RARITY: [Self; 6] =
+        [Self::Brother, Self::Toyoda, Self::Fanuc, Self::FanucLatheA, Self::LinuxCnc, Self::Grbl];
 
     /// What it has of its own.
     pub(crate) const fn rules(self) -> &'static Rules {
         match self {
             Self::LinuxCnc => &linuxcnc::RULES,
             Self::Brother => &brother::RULES,
+            Self::Grbl => &grbl::RULES,
             Self::Fanuc => &fanuc::rules::MILL,
             Self::FanucLatheA => &fanuc::rules::LATHE_A,
             Self::FanucLatheB => &fanuc::rules::LATHE_B,

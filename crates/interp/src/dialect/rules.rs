@@ -55,6 +55,16 @@ pub(crate) struct Rules {
     pub(crate) keeps_speed: bool,
     /// In cam mode G1 X grinds, and G4 sparks out.
     pub(crate) grinds_by_feed: bool,
+    /// A program ends where its text does, whether M2 or M30 stands there or not.
+    pub(crate) ends_with_text: bool,
+    /// G0 is in force where a program begins.
+    pub(crate) begins_rapidly: bool,
+    /// M4 with S is a laser's power that follows the speed.
+    pub(crate) has_laser: bool,
+    /// Letters that may stand where no code takes them: they have no effect there.
+    pub(crate) idle: Letters,
+    /// R may be too short by so much to reach an arc's end, mm and inches.
+    pub(crate) short_radius: [f64; 2],
     /// Reading a block stops at the first word that is not understood.
     pub(crate) reads_up_to_fault: bool,
 }
@@ -101,6 +111,7 @@ pub(crate) struct OwnCode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     LinuxCnc,
+    Grbl,
     Brother,
     Toyoda,
     /// All of Fanuc's.

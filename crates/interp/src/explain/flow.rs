@@ -104,6 +104,20 @@ pub(super) const ROWS: &[Finding] = &[
         "T1 M6\nG1 X1 F100\nG41 X20\nX30\nM70\nG40\nG1 X50\nM72",
         "T1 M6\nM70\nG1 X1 F100\nG41 X20\nX30\nG40\nG1 X50\nM72",
     ),
+    row(
+        "I0323",
+        "The program ends where its text does: a remark where the dialect or the machine lets M2 and M30 be missing.",
+        "G0 X1 (no end)",
+        "G0 X1\nM2",
+    )
+    .of(crate::Dialect::Grbl),
+    row(
+        "I0324",
+        "A move without F goes with the feed that the machine's file says (`feed_mm_per_min` under `[control.programs]`).",
+        "G1 X5",
+        "G1 X5 F100",
+    )
+    .of(crate::Dialect::Grbl),
     row("I0401", "G53 goes with G0 and G1 only.", "G53 G2 X5 I2 F100", "G53 G0 X5"),
     row("I0402", "A feed is not negative.", "F-100", "F100"),
     row("I0403", "F is read in the units before its block.", "G20 G1 X1 F10", "G20\nG1 X1 F10"),
@@ -152,6 +166,13 @@ pub(super) const ROWS: &[Finding] = &[
     row("I0416", "An arc with R needs its end.", "F100\nG2 R5", "F100\nG2 I5"),
     row("I0417", "An arc with R cannot be a full circle.", "F100\nG2 X0 Y0 R5", "F100\nG2 I5"),
     row("I0418", "The radius is too small to reach the end.", "F100\nG2 X10 R4", "F100\nG2 X10 R5"),
+    row(
+        "I0419",
+        "An arc without centre and radius goes straight, as the dialect's controls do.",
+        "O1\nG1 X5. F100.\nG2 X10. Y5.\nM30",
+        "O1\nG1 X5. F100.\nG2 X10. Y5. R5.\nM30",
+    )
+    .of(crate::Dialect::Fanuc),
     row(
         "I0420",
         "G33 moves linear axes.",

@@ -155,4 +155,10 @@ pub(super) const ROWS: &[Finding] = &[
         "O1000\n#1=10\nG65 P9100 A#1\nM30",
         "o<hole> sub\nG0 X#1\no<hole> endsub\n#1=10\no<hole> call [#1]\nM30",
     ),
+    row(
+        "I0910",
+        "The program is for a 3D printer: nothing else of it was read.",
+        "M140 S60\nM104 S200\nG1 X5 E1 F500",
+        "G1 X5 F500",
+    ),
 ];

@@ -16,12 +16,12 @@ mod words;
 
 use crate::{
     dialect::Dialect,
-    setup::{Limits, Setup},
+    setup::{Leaves, Limits, Setup},
 };
 pub use finding::Finding;
 
 use canon::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};
-use units::{Lead, Length, Stiffness};
+use units::{Lead, Length, Speed, Stiffness};
 
 /// All of them, by rising code.
 pub fn findings() -> impl Iterator<Item = &'static Finding> {
@@ -73,6 +73,11 @@ pub fn example_setup(dialect: Dialect) -> Setup {
             tool(1, 100.0, 10.0, ToolKind::EndMill),
             tool(2, 120.0, 6.0, ToolKind::Tap(tap)),
         ]),
+        leaves: Leaves {
+            unknown_codes: dialect == Dialect::Grbl,
+            feed: (dialect == Dialect::Grbl).then_some(Speed::mm_per_min(500.0)),
+            end: false,
+        },
         limits: Limits { blocks: 20_000, names: 100, ..Limits::default() },
         ..Setup::default()
     }

@@ -100,5 +100,12 @@ pub(super) const ROWS: &[Finding] = &[
     row("P0193", "A line ends in the middle.", "G0 X1\rG0 X2", "G0 X1\nG0 X2"),
     row("P0194", "A comment is not UTF-8: its other characters are shown as a mark.", "", ""),
     row("P0195", "The file is larger than 4 GiB.", "", ""),
+    row(
+        "P0196",
+        "A line is for a sender, its controller or a simulator, and is left out.",
+        "$H\nG0 X1",
+        "G0 X1",
+    )
+    .of(crate::Dialect::Grbl),
     row("P0199", "There are more findings than are shown.", "", ""),
 ];

@@ -46,4 +46,18 @@ pub(super) const ROWS: &[Finding] = &[
         "M101",
         "M0 (clamp the vice)",
     ),
+    row(
+        "I0646",
+        "An M code of the machine builder's has no effect here: a remark where such codes are accepted. Said once for each.",
+        "M31",
+        "M0 (chip conveyor on)",
+    )
+    .of(crate::Dialect::Grbl),
+    row(
+        "I0647",
+        "M4 of a program that was made for a laser turns a spindle counter-clockwise here.",
+        "M4 S1000\nG1 X5 F500",
+        "M3 S1000\nG1 X5 F500",
+    )
+    .of(crate::Dialect::Grbl),
 ];

@@ -34,6 +34,13 @@ pub(super) const ROWS: &[Finding] = &[
         "S500 M3\nG0 Z5\nG76 X3 P1 Z-9 I-1 J0.1 K0.5",
         "G18 S500 M3\nG0 Z5\nG76 P1 Z-9 I-1 J0.1 K0.5",
     ),
+    row(
+        "I0113",
+        "A word that no code of its block takes is left out, as the dialect's controls do. Said once for each letter.",
+        "O1\nT1 M6\nS500 M3\nF100.\nG81 X1. Z-5. R2. Q1.\nM30",
+        "O1\nT1 M6\nS500 M3\nF100.\nG81 X1. Z-5. R2.\nM30",
+    )
+    .of(crate::Dialect::Fanuc),
     row("I0201", "A value is not finite.", "G0 X[10**400]", "G0 X[10**2]"),
     row("I0202", "A negative number has no such power.", "G0 X[[0-8]**0.5]", "G0 X[8**0.5]"),
     row("I0203", "Something is divided by zero.", "G0 X[1/#5]", "#5=2\nG0 X[1/#5]"),

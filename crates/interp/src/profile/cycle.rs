@@ -110,7 +110,9 @@ pub(crate) fn cut_profile<S: Sink>(
         ProfileOrder::Along => Ok(recording.with_feeds(start)),
         ProfileOrder::Shifted { across, shift, how } => {
             let from = plus(start, shift);
-            let strokes = roughed(from, &profile.shifted(shift), across, 0.0, how)?;
+            let shape = recording.without_withdrawal(profile, across).shifted(shift);
+            let strokes = roughed(from, &shape, across, 0.0, how)
+                .map_err(|why| why.shifted(times(shift, -1.0)))?;
             let back = (!strokes.is_empty()).then_some(Stroke::Rapid(start));
             Ok(strokes.into_iter().chain(back).collect())
         }
@@ -204,7 +206,8 @@ fn finish(
     let mut strokes = Vec::new();
     for pass in 1..=passes {
         let left = f64::from(passes - pass) / f64::from(passes);
-        let beside = parallel(&profile, side * (last + left * (first - last)))?;
+        let beside = parallel(&profile, side * (last + left * (first - last)))
+            .map_err(|why| why.seen_from(facing))?;
         strokes.extend([Stroke::Rapid(start), Stroke::Rapid(beside.begin)]);
         strokes.extend(beside.strokes());
     }
@@ -237,7 +240,9 @@ fn roughed(
     let profile = profile.seen(facing);
     let start = facing.to(start);
     let start = [start[0].min(profile.begin[0]), start[1]];
-    let profile = parallel(&profile, profile.side_of(start) * leave)?.parted()?;
+    let profile = parallel(&profile, profile.side_of(start) * leave)
+        .and_then(|profile| profile.parted())
+        .map_err(|why| why.seen_from(facing))?;
     let lowest = profile.ways.iter().map(|way| way.to[1]).fold(profile.begin[1], f64::min);
     if (start[1] - lowest) / how.step > MAX_PASSES {
         return Ok(Vec::new());

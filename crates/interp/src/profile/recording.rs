@@ -26,6 +26,8 @@ pub(crate) struct Recording {
     pub(crate) motion: Motion,
     pub(crate) begin: Option<Flat>,
     pub(crate) moves: Vec<(Way, Corner)>,
+    /// Its last move is a rapid one.
+    pub(crate) ends_rapidly: bool,
     /// F of the moves that have one.
     pub(crate) feeds: Vec<(usize, f64)>,
     /// G40, G41 and G42, each with how many moves stand before it, the one to the begin among them.
@@ -47,6 +49,7 @@ impl Recording {
             motion: Motion::Feed,
             begin: None,
             moves: Vec::new(),
+            ends_rapidly: false,
             feeds: Vec::new(),
             sides: Vec::new(),
             warned: false,
@@ -99,7 +102,20 @@ impl Recording {
         strokes
     }
 
+    /// The shape that is roughed: a rapid move at the end that leads back along the passes' way only takes the tool away.
+    pub(crate) fn without_withdrawal(&self, mut shape: Profile, across: bool) -> Profile {
+        let axis = usize::from(across);
+        if let [.., before, last] = &shape.ways[..]
+            && self.ends_rapidly
+            && (before.to[axis] - shape.begin[axis]) * (last.to[axis] - last.from[axis]) < 0.0
+        {
+            shape.ways.pop();
+        }
+        shape
+    }
+
     pub(crate) fn go(&mut self, way: Way, corner: Corner) {
+        self.ends_rapidly = self.motion == Motion::Rapid;
         if self.begin.is_none() {
             self.begin = Some(if way.circle.is_some() { way.from } else { way.to });
             if way.circle.is_none() {

@@ -4,6 +4,10 @@ use crate::offset_curve::{Flat, Way, length, minus, plus, turn_rad};
 /// Two heights nearer than this are one.
 pub(crate) const NEAR: f64 = 1e-6;
 
+/// What programs round their coordinates to, and that as a share of an arc's radius.
+const ROUNDING: f64 = 0.005;
+const ROUNDING_SHARE: f64 = 1e-3;
+
 /// What the tool's tip is to go along.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Profile {
@@ -36,6 +40,26 @@ pub(crate) enum Unfit {
     Corner(f64, Flat),
     /// The parallel profile at this distance has no room here.
     Parallel(f64, Flat),
+}
+
+impl Unfit {
+    /// What was found in a frame, said of the workpiece.
+    pub(crate) fn seen_from(self, facing: Facing) -> Self {
+        self.at(|point| facing.back(point))
+    }
+
+    /// Said of a profile that lies beside the one in which it was found.
+    pub(crate) fn shifted(self, by: Flat) -> Self {
+        self.at(|point| plus(point, by))
+    }
+
+    fn at(self, place: impl Fn(Flat) -> Flat) -> Self {
+        match self {
+            Self::Back(point) => Self::Back(place(point)),
+            Self::Corner(size, point) => Self::Corner(size, place(point)),
+            Self::Parallel(distance, point) => Self::Parallel(distance, place(point)),
+        }
+    }
 }
 
 /// From [Z, X] to [u, v].
@@ -108,7 +132,13 @@ impl Profile {
             let radius = length(minus(way.from, centre));
             let inside = |point: Flat| way.reaches(point).filter(|_| strictly(point, way));
             let ends = [-radius, radius].map(|r| [centre[0] + r, centre[1]]);
-            if let Some(turn) = ends.into_iter().find(|end| inside(*end).is_some()) {
+            // the arc of a tangent begin or end turns back by what its numbers are rounded
+            let rounding = ROUNDING.min(radius * ROUNDING_SHARE);
+            let is_rounding = |turn: Flat| {
+                [way.from, way.to].iter().any(|end| (turn[0] - end[0]).abs() < rounding)
+            };
+            let turns_back = |end: &Flat| inside(*end).is_some() && !is_rounding(*end);
+            if let Some(turn) = ends.into_iter().find(turns_back) {
                 return Err(Unfit::Back(turn));
             }
             let mut tops: Vec<_> = [-radius, radius]

@@ -16,6 +16,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "A0105",
         "A called tool has been used as much as its `life` in the tool table allows: a remark, or an error where it says `at_limit = \"refuse\"`.",
     ),
+    (
+        "A0106",
+        "`check` was told no machine: how the program is read, on which built-in machine, and which of its words say so.",
+    ),
     ("A0201", "A lift table makes no cam: the row and what is wrong with it are said."),
     ("A0401", "The oscillation that D asks of the control cannot be computed; why is said."),
     ("A0402", "The kept measurement that E1 asks for is not there; how to measure is said."),

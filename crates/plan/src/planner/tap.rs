@@ -112,6 +112,19 @@ impl Planner {
             self.findings.add(finding);
             return None;
         };
+        if tool.stand_in {
+            // its size, flutes and hole are not known: nothing of it is judged
+            let room = Length::mm(tap_tool.lead.abs().value());
+            let cut = Torque::ZERO;
+            return Some(Means {
+                inward,
+                outward,
+                turning: spindle,
+                cut,
+                room,
+                spindle_accel: None,
+            });
+        }
         let hole = self.drilled_hole(tap, tool);
         let pressure = self.options.cutting_pressure_n_per_mm2;
         let cut = cutting_torque(tool, tap_tool, hole.map(|h| h.diameter), pressure);

@@ -1,7 +1,7 @@
 //! The control: its clock, what follows what, how long it waits, and the tool changer.
 use super::setup::percent;
 use crate::keys::Keys;
-use units::{Angle, Length, Spin, Time};
+use units::{Angle, Length, Speed, Spin, Time};
 
 /// The control.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Control {
     pub dialect: Dialect,
     /// What Fanuc's parameters set, in its dialects; as most machines have it, if not stated.
     pub fanuc: Option<Fanuc>,
+    /// What programs may leave to the machine.
+    pub programs: Programs,
     /// Where a drilling cycle's depth is measured from; as the dialect has it, if not stated.
     pub cycle_depth: Option<CycleDepth>,
     /// Chip removal in cycles whose blocks do not say it, if stated.
@@ -71,6 +73,8 @@ pub enum Dialect {
     FanucLatheC,
     /// Z and R from the initial level, chip removal words.
     Brother,
+    /// Grbl and its kin.
+    Grbl,
     /// Cam grinding words.
     Toyoda,
 }
@@ -84,6 +88,30 @@ pub struct Fanuc {
     pub calculator: bool,
     /// `stroke_check = "outside"`: what G22 forbids is outside of its box.
     pub stroke_check_outside: bool,
+}
+
+/// What programs may leave to the machine: `[control.programs]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Programs {
+    /// `unknown_m_codes = "ignored"`: M codes that neither dialect nor `[user_codes]` know have no effect.
+    pub ignores_unknown_codes: bool,
+    /// `end = "text"`: a program may lack M2 and M30.
+    pub end_with_text: bool,
+    /// What moves without F go with.
+    pub feed: Option<Speed>,
+}
+
+impl Programs {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let codes = [("refused", false), ("ignored", true)];
+        let ends = [("code", false), ("text", true)];
+        let feed = keys.optional("feed_mm_per_min", 0.001..=1e6);
+        Self {
+            ignores_unknown_codes: keys.optional_choice("unknown_m_codes", &codes).unwrap_or(false),
+            end_with_text: keys.optional_choice("end", &ends).unwrap_or(false),
+            feed: feed.map(Speed::mm_per_min),
+        }
+    }
 }
 
 /// Fanuc's increment systems: 0.01, 0.001 and 0.0001 mm.
@@ -241,10 +269,12 @@ impl Control {
                     ("fanuc-lathe-b", Dialect::FanucLatheB),
                     ("fanuc-lathe-c", Dialect::FanucLatheC),
                     ("brother", Dialect::Brother),
+                    ("grbl", Dialect::Grbl),
                     ("toyoda", Dialect::Toyoda),
                 ],
             ),
             fanuc: keys.optional_section("fanuc", Fanuc::read),
+            programs: keys.optional_section("programs", Programs::read).unwrap_or_default(),
             cycle_depth: canned.and_then(|canned| canned.depth),
             chip_removal: canned.and_then(|canned| canned.chips),
             boring_aside: canned.and_then(|canned| canned.aside),

@@ -12,7 +12,7 @@
 //!   [grinding]     a cam grinder's wheel, its wear, what it costs to cut           ─► sim, forms
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [inputs]       which it has, by number and name; [outputs], [probe]         ─► plan
-//!   [user_codes]   M100 to M199: what each does                                 ─► interp
+//!   [user_codes]   M codes of its own: what each does                               ─► interp
 //!   [simulation]   substep, seed, what differs from all this                      ─► sim
 //!   [scatter]      how each value varies: machines, workpieces, holes             ─► sim
 //! ```
@@ -48,6 +48,7 @@ mod setup;
 mod signals;
 mod spindle;
 mod tapping;
+mod user_code;
 
 pub(crate) use axis::n_per_um;
 pub use axis::{
@@ -68,6 +69,7 @@ pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
+pub use user_code::{UserAction, UserCode};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;
@@ -112,12 +114,12 @@ pub struct MachineFile {
     pub outputs: Names,
     /// Its probe input; `None`: it has none.
     pub probe: Option<ProbeInput>,
-    /// The machine's own M codes by number, and what they do.
-    pub user_codes: Vec<(u16, String)>,
+    /// The machine's own M codes, and what they do.
+    pub user_codes: Vec<UserCode>,
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 12] = [
+pub const EMBEDDED: [&str; 15] = [
     "tapping-center",
     "polygon-lathe",
     "lathe",
@@ -130,6 +132,9 @@ pub const EMBEDDED: [&str; 12] = [
     "bench-xyz",
     "bench-xyz-jerk20",
     "mill-5-axis",
+    "machining-center",
+    "router",
+    "turning-center",
 ];
 
 /// The text of an embedded machine's file.
@@ -145,6 +150,9 @@ pub fn embedded(name: &str) -> Option<&'static str> {
             Some(include_str!("../../../../machines/tapping-center-shop.toml"))
         }
         "vfd-mill" => Some(include_str!("../../../../machines/vfd-mill.toml")),
+        "machining-center" => Some(include_str!("../../../../machines/machining-center.toml")),
+        "router" => Some(include_str!("../../../../machines/router.toml")),
+        "turning-center" => Some(include_str!("../../../../machines/turning-center.toml")),
         "cam-grinder" => Some(include_str!("../../../../machines/cam-grinder.toml")),
         "cam-grinder-coarse" => Some(include_str!("../../../../machines/cam-grinder-coarse.toml")),
         "gear-hobber" => Some(include_str!("../../../../machines/gear-hobber.toml")),
@@ -223,9 +231,7 @@ impl MachineFile {
             inputs: keys.optional_section("inputs", Names::read).unwrap_or_default(),
             outputs: keys.optional_section("outputs", Names::read).unwrap_or_default(),
             probe: keys.optional_section("probe", ProbeInput::read),
-            user_codes: keys
-                .optional_section("user_codes", |k| k.texts(user_code))
-                .unwrap_or_default(),
+            user_codes: keys.optional_section("user_codes", UserCode::read).unwrap_or_default(),
         };
         file.refuse_contradictions(keys);
         file
@@ -291,12 +297,6 @@ impl MachineFile {
             keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));
         }
     }
-}
-
-/// `M101` of `[user_codes]`.
-fn user_code(key: &str) -> Option<u16> {
-    let number = key.strip_prefix('M')?.parse().ok()?;
-    (100..=199).contains(&number).then_some(number)
 }
 
 /// `[axes.x]` … `[axes.w]`, whichever are there.

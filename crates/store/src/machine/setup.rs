@@ -18,6 +18,8 @@ pub(super) fn percent(keys: &mut Keys<'_>, key: &'static str, bounds: RangeInclu
 pub struct Setup {
     /// Work offset G54 that is in force when a program begins, in machine coordinates.
     pub g54: Position,
+    /// Those of G55 to G59, which are zero where they are not stated.
+    pub more: [Option<Position>; 5],
     /// The workpiece.
     pub stock: Stock,
     /// Holes that it has already, from its surface.
@@ -188,15 +190,19 @@ impl Material {
 impl Setup {
     pub(super) fn read(keys: &mut Keys<'_>) -> Self {
         Self {
-            g54: keys.section("g54", |k| {
-                let mut at = |key| k.number(key, -FARTHEST_MM..=FARTHEST_MM);
-                Position::xyz(at("x_mm"), at("y_mm"), at("z_mm"))
-            }),
+            g54: keys.section("g54", zero),
+            more: ["g55", "g56", "g57", "g58", "g59"].map(|key| keys.optional_section(key, zero)),
             stock: keys.section("stock", Stock::read),
             holes: rounds(keys, "holes", "depth_mm"),
             bosses: rounds(keys, "bosses", "height_mm"),
         }
     }
+}
+
+/// A work offset.
+fn zero(keys: &mut Keys<'_>) -> Position {
+    let mut at = |key| keys.number(key, -FARTHEST_MM..=FARTHEST_MM);
+    Position::xyz(at("x_mm"), at("y_mm"), at("z_mm"))
 }
 
 /// `[[setup.holes]]` and `[[setup.bosses]]`, if there are any.

@@ -15,6 +15,21 @@ use super::usual_tap;
 use canon::{Flute, Hand, Insert, InsertPoint, PolygonCutter, ThreadSize, ToolKind, TouchProbe};
 use units::{Angle, Length};
 
+/// A tool as its comment names it.
+#[derive(Debug, PartialEq)]
+pub struct ToolComment {
+    /// What it is.
+    pub kind: ToolKind,
+    /// The thread's nominal diameter, or the one number followed by "mm".
+    pub diameter: Option<Length>,
+}
+
+/// What a comment such as "6 mm end mill" says a tool is.
+pub fn named(comment: &str) -> ToolComment {
+    let Understood { kind, diameter, .. } = understand(comment);
+    ToolComment { kind, diameter }
+}
+
 /// What a comment says.
 #[derive(Debug, PartialEq)]
 pub(super) struct Understood {

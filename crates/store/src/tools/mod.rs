@@ -38,6 +38,7 @@ mod table;
 mod tbl;
 mod write;
 
+pub use comment::{ToolComment, named};
 pub use tbl::{TableLine, TableUnit, to_tbl};
 pub use write::to_toml;
 

@@ -40,8 +40,11 @@ impl Fanuc {
             let text = "G45 to G48 lengthen an arc by I, J and K: R cannot be used with them";
             return refuse("I1058", span, text);
         }
-        ex.words.take(b'D');
-        let number = self.kept.last(b'D');
+        let (radius, height) = (ex.words.take(b'D'), ex.words.take(b'H'));
+        let number = match (radius, height) {
+            (None, Some(number)) => number,
+            _ => self.kept.last(b'D'),
+        };
         let Some(tool) = near_whole(number).and_then(|n| u32::try_from(n).ok()) else {
             let text = format!("expected the number of an offset after D, found {number}");
             return refuse("I1058", span, text);

@@ -17,6 +17,7 @@
 #![allow(clippy::match_same_arms)] // a row of a table each
 #![allow(clippy::large_types_passed_by_value)] // a macro's variables move into its call
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
+mod accepted;
 mod arguments;
 mod calls;
 mod catalogue;
@@ -260,6 +261,11 @@ impl Fanuc {
             Some(corner) => self.cornered(it, corner, out)?,
             None if it.executor.recording.is_some() => {
                 record::record(&mut it.executor, out)?;
+                if let (Some(arc), Some(recording)) =
+                    (self.once.straight, it.executor.recording.as_mut())
+                {
+                    recording.go_on_with(arc);
+                }
                 return Ok((Then::Next, After::Next));
             }
             None => self.move_block(&mut it.executor, moves, out)?,
@@ -316,6 +322,9 @@ impl Fanuc {
         }
         if !plain {
             ex.modes.motion = motion;
+        }
+        if let Some(arc) = self.once.straight {
+            ex.modes.motion = arc;
         }
         if let Some(checked) = checked {
             self.at_reference(ex, checked)?;

@@ -27,7 +27,15 @@ impl Fanuc {
             b'G' => code(said).is_some(),
             _ => false,
         };
+        // an arc without its circle is another matter
+        let named = self.said.iter().find_map(|said| code(said).filter(|code| *code <= 30));
+        let is_arc = match named {
+            Some(code) => matches!(code, 20 | 30),
+            None => !matches!(ex.modes.motion, Motion::Rapid | Motion::Feed),
+        };
+        let has_circle = self.said.iter().any(|said| matches!(said.letter, b'I'..=b'K' | b'R'));
         motion
+            && (has_circle || !is_arc)
             && self.kind == Kind::Mill
             && self.surface.is_none()
             && self.called.is_none()

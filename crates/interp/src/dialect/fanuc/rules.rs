@@ -1,5 +1,6 @@
 //! Fanuc's controls in the shared language: what they differ in once the front end has read their words.
 use crate::{
+    codes::set,
     dialect::fanuc::kind::Kind,
     dialect::linuxcnc,
     dialect::rules::{Family, FrontEndKind, Rules, StartUp},
@@ -23,6 +24,8 @@ pub(crate) const MILL: Rules = Rules {
     keeps_speed: true,
     keeps_levels: true,
     reads_up_to_fault: true,
+    idle: set("DHPQ"),
+    short_radius: [0.005, 0.0002],
     ..linuxcnc::RULES
 };
 

@@ -94,6 +94,8 @@ pub(super) struct Once {
     pub(super) stroke_check: bool,
     /// G45 to G48.
     pub(super) longer: i8,
+    /// The arc in force has no centre, and the block goes straight.
+    pub(super) straight: Option<Motion>,
     /// W stands for Z.
     pub(super) by_w: bool,
     /// G54.1: the work offset.

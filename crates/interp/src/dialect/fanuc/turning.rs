@@ -31,6 +31,7 @@ use crate::{
     refused,
 };
 use canon::Plane;
+use diag::Diagnostic;
 
 /// More repetitions of a pattern than this are a slip of the pen.
 const MAX_TIMES: u32 = 1_000;
@@ -86,12 +87,19 @@ impl Fanuc {
         }
         let threads = matches!(code, 34 | 76);
         let beside = |said: &&Said| match said.letter {
+            letter if code == 70 && !takes(code).contains(&letter) => false,
             b'F' => !threads,
             b'G' => said.value != f64::from(own),
             letter => b"STM".contains(&letter),
         };
         let idle = said.iter().find(|said| !takes(code).contains(&said.letter));
-        if let Some(idle) = idle {
+        if let Some(idle) = idle.filter(|_| code == 70) {
+            let text = format!("{} has no effect in G{own}, and is left out", idle.letter as char);
+            let remark = Diagnostic::warning("I0113", idle.span, text).with_help(
+                "a profile is finished as it is: the words of its roughing are none of G70's",
+            );
+            it.executor.remarks.push(remark);
+        } else if let Some(idle) = idle {
             let text = format!("{} has no effect in G{own}", idle.letter as char);
             return refuse("I0110", idle.span, text);
         }

@@ -195,6 +195,7 @@ impl Fanuc {
         if !(sense.dwell || sense.set_offset) {
             self.map(ex, sense.cycle)?;
         }
+        self.accept(ex, &sense)?;
         self.complete(ex, &sense)?;
         self.numbers(ex, &sense, p, l, start)
     }
@@ -243,6 +244,11 @@ impl Fanuc {
                 },
                 b'M' => match near_whole(word.value) {
                     Some(98 | 99 | 198) => {}
+                    // T has changed the tool
+                    Some(6) if self.is_lathe() && said.iter().any(|s| s.letter == b'T') => {}
+                    _ if ex.words.is_own_m(word.value) && !is_shared_m_word(word.value) => {
+                        ex.words.take_own_m(word.value, span)?;
+                    }
                     Some(number @ 0..=60) if is_shared_m(number as u16) => {
                         ex.words.take_m(word.value, span)?;
                     }
@@ -354,6 +360,11 @@ impl Fanuc {
         );
         ex.remarks.push(Diagnostic::warning("I1023", word.span, text).with_help(help));
     }
+}
+
+/// Whether an M word is one of the shared language.
+fn is_shared_m_word(value: f64) -> bool {
+    near_whole(value).and_then(|number| u16::try_from(number).ok()).is_some_and(is_shared_m)
 }
 
 /// The one sentence for a lead that is missing.

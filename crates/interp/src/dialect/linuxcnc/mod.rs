@@ -29,5 +29,10 @@ pub(crate) const RULES: Rules = Rules {
     keeps_speed: false,
     keeps_levels: false,
     grinds_by_feed: false,
+    ends_with_text: false,
+    begins_rapidly: false,
+    has_laser: false,
+    idle: 0,
+    short_radius: [0.00127, 0.00005],
     reads_up_to_fault: false,
 };

@@ -1,0 +1,178 @@
+//! How a program is read, and on which machine, where neither is named: what its own words tell.
+//!
+//! ```text
+//!   words of another dialect ──► that dialect, and the first built-in machine of its kind that is large enough
+//!   words of a lathe, no Y    ──► a lathe
+//!   else                      ──► the default machine; what it is too small for is told, with one that is not
+//! ```
+use crate::args::CheckArgs;
+use control::Refused;
+use control::job::options::ProgramOptions;
+use control::job::preflight;
+use control::job::{DEFAULT_MACHINE, Session};
+use diag::{Diagnostic, Span};
+use interp::Dialect;
+use std::path::Path;
+
+/// Built-in machines that mill, the smallest first; then those for polygons, cams and gears.
+const MILLS: [&str; 7] = [
+    DEFAULT_MACHINE,
+    "machining-center",
+    "router",
+    "mill-5-axis",
+    "polygon-lathe",
+    "cam-grinder",
+    "gear-hobber",
+];
+/// Those for hobby programs.
+const ROUTERS: [&str; 3] = ["router", "machining-center", "mill-5-axis"];
+/// Those that turn.
+const LATHES: [&str; 2] = ["lathe", "turning-center"];
+/// Findings that another machine would not have: travel, feed, an axis, the speed of the spindle, taps, the pocket; spindles
+/// for polygons, cams and gears.
+const OF_THE_MACHINE: [&str; 10] =
+    ["M0301", "M0303", "M0305", "M0308", "M0317", "M0321", "M0401", "M0411", "M0431", "A0403"];
+
+/// A program on the machine that was found for it.
+pub(crate) struct Fitted {
+    /// It.
+    pub(crate) session: Session,
+    /// Everything that is wrong.
+    pub(crate) found: Vec<Diagnostic>,
+    /// The machine.
+    pub(crate) machine: String,
+    /// A machine that would be large enough.
+    pub(crate) hint: Option<String>,
+}
+
+/// Judge a program as it is asked for, or as its words tell.
+pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted, Refused> {
+    let asked = args.source.options();
+    if args.source.machine.is_some() {
+        let machine = args.source.machine.clone().unwrap_or_default();
+        return on(&asked, machine, path, text);
+    }
+    let default = Session::load(&asked, path, text)?.dialect;
+    let is_asked = asked.dialect.is_some();
+    let words = if is_asked { None } else { interp::looks_like(text, default) };
+    // a program without an end may have been cut off: one of a folder that is summed up is read as it stands
+    let is_free = args.summary && !is_asked && words.is_none() && default == Dialect::LinuxCnc;
+    let unended = interp::unended(text).filter(|_| is_free && !interp::is_turned(text));
+    let told = words.or(unended.map(|_| Dialect::Grbl));
+    let dialect = told.unwrap_or(default);
+    let is_lathes =
+        |of: &[u8]| args.summary && dialect == Dialect::LinuxCnc && interp::is_turned(of);
+    let turned = dialect.has_turret() || is_lathes(text);
+    let machines: &[&str] = match dialect {
+        _ if turned => &LATHES,
+        Dialect::Grbl => &ROUTERS,
+        _ => &MILLS,
+    };
+    let options = |machine: &str| ProgramOptions {
+        machine: machine.into(),
+        dialect: Some(dialect),
+        without_table: told.is_some() || turned || args.summary,
+        ..asked.clone()
+    };
+    let first = on(&options(machines[0]), machines[0].into(), path, text)?;
+    let of_end = |line| format!("no M2 or M30 up to line {line}, its last");
+    let evidence = unended.map(of_end).or_else(|| words.and_then(|_| evidence(default, text)));
+    let is_free = told.is_some() || turned || args.summary;
+    let mut best = match nearest(&options, &machines[1..], &first.found, path, text)? {
+        Some(nearest) if is_free => nearest,
+        // what is checked is what is run: on the default machine, with a word of one that is large enough
+        Some(nearest) if errors(&nearest.found) == 0 => {
+            let hint = Some(too_small(&first.found, &first.machine, &nearest.machine));
+            Fitted { hint, ..first }
+        }
+        _ => first,
+    };
+    if told.is_some() || turned {
+        let said = said(dialect, &best.machine, evidence.as_deref());
+        best.found.insert(0, said);
+    }
+    Ok(best)
+}
+
+/// Of these machines the one on which the least is wrong; none, if none is better than the one of before, or if no machine
+/// would be.
+fn nearest(
+    options: &impl Fn(&str) -> ProgramOptions,
+    machines: &[&str],
+    found: &[Diagnostic],
+    path: &Path,
+    text: &[u8],
+) -> Result<Option<Fitted>, Refused> {
+    if too_small_for(found) == 0 {
+        return Ok(None);
+    }
+    let mut best = (errors(found), None);
+    for machine in machines {
+        if best.0 == 0 {
+            break;
+        }
+        let fitted = on(&options(machine), (*machine).into(), path, text)?;
+        let wrong = errors(&fitted.found);
+        if wrong < best.0 {
+            best = (wrong, Some(fitted));
+        }
+    }
+    Ok(best.1)
+}
+
+fn errors(found: &[Diagnostic]) -> usize {
+    found.iter().filter(|finding| finding.is_error()).count()
+}
+
+fn on(
+    options: &ProgramOptions,
+    machine: String,
+    path: &Path,
+    text: &[u8],
+) -> Result<Fitted, Refused> {
+    let mut session = Session::load(options, path, text)?;
+    let options = session.plan_options(session.machine.setup.stock.material);
+    let found = preflight::judge(&mut session, text, options, &|| true);
+    Ok(Fitted { session, found, machine, hint: None })
+}
+
+/// How many findings another machine would not have.
+fn too_small_for(found: &[Diagnostic]) -> usize {
+    let is_of_machine =
+        |finding: &&Diagnostic| finding.is_error() && OF_THE_MACHINE.contains(&finding.code);
+    found.iter().filter(is_of_machine).count()
+}
+
+/// The words that tell.
+fn evidence(default: Dialect, text: &[u8]) -> Option<String> {
+    let setup = interp::Setup { dialect: default, ..interp::Setup::default() };
+    let suspicion = interp::other_dialect(text, &setup)?;
+    suspicion.message.rsplit_once(": ").map(|(_, words)| words.to_owned())
+}
+
+fn said(dialect: Dialect, machine: &str, evidence: Option<&str>) -> Diagnostic {
+    let why = evidence.map_or("no Y, and codes of a lathe".to_owned(), ToOwned::to_owned);
+    let text = format!("read with --dialect {} on --machine {machine}: {why}", dialect.name());
+    Diagnostic::note("A0106", Span::default(), text)
+        .with_help("no machine is named: its tools are taken from the program's comments, and lengths are not known")
+}
+
+/// What the machine is too small for, counted, and one that is not.
+fn too_small(found: &[Diagnostic], machine: &str, other: &str) -> String {
+    let kinds = [
+        ("M0301", "beyond its travel"),
+        ("M0303", "above its feed"),
+        ("M0305", "an axis that it lacks"),
+        ("M0308", "above its spindle's speed"),
+        ("M0317", "a pocket that it lacks"),
+        ("M0321", "above its tapping speed"),
+    ];
+    let count = |code: &str| found.iter().filter(|f| f.is_error() && f.code == code).count();
+    let counted: Vec<_> = kinds
+        .iter()
+        .filter(|(code, _)| count(code) > 0)
+        .map(|(code, what)| format!("{} {what}", count(code)))
+        .collect();
+    let counted = if counted.is_empty() { "what it lacks".to_owned() } else { counted.join(", ") };
+    format!("{machine} is too small for this program ({counted}): --machine {other} is not")
+}

@@ -1,0 +1,226 @@
+//! Tools that a program's comments name, as CAM posts write them: what stands in for tools that the table lacks.
+//!
+//! ```text
+//!   (T3  D=6. CR=0. - ZMIN=-12. - flat end mill)    Fusion 360, HSMWorks
+//!   (T1 | 1/2 FLAT ENDMILL | H1)                    Mastercam
+//!   (TOOL -1- MILL DIA 6.0 R0. MM)                  SolidCAM
+//!   (TOOL - 4 1/4-20 TAP)  (T12 5.MM DRILL)         by hand
+//! ```
+//!
+//! A number comes first, then what the table's own comments may say; a diameter behind `D`, `DIA` or as a fraction is in
+//! the program's unit.
+use canon::{Tool, ToolKind};
+use units::Length;
+
+/// Bytes of a program that are looked at: tools stand at its beginning, or where they are called.
+const MOST: usize = 1 << 22;
+
+/// The tools that a program names, each once.
+pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
+    let text = String::from_utf8_lossy(&source[..source.len().min(MOST)]);
+    let unit = unit_of(&text);
+    let mut found: Vec<Tool> = Vec::new();
+    for comment in comments(&text) {
+        let Some(tool) = named(comment, unit) else { continue };
+        match found.iter_mut().find(|known| known.number == tool.number) {
+            None => found.push(tool),
+            // the list at the head of a program, and the line before the call: the one that says more
+            Some(known) if known.kind == ToolKind::Other && tool.kind != ToolKind::Other => {
+                *known = tool;
+            }
+            Some(_) => {}
+        }
+    }
+    found
+}
+
+/// mm in a unit of the program: what it says first.
+fn unit_of(text: &str) -> f64 {
+    let upper = text.to_ascii_uppercase();
+    let first = |code: &str| {
+        let followed = |at: usize| {
+            upper[at + code.len()..].starts_with(|c: char| c.is_ascii_digit() || c == '.')
+        };
+        upper.match_indices(code).map(|(at, _)| at).find(|at| !followed(*at))
+    };
+    match (first("G20"), first("G21")) {
+        (Some(inch), metric) if metric.is_none_or(|metric| inch < metric) => 25.4,
+        _ => 1.0,
+    }
+}
+
+/// What stands in brackets, and behind a semicolon.
+fn comments(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().flat_map(|line| {
+        let behind = line.split_once(';').map(|(_, comment)| comment);
+        let inside = line.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
+        inside.chain(behind)
+    })
+}
+
+fn named(comment: &str, unit: f64) -> Option<Tool> {
+    let upper = comment.to_ascii_uppercase();
+    let (number, rest) = number_and_rest(upper.trim_start())?;
+    let rest = rest.trim_matches(|c: char| c.is_whitespace() || "-|:,=".contains(c));
+    if rest.is_empty() {
+        return None;
+    }
+    let words = words(rest);
+    let known = store::tools::named(&words.join(" "));
+    let kind = match known.kind {
+        ToolKind::Other if is_mill(&words) => ToolKind::EndMill,
+        kind => kind,
+    };
+    let stated = diameter(&words, unit).map(Length::mm);
+    let diameter = match kind {
+        ToolKind::Tap(_) => known.diameter,
+        _ => stated.or(known.diameter),
+    };
+    if kind == ToolKind::Other && diameter.is_none() {
+        return None;
+    }
+    Some(Tool {
+        number,
+        pocket: number,
+        length: Length::ZERO,
+        diameter: diameter.unwrap_or(Length::ZERO),
+        kind,
+        description: comment.trim().to_owned(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
+        body: canon::Body::default(),
+        stand_in: true,
+    })
+}
+
+/// `T3 …`, `TOOL 3 …`, `TOOL -3- …`, `TOOL #3 …`.
+fn number_and_rest(text: &str) -> Option<(u32, &str)> {
+    let rest = text.strip_prefix("TOOL").or_else(|| text.strip_prefix('T'))?;
+    let rest = rest.trim_start_matches(|c: char| c.is_whitespace() || "-#:=.".contains(c));
+    let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let number = rest[..digits].parse().ok().filter(|number| (1..10_000).contains(number))?;
+    let rest = &rest[digits..];
+    // `T6MM DRILL` is no tool 6
+    (!rest.starts_with(|c: char| c.is_alphanumeric())).then_some((number, rest))
+}
+
+/// Words as the table's comments have them: `D=6.` and `5.MM` in two, `ENDMILL` in one.
+fn words(text: &str) -> Vec<String> {
+    let mut spaced = String::new();
+    let mut before = ' ';
+    for c in text.chars() {
+        let is_number = before.is_ascii_digit() || before == '.';
+        if is_number && matches!(c, 'M' | 'I') {
+            spaced.push(' ');
+        }
+        match c {
+            '"' => spaced.push_str(" inch "),
+            '=' | '|' | ',' | '_' => spaced.push(' '),
+            c => spaced.push(c),
+        }
+        before = c;
+    }
+    spaced
+        .split_whitespace()
+        .map(|word| word.trim_matches('-').to_ascii_lowercase())
+        .filter(|word| !word.is_empty())
+        .collect()
+}
+
+fn is_mill(words: &[String]) -> bool {
+    const MILLS: [&str; 13] = [
+        "mill", "endmill", "end-mill", "facemill", "ballmill", "ball", "bull", "bullnose", "flat",
+        "chamfer", "face", "router", "fresa",
+    ];
+    words.iter().any(|word| MILLS.contains(&word.as_str()))
+        && !words.iter().any(|word| matches!(word.as_str(), "drill" | "tap"))
+}
+
+/// mm: behind `d`, `dia`, `dia.`, `diameter`; else a number with its unit; else a fraction, or a number in the first place.
+fn diameter(words: &[String], unit: f64) -> Option<f64> {
+    let number = |word: &str| {
+        let plain = word.trim_end_matches('.');
+        match plain.split_once('/') {
+            Some((over, under)) => Some(over.parse::<f64>().ok()? / under.parse::<f64>().ok()?),
+            None => plain.parse().ok(),
+        }
+        .filter(|value: &f64| value.is_finite() && *value > 0.0 && *value < 1000.0)
+    };
+    let unit_at = |at: usize| match words.get(at).map_or("", String::as_str) {
+        "inch" | "in" => Some(25.4),
+        "mm" => Some(1.0),
+        _ => None,
+    };
+    let at = |at: usize| Some(number(words.get(at)?)? * unit_at(at + 1).unwrap_or(unit));
+    let is_key =
+        |word: &String| matches!(word.trim_end_matches(['.', ':']), "d" | "dia" | "diameter");
+    let behind = || at(words.iter().position(is_key)? + 1);
+    let joined = || words.iter().find_map(|word| Some(number(word.strip_prefix('d')?)? * unit));
+    let united = || {
+        (0..words.len())
+            .find(|i| unit_at(i + 1).is_some() && number(&words[*i]).is_some())
+            .and_then(at)
+    };
+    let fraction =
+        || words.iter().position(|word| word.contains('/') && number(word).is_some()).and_then(at);
+    let first = || words.first().filter(|word| word.contains('.')).and_then(|_| at(0));
+    behind().or_else(joined).or_else(united).or_else(fraction).or_else(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(text: &str) -> (u32, ToolKind, f64) {
+        let all = tools(text.as_bytes());
+        assert_eq!(all.len(), 1, "{text}: {all:?}");
+        (all[0].number, all[0].kind.clone(), all[0].diameter.value())
+    }
+
+    #[test]
+    fn posts_name_their_tools() {
+        assert_eq!(
+            one("(T3  D=6. CR=0. - ZMIN=-12. - flat end mill)"),
+            (3, ToolKind::EndMill, 6.0)
+        );
+        assert_eq!(one("G20\n(T1 | 1/2 FLAT ENDMILL | H1)"), (1, ToolKind::EndMill, 12.7));
+        assert_eq!(one("(TOOL -1- MILL DIA 6.0 R0. MM)"), (1, ToolKind::EndMill, 6.0));
+        assert_eq!(one("(T4 - .5\" 5FL GARR ENDMILL)"), (4, ToolKind::EndMill, 12.7));
+        assert_eq!(one("(T212 |    3. FLAT ENDMILL | H0)"), (212, ToolKind::EndMill, 3.0));
+        assert_eq!(one("(TOOL 4 = 1IN FACE MILL)"), (4, ToolKind::EndMill, 25.4));
+        assert_eq!(one("(T3 1/8\" 3FLUTE .188LOC FLAT ENDMILL)"), (3, ToolKind::EndMill, 3.175));
+        assert_eq!(one("; T2 D=8 - ball end mill"), (2, ToolKind::EndMill, 8.0));
+        let (number, kind, diameter) = one("(T12 5.MM DRILL)");
+        assert_eq!((number, matches!(kind, ToolKind::Drill { .. }), diameter), (12, true, 5.0));
+        let (number, kind, diameter) = one("(TOOL - 4 M6 TAP)");
+        assert_eq!((number, matches!(kind, ToolKind::Tap(_)), diameter), (4, true, 6.0));
+    }
+
+    #[test]
+    fn what_names_no_tool_is_none() {
+        for text in
+            ["(T6MM DRILL)", "(TOOL CHANGE)", "(T0101)", "(TIGHTEN THE VICE 3)", "(T3)", "(T3 H3)"]
+        {
+            assert!(tools(text.as_bytes()).is_empty(), "{text}");
+        }
+    }
+
+    #[test]
+    fn any_text_is_read_to_its_end() {
+        let mut random = 7_u64;
+        let pieces = [
+            "(", ")", "T", "TOOL", "3", "D=", "1/0", "\"", "MM", "ü", ";", "\n", "-", ".", "G20",
+            " ",
+        ];
+        for _ in 0..2000 {
+            let mut text = String::new();
+            for _ in 0..12 {
+                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                text.push_str(pieces[(random >> 33) as usize % pieces.len()]);
+            }
+            for tool in tools(text.as_bytes()) {
+                assert!(tool.number > 0 && tool.diameter.value().is_finite(), "{text}");
+            }
+        }
+    }
+}

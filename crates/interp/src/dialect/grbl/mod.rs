@@ -1,0 +1,33 @@
+//! Grbl 1.1, and what took its place on small machines (`grblHAL`, `FluidNC`): the shared language as senders stream it.
+//!
+//! ```text
+//!   $H  ?  ~  !       for the sender or the controller: left out, with a remark
+//!   X10 Y5            G0 is in force where a program begins
+//!   (the end)         a program ends where its text does: M2 and M30 may be missing
+//!   G2 … K0, D1       words that no code takes have no effect, with a remark
+//! ```
+//!
+//! What Grbl itself lacks (cycles, tool lengths, O-words) is read all the same: grblHAL has most of it.
+//!
+//! Source: Grbl's documentation, "Grbl v1.1 Interface" and "Commands"; the code lists of `grblHAL` and `FluidNC`.
+use super::{
+    linuxcnc,
+    rules::{Family, Rules},
+};
+use crate::codes::set;
+use gcode::Grammar;
+
+/// Where they differ from the shared language.
+pub(crate) const RULES: Rules = Rules {
+    name: "grbl",
+    people: "Grbl and its kin",
+    grammar: Grammar::Grbl,
+    evidence: &[Family::Grbl],
+    restates_modes: true,
+    ends_with_text: true,
+    begins_rapidly: true,
+    has_laser: true,
+    idle: set("DHKPQ"),
+    short_radius: [0.005, 0.0002],
+    ..linuxcnc::RULES
+};

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Real programs from public repositories: fetched by repository, commit and path, held against their checksum, and checked.
+
+    python tools/corpus.py fetch FOLDER              from the hosting site, what is not there yet
+    python tools/corpus.py verdicts FOLDER --half open    `leadscrew check --summary` on one half; `kept` is for the last look
+    python tools/corpus.py verdicts FOLDER --write   on all, and docs/corpus/verdicts.tsv anew
+
+The programs are not part of this repository: they are their authors'. docs/corpus/list.tsv says where each is.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import csv
+import hashlib
+import json
+import subprocess
+import sys
+import urllib.parse
+import urllib.request
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LIST = ROOT / "docs/corpus/list.tsv"
+VERDICTS = ROOT / "docs/corpus/verdicts.tsv"
+#: Programs that are given to the command at once.
+AT_ONCE = 40
+
+
+def listed(half: str) -> list[dict[str, str]]:
+    with LIST.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file, delimiter="\t"))
+    return [row for row in rows if half in ("all", row["half"])]
+
+
+def place(folder: Path, row: dict[str, str]) -> Path:
+    return folder / row["repository"].replace("/", "+") / row["path"]
+
+
+def is_whole(path: Path, row: dict[str, str]) -> bool:
+    return path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == row["sha256"]
+
+
+def fetch(folder: Path) -> int:
+    missing = 0
+    for row in listed("all"):
+        path = place(folder, row)
+        if is_whole(path, row):
+            continue
+        address = f"https://raw.githubusercontent.com/{row['repository']}/{row['commit']}/{urllib.parse.quote(row['path'])}"
+        try:
+            with urllib.request.urlopen(address, timeout=60) as answer:
+                data = answer.read()
+        except OSError as error:
+            print(f"{row['repository']} {row['path']}: {error}", file=sys.stderr)
+            missing += 1
+            continue
+        if hashlib.sha256(data).hexdigest() != row["sha256"]:
+            print(f"{row['repository']} {row['path']}: other bytes than listed", file=sys.stderr)
+            missing += 1
+            continue
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+    print(f"{missing} programs are missing")
+    return 1 if missing else 0
+
+
+def verdicts(folder: Path, half: str, command: str, write: bool) -> int:
+    rows = {str(place(folder, row)): row for row in listed(half) if is_whole(place(folder, row), row)}
+    asked = list(rows)
+    found: list[dict[str, object]] = []
+    for first in range(0, len(asked), AT_ONCE):
+        some = asked[first : first + AT_ONCE]
+        words = [command, "check", "--summary", "--format", "json", "--accept", "unknown-m-codes", *some]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        if done.returncode not in (0, 2):
+            raise SystemExit(f"{command} ended with {done.returncode}: {done.stderr}")
+        found += json.loads(done.stdout)["programs"]
+    total: collections.Counter[str] = collections.Counter()
+    good: collections.Counter[str] = collections.Counter()
+    lines = ["repository\tpath\tdialect\tmachine\terrors\tfirst"]
+    for program in found:
+        row = rows[str(program["program"])]
+        total[row["kind"]] += 1
+        good[row["kind"]] += program["errors"] == 0
+        why = program["first"]
+        said = f"line {why['line']}: {why['code']} {why['message']}" if isinstance(why, dict) else ""
+        cells = [row["repository"], row["path"], program["dialect"], program["machine"], program["errors"], said]
+        lines.append("\t".join(str(cell).replace("\t", " ").replace("\n", " ") for cell in cells))
+    if write:
+        VERDICTS.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print(f"{'kind':18}{'can be executed':>16}{'of':>6}")
+    for kind in sorted(total):
+        print(f"{kind:18}{good[kind]:16}{total[kind]:6}")
+    print(f"{'all':18}{sum(good.values()):16}{sum(total.values()):6}")
+    return 0
+
+
+def main() -> int:
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("what", choices=["fetch", "verdicts"])
+    asked.add_argument("folder", type=Path)
+    asked.add_argument("--half", choices=["open", "kept", "all"], default="all")
+    asked.add_argument("--command", default=str(ROOT / "target/debug/leadscrew"), help="the command that checks")
+    asked.add_argument("--write", action="store_true", help="write docs/corpus/verdicts.tsv anew")
+    args = asked.parse_args()
+    if args.what == "fetch":
+        return fetch(args.folder)
+    return verdicts(args.folder, args.half, args.command, args.write)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
