@@ -19,7 +19,9 @@ fn every_page_shows_what_the_program_does() {
     for page in pages() {
         let text = fs::read_to_string(&page).unwrap();
         let (anew, checked) = rewritten(&text);
-        assert!(checked > 0, "{} shows no program", page.display());
+        // a page of rules is run by `interp/tests/fanuc_behaviours.rs`
+        let has_rules = text.contains("\n```means\n");
+        assert!(checked > 0 || has_rules, "{} shows no program", page.display());
         wrong.extend(picture_of(&page, &anew));
         blocks += checked;
         if anew == text {
