@@ -60,9 +60,8 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
     let unended = interp::unended(text).filter(|_| is_free && !interp::is_turned(text));
     let told = words.or(unended.map(|_| Dialect::Grbl));
     let dialect = told.unwrap_or(default);
-    let is_lathes =
-        |of: &[u8]| args.summary && dialect == Dialect::LinuxCnc && interp::is_turned(of);
-    let turned = dialect.has_turret() || is_lathes(text);
+    let turned = dialect.has_turret()
+        || args.summary && dialect == Dialect::LinuxCnc && interp::is_turned(text);
     let machines: &[&str] = match dialect {
         _ if turned => &LATHES,
         Dialect::Grbl => &ROUTERS,
@@ -151,7 +150,11 @@ fn evidence(default: Dialect, text: &[u8]) -> Option<String> {
 }
 
 fn said(dialect: Dialect, machine: &str, evidence: Option<&str>) -> Diagnostic {
-    let why = evidence.map_or("no Y, and codes of a lathe".to_owned(), ToOwned::to_owned);
+    let why = match evidence {
+        Some(words) => words,
+        None if dialect.has_turret() => "the dialect is one of lathes",
+        None => "no Y, and codes of a lathe",
+    };
     let text = format!("read with --dialect {} on --machine {machine}: {why}", dialect.name());
     Diagnostic::note("A0106", Span::default(), text)
         .with_help("no machine is named: its tools are taken from the program's comments, and lengths are not known")

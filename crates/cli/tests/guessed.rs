@@ -1,0 +1,92 @@
+//! Programs for which no machine is named, folders of them, and what they may leave to the machine.
+#![allow(clippy::unwrap_used)] // a test may panic
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output},
+};
+
+fn leadscrew(words: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_leadscrew")).args(words).current_dir(folder).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+/// As a sender streams it: no tool table, no M2.
+const HOBBY: &str = "$H\n(T1 D=3.175 - flat end mill)\nT1 M6\nG21 G90\nG0 Z5\nX10 Y10\nM3 S18000\nG1 Z-1 F300\nX40 F1200\nG0 Z5\nM5\n";
+/// As a shop's machining centre has it: 300 mm to either side, chips conveyed.
+const SHOP: &str = "%\nO1001 (PLATE)\nG90 G54 G17 G40 G80\nT1 M6 (T1 1/2 FLAT ENDMILL)\nM31\nG43 H1 Z50.\nS3000 M3\nG0 X-300. Y0\nZ2.\nG1 Z-1. F200.\nX300.\nG0 G91 G28 Z0\nM30\n%\n";
+
+#[test]
+fn a_program_tells_how_it_is_read_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("hobby.nc"), HOBBY).unwrap();
+    let checked = leadscrew(&["check", "hobby.nc"], folder.path());
+    let text = said(&checked);
+    assert!(checked.status.success(), "{text}");
+    assert!(text.contains("read with --dialect grbl on --machine router: $H in line 1"), "{text}");
+    assert!(text.contains("\"T1 D=3.175 - flat end mill\" a mill of 3.1750 mm"), "{text}");
+    // what it says works for a run as well, in which nothing of a stand-in is judged
+    let run = leadscrew(&["run", "hobby.nc", "--machine", "router"], folder.path());
+    assert!(said(&run).contains("no holes or threads to judge"), "{}", said(&run));
+}
+
+#[test]
+fn a_machine_that_is_too_small_is_said_with_one_that_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = "G21 G90 G54\nG0 Z50\nG0 X-300\nX300\nM2\n";
+    fs::write(folder.path().join("long.ngc"), long).unwrap();
+    let checked = leadscrew(&["check", "long.ngc"], folder.path());
+    let text = said(&checked);
+    assert_eq!(checked.status.code(), Some(2), "{text}");
+    let hint = "tapping-center is too small for this program (2 beyond its travel): --machine machining-center is not";
+    assert!(text.contains(hint), "{text}");
+    let there = ["check", "long.ngc", "--machine", "machining-center", "--dialect", "linuxcnc"];
+    assert!(leadscrew(&there, folder.path()).status.success());
+}
+
+#[test]
+fn a_folder_is_summed_up() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        ("hobby.nc", HOBBY),
+        ("O1001", SHOP),
+        ("broken.ngc", "G0 XO\nM2\n"),
+        ("print.gcode", "M140 S60\nM104 S200\nG1 X5 E1 F500\n"),
+        ("notes.txt", "no program"),
+    ] {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let words = ["check", ".", "--summary", "--accept", "unknown-m-codes"];
+    let text = said(&leadscrew(&words, folder.path()));
+    assert!(text.contains("2 of 4 programs can be executed"), "{text}");
+    assert!(text.contains("fanuc on machining-center"), "{text}");
+    let json = leadscrew(&[&words[..], &["--format", "json"]].concat(), folder.path());
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(json["causes"]["I0910"], 1, "{json}");
+    let programs = json["programs"].as_array().unwrap();
+    let broken = programs.iter().find(|p| p["program"] == "./broken.ngc").unwrap();
+    assert_eq!((broken["errors"].as_u64(), broken["first"]["line"].as_u64()), (Some(1), Some(1)));
+    // without a word for them the builder's codes refuse the second
+    let text = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
+    assert!(text.contains("1 of 4 programs can be executed") && text.contains("I0105"), "{text}");
+}
+
+#[test]
+fn a_machines_file_says_what_its_codes_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = "extends = \"tapping-center\"\nname = \"mine\"\ndescription = \"with codes\"\n[user_codes]\nM24 = \"blow: output 2 on\"\nM10 = \"clamp: wait 0.5 s\"\nM31 = \"chips out\"\n";
+    fs::write(folder.path().join("mine.toml"), machine).unwrap();
+    fs::write(folder.path().join("part.ngc"), "G21\nM31\nM24\nM10\nM2\n").unwrap();
+    let run = leadscrew(&["run", "part.ngc", "--machine", "mine.toml", "--log"], folder.path());
+    let text = said(&run);
+    for part in ["M31 done", "M24 done", "output 2", "M10 done"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    fs::write(folder.path().join("mine.toml"), machine.replace("output 2 on", "output 99 on"))
+        .unwrap();
+    let text = said(&leadscrew(&["machine", "check", "mine.toml"], folder.path()));
+    assert!(text.contains("expected M24 to end in \"output N on\""), "{text}");
+}
