@@ -75,7 +75,8 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
     };
     let first = on(&options(machines[0]), machines[0].into(), path, text)?;
     let of_end = |line| format!("no M2 or M30 up to line {line}, its last");
-    let evidence = unended.map(of_end).or_else(|| words.and_then(|_| evidence(default, text)));
+    let evidence =
+        unended.map(of_end).or_else(|| words.map(|dialect| interp::telling_words(text, dialect)));
     let is_free = told.is_some() || turned || args.summary;
     let mut best = match nearest(&options, &machines[1..], &first.found, path, text)? {
         Some(nearest) if is_free => nearest,
@@ -140,13 +141,6 @@ fn too_small_for(found: &[Diagnostic]) -> usize {
     let is_of_machine =
         |finding: &&Diagnostic| finding.is_error() && OF_THE_MACHINE.contains(&finding.code);
     found.iter().filter(is_of_machine).count()
-}
-
-/// The words that tell.
-fn evidence(default: Dialect, text: &[u8]) -> Option<String> {
-    let setup = interp::Setup { dialect: default, ..interp::Setup::default() };
-    let suspicion = interp::other_dialect(text, &setup)?;
-    suspicion.message.rsplit_once(": ").map(|(_, words)| words.to_owned())
 }
 
 fn said(dialect: Dialect, machine: &str, evidence: Option<&str>) -> Diagnostic {

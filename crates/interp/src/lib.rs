@@ -64,6 +64,7 @@ mod offsets;
 mod ops;
 mod orders;
 mod other_dialect;
+mod other_machine;
 mod out;
 mod outline;
 mod outputs;
@@ -109,7 +110,8 @@ pub use lint::{Lint, lint};
 pub use listing::Listing;
 pub use live::{Live, asks};
 pub use ops::{Ops, called_files, check, defined_subprograms, with_dialect};
-pub use other_dialect::{is_turned, looks_like, other_dialect, unended};
+pub use other_dialect::{looks_like, other_dialect, telling_words, unended};
+pub use other_machine::is_turned;
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use resolve::Resolver;
 pub use setup::{

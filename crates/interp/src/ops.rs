@@ -31,7 +31,7 @@ impl<'s> Ops<'s> {
 
     /// With what the beginning of the program looks like.
     pub(crate) fn suspecting(self, source: &[u8], setup: &Setup) -> Self {
-        if let Some(printer) = crate::other_dialect::printer(source) {
+        if let Some(printer) = crate::other_machine::printer(source) {
             return Self { ended: true, other_dialect: Some(printer), ..self };
         }
         Self { other_dialect: crate::other_dialect(source, setup), ..self }

@@ -23,8 +23,8 @@ use diag::{Diagnostic, Span};
 /// Weight from which on a dialect is suspected.
 const DECISIVE: u32 = 4;
 /// Lines and bytes that are looked at.
-const LINES: usize = 4000;
-const BYTES: u32 = 1 << 18;
+pub(crate) const LINES: usize = 4000;
+pub(crate) const BYTES: u32 = 1 << 18;
 /// Bytes at the end in which a program's end is looked for.
 const TAIL: usize = 4096;
 /// Pieces of evidence that are named.
@@ -88,6 +88,26 @@ fn heaviest(evidence: &[Evidence], own: Dialect) -> Option<Dialect> {
     best.1
 }
 
+/// The words by which a program tells that it is for this dialect, each with its line.
+pub fn telling_words(source: &[u8], dialect: Dialect) -> String {
+    placed(&speaking(&gather(source), dialect))
+}
+
+/// What speaks most for a dialect, in the order of the program.
+fn speaking(evidence: &[Evidence], dialect: Dialect) -> Vec<&Evidence> {
+    let mut speaks: Vec<_> = evidence.iter().filter(|e| e.belongs_to(dialect)).collect();
+    speaks.sort_by_key(|e| core::cmp::Reverse(e.weight));
+    speaks.truncate(NAMED);
+    speaks.sort_by_key(|e| e.span.start);
+    speaks
+}
+
+fn placed(speaks: &[&Evidence]) -> String {
+    let named: Vec<_> =
+        speaks.iter().map(|e| format!("{} in line {}", e.written, e.span.line)).collect();
+    named.join(", ")
+}
+
 /// What a program looks like, if that is not the dialect it is read in; a warning, at the program's first line.
 pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
     let (mut evidence, own) = (gather(source), setup.dialect);
@@ -95,19 +115,14 @@ pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
         evidence.retain(|e| e.what != CHIP_REMOVAL); // every dialect has the words there
     }
     let other = heaviest(&evidence, own)?;
-    let mut speaks: Vec<_> = evidence.iter().filter(|e| e.belongs_to(other)).collect();
-    speaks.sort_by_key(|e| core::cmp::Reverse(e.weight));
-    speaks.truncate(NAMED);
-    speaks.sort_by_key(|e| e.span.start);
-    let named: Vec<_> =
-        speaks.iter().map(|e| format!("{} in line {}", e.written, e.span.line)).collect();
+    let speaks = speaking(&evidence, other);
     let end = source.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(source.len());
     let span = Span { file: 0, line: 1, start: 0, end: end as u32 };
     let text = format!(
         "this looks like a program for {}, and is read as one for {}: {}",
         other.rules().people,
         own.rules().people,
-        named.join(", ")
+        placed(&speaks)
     );
     let help = format!(
         "read it with --dialect {name}, or set dialect = \"{name}\" under [control] of the machine's file; what \
@@ -156,81 +171,12 @@ pub fn unended(source: &[u8]) -> Option<u32> {
     (!ends).then_some(number)
 }
 
-/// What a program for a 3D printer has, and no machine tool.
-const PRINTERS: [(&str, &str); 8] = [
-    ("M105", "the temperature is asked for"),
-    ("M108", "how fast filament comes"),
-    ("M104", "the temperature of the nozzle"),
-    ("M109", "the temperature of the nozzle"),
-    ("M140", "the temperature of the bed"),
-    ("M190", "the temperature of the bed"),
-    ("M82", "how filament is counted"),
-    ("M83", "how filament is counted"),
-];
-
-/// A program for a 3D printer: one sentence, in the place of all that would follow.
-pub(crate) fn printer(source: &[u8]) -> Option<Diagnostic> {
-    let (mut start, mut seen) = (0_u32, Vec::<(&str, String, Span)>::new());
-    for (number, text) in source.split(|byte| *byte == b'\n').take(LINES).enumerate() {
-        if start > BYTES {
-            break;
-        }
-        let line = Line::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
-        start += text.len() as u32 + 1;
-        let mut add = |what: &'static str, written: String, span| {
-            if seen.iter().all(|(known, ..)| *known != what) {
-                seen.push((what, written, span));
-            }
-        };
-        for (letter, number, span) in &line.words {
-            let written = format!("{letter}{number}");
-            if let Some((_, what)) = PRINTERS.iter().find(|(code, _)| *code == written) {
-                add(what, written, *span);
-            } else if *letter == 'E'
-                && line
-                    .number('G')
-                    .is_some_and(|(g, _)| matches!(g.trim_start_matches('0'), "" | "1"))
-            {
-                add("filament on a move", written, *span);
-            }
-        }
-    }
-    if seen.len() < 2 {
-        return None;
-    }
-    let (_, _, span) = seen[0];
-    let named: Vec<_> = seen
-        .iter()
-        .map(|(what, written, span)| format!("{what} ({written} in line {})", span.line))
-        .collect();
-    let text = format!("this is a program for a 3D printer: {}", named.join(", "));
-    Some(
-        Diagnostic::error("I0910", span, text)
-            .with_help("Leadscrew leads machines that cut; what else stands in it was not read"),
-    )
-}
-
-/// Whether a program turns: it never names Y, and has a code of lathes.
-pub fn is_turned(source: &[u8]) -> bool {
-    let mut turns = false;
-    for text in source[..source.len().min(BYTES as usize)].split(|byte| *byte == b'\n') {
-        let line = Line::read(text, Span::default());
-        if line.has("Y") {
-            return false;
-        }
-        turns |= line.words.iter().any(|(letter, number, _)| {
-            *letter == 'G' && matches!(number.parse(), Ok(7.0 | 8.0 | 18.0 | 33.0 | 76.0 | 96.0))
-        });
-    }
-    turns
-}
-
 /// One line: its letters, without comments and blanks.
-struct Line {
+pub(crate) struct Line {
     /// Capitals, without N and its number.
-    code: String,
+    pub(crate) code: String,
     /// Letter, number as written, place.
-    words: Vec<(char, String, Span)>,
+    pub(crate) words: Vec<(char, String, Span)>,
     /// What a semicolon divides: something before it, something behind it.
     divided: Option<(bool, bool)>,
     /// The first comment in brackets, up to its comma.
@@ -242,7 +188,7 @@ struct Line {
 }
 
 impl Line {
-    fn read(text: &[u8], at: Span) -> Self {
+    pub(crate) fn read(text: &[u8], at: Span) -> Self {
         let blanks = text.len() - text.trim_ascii_start().len();
         let span = Span {
             start: at.start + blanks as u32,
@@ -317,7 +263,7 @@ impl Line {
         }
     }
 
-    fn has(&self, letters: &str) -> bool {
+    pub(crate) fn has(&self, letters: &str) -> bool {
         letters.chars().all(|letter| {
             self.words.iter().any(|(c, number, _)| *c == letter && !number.is_empty())
         })
@@ -327,7 +273,7 @@ impl Line {
         letters.chars().any(|letter| self.has(letter.encode_utf8(&mut [0; 4])))
     }
 
-    fn number(&self, letter: char) -> Option<(&str, Span)> {
+    pub(crate) fn number(&self, letter: char) -> Option<(&str, Span)> {
         let word = self.words.iter().find(|(c, ..)| *c == letter)?;
         Some((&word.1, word.2))
     }

@@ -113,6 +113,9 @@ fn a_printers_program_gets_one_sentence() {
         let found = interp::check(text.as_bytes(), &Setup { dialect, ..Setup::default() });
         assert_eq!(codes(&found), ["I0910"], "{}", dialect.name());
     }
-    // a polygon's E, and a laser's fan, make no printer
+    // a polygon's E, a laser's fan, and what a builder calls by these numbers make no printer
+    let shop = "O1\nM104\nM140\nM82\nM109\nG1 X1. F100.\nM30\n";
+    let setup = Setup { dialect: Dialect::Fanuc, ..Setup::default() };
+    assert!(!codes(&interp::check(shop.as_bytes(), &setup)).contains(&"I0910"));
     assert!(!codes(&read("M106 P0\nG1 X1 F100\nM2\n", &grbl()).1).contains(&"I0910"));
 }
