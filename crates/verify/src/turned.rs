@@ -330,7 +330,8 @@ impl TurnedTrack {
         let chain = ordered.passes.last().and_then(|pass| pass.last());
         let whole = chain.map_or(0.0, |last| last.before + last.turns) - law.first().before;
         let tool = self.tool.and_then(|number| config.tools.get(number));
-        let of = inspection::Ordered { law, whole, hand, tool, side: self.side };
+        let end = chain.map_or(law.span()[1], |last| last.order.to.along(law.axis()).of_linear());
+        let of = inspection::Ordered { law, whole, hand, tool, end, side: self.side };
         inspect(&of, &self.crossings, contact, bar, config)
     }
 

@@ -220,6 +220,21 @@ fn an_insert_that_passes_the_bar_by_has_cut_nothing() {
 }
 
 #[test]
+fn a_thread_whole_turns_off_its_place_is_none_that_was_ordered() {
+    // the same helix, further along the bar: it winds into the same groove
+    let verdict =
+        |pitches: f64| Case { shift: [0.0, -pitches * 1.5], ..Case::default() }.judged().1;
+    assert!(verdict(0.0).is_pass());
+    for pitches in 3..5 {
+        let verdict = verdict(f64::from(pitches));
+        let reason = verdict.reason().unwrap();
+        assert!(reason.contains("beyond the end of its last block"), "{reason}");
+    }
+    // only the last turns of it meet the bar
+    assert_eq!(verdict(11.0).name(), "fail");
+}
+
+#[test]
 fn too_deep_and_too_shallow_fail_with_the_diameter_found() {
     let case = |deeper| Case { deeper, ..Case::default() }.judged().1;
     let deep = case(0.045);

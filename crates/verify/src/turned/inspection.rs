@@ -65,6 +65,8 @@ pub(super) struct Inspected {
     pub(super) section: Vec<[Length; 3]>,
     /// Length in which the full thread is expected.
     pub(super) expected: Length,
+    /// How far behind the end of the last block the insert has taken something off.
+    pub(super) overrun: Length,
 }
 
 /// What is known of the thread beside the bar.
@@ -74,6 +76,8 @@ pub(super) struct Ordered<'a> {
     pub(super) whole: f64,
     pub(super) hand: Hand,
     pub(super) tool: Option<&'a Tool>,
+    /// Machine coordinate along the axis where the whole chain ends.
+    pub(super) end: Length,
     /// By the way in which the tool was fed in.
     pub(super) side: Option<Side>,
 }
@@ -90,6 +94,13 @@ impl Ordered<'_> {
         }
         let rests = law.place(comes_to_rest) - length.value();
         [begins, if law.sign() < 0.0 { ends.max(rests) } else { ends.min(rests) }]
+    }
+
+    /// How far behind the end of the chain the point has cut, where the passes took something off between `low` and `high`.
+    fn overrun(&self, [low, high]: [f64; 2]) -> Length {
+        let end = (self.end - self.tool.map_or(Length::ZERO, canon::Tool::worn_length)).value();
+        let behind = if self.law.sign() < 0.0 { end - low } else { high - end };
+        Length::mm(behind.max(0.0))
     }
 }
 
@@ -137,6 +148,7 @@ pub(super) fn inspect(
         .flatten();
     let sizes =
         found.and_then(|_| measured(ordered, &frame, [&before, bar], pitch, standard.as_ref()));
+    let cut = (ordered.law.axis() == Axis::Z).then(|| touched(side, [&before, bar])).flatten();
     Inspected {
         side,
         form,
@@ -147,6 +159,7 @@ pub(super) fn inspect(
         sizes,
         section: picture(&frame, [&before, bar]),
         expected: Length::mm(rising[1] - rising[0]),
+        overrun: cut.map_or(Length::ZERO, |cut| ordered.overrun(cut)),
     }
 }
 

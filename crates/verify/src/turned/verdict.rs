@@ -12,6 +12,8 @@ use units::Length;
 
 /// Ordered length that may be left uncut or not be full, in pitches: the threads that bar's end and run-out cut.
 const UNCUT_PITCHES: f64 = 1.5;
+/// Turns that a full thread needs to be measured: one, and one at each end that is left out.
+const FEWEST_TURNS: f64 = 3.0;
 /// The diameter of a limit is met to this: the sections' grid.
 const NEAR: Length = Length::um(1.0);
 /// Width of the Go gauge's crest, in pitches: outside, and inside (ISO 1502, basic profile of ISO 68-1).
@@ -38,6 +40,7 @@ pub(super) fn of(
         && contact.is_none()
         && let Some(bar) = inspected
     {
+        findings.extend(place(found, bar));
         findings.extend(form(found, bar));
     }
     let is_its_own = law.is_some_and(Law::varies) && inspected.is_some();
@@ -117,6 +120,23 @@ fn helix(found: &TurnedThread, config: &Config) -> Vec<String> {
     off("passes beside one another by", found.pass_spread, tolerances.turned_thread);
     off("infeed error", found.infeed_error, tolerances.position);
     findings
+}
+
+/// What is there of the thread is not where it was ordered, or next to nothing is.
+fn place(found: &TurnedThread, bar: &Inspected) -> Option<String> {
+    let uncut = Length::mm(UNCUT_PITCHES * found.lead.value());
+    if bar.overrun > uncut {
+        return Some(format!("cut {:.2} mm beyond the end of its last block", bar.overrun.value()));
+    }
+    let turns = bar.expected / Length::mm(found.lead.value());
+    (bar.standard.is_some() && bar.sizes.is_none() && turns > FEWEST_TURNS + UNCUT_PITCHES).then(
+        || {
+            format!(
+                "less than two turns of full thread over {:.2} mm ordered",
+                bar.expected.value()
+            )
+        },
+    )
 }
 
 /// Diameters, flanks and lengths against the limits.
