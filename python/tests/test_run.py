@@ -152,3 +152,26 @@ except KeyboardInterrupt:
     said, _ = process.communicate(timeout=60)
     assert process.returncode == 7 and said.endswith("interrupted\n")
     assert said.count("begun") < 20, "it went on"
+
+
+@pytest.mark.parametrize("function", ["time", "run"])
+def test_ctrl_c_ends_planning(function: str) -> None:
+    """Full circles side by side: to plan all of them takes many minutes, so a program that ends within one has broken it off."""
+    script = f"""
+import leadscrew, sys
+circles = "".join(f"G2 X{{0.001 * n:.3f}} Y0 I2 J0\\n" for n in range(400_000))
+text = "G21 G90 G54 G17 G94 G64 P0.05\\nT3 M6\\nG43 H3\\nG0 X0 Y0 Z50\\nF3000\\n" + circles + "M2\\n"
+print("begins", flush=True)
+try:
+    leadscrew.{function}("circles.ngc", text=text, machine="mill-5-axis")
+except KeyboardInterrupt:
+    sys.exit(7)
+except leadscrew.Refused as refused:
+    print(refused, flush=True)
+"""
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "begins\n"
+    time.sleep(2)
+    os.kill(process.pid, signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 7, said

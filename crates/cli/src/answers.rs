@@ -16,6 +16,7 @@ use bus::Sample;
 use clap::Parser;
 use control::Refused;
 pub use control::config::machine_file::MachineSource;
+pub use control::job::Interruption;
 use control::job::{ProgramOptions, Session, preflight, read_program};
 use control::observers::Observer;
 use kernel::{Event, EventKind};
@@ -38,6 +39,8 @@ pub struct CommandWords {
     pub machine: Option<MachineSource>,
     /// The machine that is simulated, in place of what the words name.
     pub plant: Option<MachineSource>,
+    /// Whether the answer is still wanted, asked now and then in the thread that answers.
+    pub interruption: Interruption,
 }
 
 impl CommandWords {
@@ -72,7 +75,8 @@ impl CommandWords {
 
     fn session(&self, args: &ProgramArgs, path: &Path) -> Result<(Session, Vec<u8>), Refused> {
         let text = self.program.clone().map_or_else(|| read_program(path), Ok)?;
-        let session = Session::load(&self.options(args.options()), path, &text)?;
+        let mut session = Session::load(&self.options(args.options()), path, &text)?;
+        session.interruption = self.interruption.clone();
         Ok((session, text))
     }
 
@@ -93,18 +97,18 @@ pub fn findings_of(finished: &Finished) -> Value {
     finished.findings().iter().map(|finding| render::json(finding, &source)).collect()
 }
 
-/// Everything that is wrong with one program, as `check --format json` has it; `goes_on` is asked now and then.
+/// Everything that is wrong with one program, as `check --format json` has it.
 ///
 /// # Errors
 /// Words that mean nothing, and files that cannot be read.
-pub fn check(asked: &CommandWords, goes_on: &dyn Fn() -> bool) -> Result<Value, Refused> {
+pub fn check(asked: &CommandWords) -> Result<Value, Refused> {
     let Command::Check(args) = asked.command()? else { return Err(asked.other()) };
     let [path] = args.programs.as_slice() else {
         return Err(Refused::because("expected one program"));
     };
     let (mut session, text) = asked.session(&args.source, path)?;
     let options = session.plan_options(session.machine.setup.stock.material);
-    let found = preflight::judge(&mut session, &text, options, goes_on);
+    let found = preflight::judge(&mut session, &text, options);
     let name = path.display().to_string();
     let source = Source { name: &name, text: &text, drawn: &session.drawn };
     Ok(found.iter().map(|finding| render::json(finding, &source)).collect())
@@ -132,6 +136,7 @@ pub fn canon(asked: &CommandWords) -> Result<Value, Refused> {
 pub fn time(asked: &CommandWords) -> Result<Value, Refused> {
     let Command::Time(args) = asked.command()? else { return Err(asked.other()) };
     let mut job = asked.program(&args.program)?.on(asked.options(args.source.options()))?;
+    job.session.interruption = asked.interruption.clone();
     let (times, _) = time::measured(&mut job, args.operations, &mut |_| ())?;
     Ok(time::answer(&times, &job, args.operations))
 }
@@ -162,7 +167,9 @@ pub fn run(asked: &CommandWords) -> Result<Run, Refused> {
     let Command::Run(args) = asked.command()? else { return Err(asked.other()) };
     let program = asked.program(&args.program)?;
     let command = typed::of_job(asked.words.iter().cloned());
-    run::prepared(&args, program, asked.options(args.options()), command)
+    let mut run = run::prepared(&args, program, asked.options(args.options()), command)?;
+    run.job.session.interruption = asked.interruption.clone();
+    Ok(run)
 }
 
 /// A machine's file, with what the simulated one may be and for a seed is, as `machine show` prints it.

@@ -132,7 +132,7 @@ fn on(
 ) -> Result<Fitted, Refused> {
     let mut session = Session::load(options, path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
-    let found = preflight::judge(&mut session, text, options, &|| true);
+    let found = preflight::judge(&mut session, text, options);
     Ok(Fitted { session, found, machine, hint: None })
 }
 

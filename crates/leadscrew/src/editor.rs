@@ -1,6 +1,6 @@
 //! What an editor's programs meet: the machine, the tools and the files beside them, for the language server.
 use control::job::options::ProgramOptions;
-use control::job::{Session, preflight, subprograms};
+use control::job::{Interruption, Session, preflight, subprograms};
 use control::operation::Found;
 use diag::Diagnostic;
 use std::path::{Path, PathBuf};
@@ -88,7 +88,6 @@ impl Running {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         let work = move || {
-            let goes_on = || !stopped.load(Ordering::Relaxed);
             // an editor that has closed the file does not listen
             let mut session = match session {
                 Ok(session) => session,
@@ -97,11 +96,12 @@ impl Running {
                     return;
                 }
             };
+            session.interruption = Interruption::by(move || stopped.load(Ordering::Relaxed));
             let options = session.plan_options(session.machine.setup.stock.material);
-            let found = preflight::judge(&mut session, &text, options, &goes_on);
+            let found = preflight::judge(&mut session, &text, options);
             let is_refused = found.iter().any(Diagnostic::is_error);
             _ = tell.send(Ok(found));
-            if !is_refused && let Some(time) = preflight::time(&session, &text, options, &goes_on) {
+            if !is_refused && let Some(time) = preflight::time(&session, &text, options) {
                 _ = tell_time.send(Some(time.value()));
             }
         };

@@ -13,7 +13,7 @@ mod refusal;
 mod result;
 mod trace;
 
-use cli::answers::{self, CommandWords};
+use cli::answers::{self, CommandWords, Interruption};
 use control::Refused;
 use leadscrew::{Machine, MachineSource};
 use pyo3::prelude::*;
@@ -34,7 +34,13 @@ fn asked(
     machine: Option<Named>,
     plant: Option<Named>,
 ) -> CommandWords {
-    CommandWords { words, program, machine: machine.map(source), plant: plant.map(source) }
+    CommandWords {
+        words,
+        program,
+        machine: machine.map(source),
+        plant: plant.map(source),
+        interruption: Interruption::by(interrupt::came_now),
+    }
 }
 
 /// A value as JSON, or the exception.
@@ -62,7 +68,7 @@ fn check(
 ) -> PyResult<String> {
     let asked = asked(words, program, machine, None);
     interrupt::watch(py)?;
-    let answer = py.detach(|| answers::check(&asked, &|| !interrupt::came_now()));
+    let answer = py.detach(|| answers::check(&asked));
     interrupt::raised()?;
     json(py, answer)
 }
@@ -91,7 +97,9 @@ fn time(
     machine: Option<Named>,
 ) -> PyResult<String> {
     let asked = asked(words, program, machine, None);
+    interrupt::watch(py)?;
     let answer = py.detach(|| answers::time(&asked));
+    interrupt::raised()?;
     json(py, answer)
 }
 

@@ -8,6 +8,7 @@
 pub mod cams;
 mod described;
 pub mod dialect;
+mod interruption;
 mod live;
 mod operations;
 pub mod options;
@@ -16,6 +17,7 @@ pub mod restart;
 mod session;
 pub mod subprograms;
 
+pub use interruption::Interruption;
 pub use live::Live;
 pub use operations::{Before, Cursor, Left, Operations, Reading, Source};
 pub use options::ProgramOptions;

@@ -10,6 +10,7 @@
 //!   run   ─┤    one order         ├─ remarks       legal, and likely to hurt
 //!   lsp   ─┘                      └─ tool table    which one, and what was not understood of it
 //! ```
+use super::interruption::Interruption;
 use super::operations::{Cursor, Operations, Reading, Source};
 use super::restart::Restart;
 use crate::Refused;
@@ -75,7 +76,7 @@ pub fn prove(
     let (operations, assumed) = interpret(session, source);
     let planner = judging(session, options);
     let mut cursor = Cursor::new(Arc::clone(&operations), None);
-    let known = read(session, source, &mut cursor, planner, assumed, look, &|| true);
+    let known = read(session, source, &mut cursor, planner, assumed, look);
     Proved { operations, known }
 }
 
@@ -100,7 +101,7 @@ pub fn preflight_with(
     let setup = session.interp_setup();
     let mut reading = Reading::new(source, &setup, session.auto());
     let seen = &mut Seen { source: &mut reading, each };
-    read(session, source, seen, planner, Vec::new(), look, &|| true)
+    read(session, source, seen, planner, Vec::new(), look)
 }
 
 /// Operations that something else looks at as they pass.
@@ -150,38 +151,32 @@ pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnM
     planner.finish(look);
 }
 
-/// What is wrong with a program, without the time it takes; nothing, if it is broken off on the way.
+/// What is wrong with a program, without the time it takes.
 pub fn judge(
     session: &mut Session,
     source: &[u8],
     options: Options,
-    goes_on: &dyn Fn() -> bool,
 ) -> Vec<Diagnostic> {
     if session.depends_on_program() {
         let (operations, assumed) = interpret(session, source);
         let planner = judging(session, options).only_judging();
         let mut cursor = Cursor::new(operations, None);
-        return read(session, source, &mut cursor, planner, assumed, &mut |_| (), goes_on).findings;
+        return read(session, source, &mut cursor, planner, assumed, &mut |_| ()).findings;
     }
     let planner = judging(session, options).only_judging();
     let setup = session.interp_setup();
     let mut reading = Reading::new(source, &setup, session.auto());
-    read(session, source, &mut reading, planner, Vec::new(), &mut |_| (), goes_on).findings
+    read(session, source, &mut reading, planner, Vec::new(), &mut |_| ()).findings
 }
 
 /// Planned time from start to end of a program that is not refused; `None`, if it is broken off on the way. Findings are shown
 /// to people as they write, and do not wait for it: what is judged alone is not timed.
-pub fn time(
-    session: &Session,
-    source: &[u8],
-    options: Options,
-    goes_on: &dyn Fn() -> bool,
-) -> Option<Time> {
+pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> {
     let setup = session.interp_setup();
     let mut planner = planner(session, options);
     for (index, op) in Reading::new(source, &setup, session.auto()) {
         planner.push(index, &op, &mut |_| ());
-        if index % OFTEN == OFTEN - 1 && !goes_on() {
+        if is_looked(index) && session.interruption.came() {
             return None;
         }
     }
@@ -241,8 +236,14 @@ fn telling(
     tell(found, furthest)
 }
 
-/// Operations between two tellings, and between two looks whether the check has been cancelled.
+/// Operations between two tellings.
 const OFTEN: u32 = 1 << 14;
+
+/// Whether it is asked at this operation if the rest is still wanted: arcs under a limit of jerk are planned a few hundred in
+/// a second.
+const fn is_looked(index: u32) -> bool {
+    index % 64 == 63
+}
 
 /// Of a program that is for no machine tool.
 const OTHER_MACHINE: &str = "I0910";
@@ -256,15 +257,14 @@ fn read(
     mut planner: Planner,
     mut findings: Vec<Diagnostic>,
     look: &mut impl FnMut(plan::Step),
-    goes_on: &dyn Fn() -> bool,
 ) -> Preflight {
     let mut table = TableNotes::default();
     while let Some((index, op)) = ops.next() {
         planner.written_in(ops.frame());
         planner.push(index, &op, look);
         table.see(session, &op);
-        if index % OFTEN == OFTEN - 1 && !goes_on() {
-            return Preflight { findings: Vec::new(), planned: Time::ZERO };
+        if is_looked(index) && session.interruption.came() {
+            return Preflight { findings: vec![Interruption::finding()], planned: Time::ZERO };
         }
     }
     planner.finish(look);

@@ -3,6 +3,7 @@ use crate::Refused;
 use crate::config::machine_file::MachineSource;
 use crate::job::cams::CamSetup;
 use crate::job::dialect;
+use crate::job::interruption::Interruption;
 use crate::job::operations::Before;
 use crate::job::options::{DecimalPoint, ProgramOptions};
 use crate::job::subprograms::Drawn;
@@ -66,6 +67,8 @@ pub struct Session {
     pub drawn: Vec<Drawn>,
     /// What the program finds in force.
     pub before: Before,
+    /// Whether what is planned is still wanted.
+    pub interruption: Interruption,
 }
 
 impl Session {
@@ -128,6 +131,7 @@ impl Session {
             missing_tools,
             standing: None,
             before: Before::default(),
+            interruption: Interruption::default(),
             dialect,
             decimal_point: options.decimal_point,
             leaves: options.leaves,
