@@ -4,14 +4,13 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let _ = wire::decode(bytes);
-    // the fuzzer will guess neither magic nor checksum: a kind and a payload inside of a right frame
-    let Some((kind, payload)) = bytes.split_first() else { return };
-    let Ok(length) = u16::try_from(payload.len()) else { return };
+    // the fuzzer will guess neither magic nor checksum: a payload inside of a right frame
+    let Ok(length) = u16::try_from(bytes.len()) else { return };
     let mut frame = b"LS".to_vec();
-    frame.extend([wire::VERSION, *kind]);
+    frame.push(wire::VERSION);
     frame.extend(7u32.to_le_bytes());
     frame.extend(length.to_le_bytes());
-    frame.extend(payload);
+    frame.extend(bytes);
     frame.extend(crc32fast::hash(&frame).to_le_bytes());
     let Ok((message, sequence)) = wire::decode(&frame) else { return };
     let mut again = Vec::new();

@@ -12,6 +12,7 @@
 mod bases;
 pub mod cams;
 pub mod certificate;
+mod kept_file;
 pub mod learning;
 pub mod machine;
 mod nearest;

@@ -1,7 +1,7 @@
 //! The table of phase errors of periodic couplings, Δθ over profile and speed, with what was learnt.
 //!
 //! ```text
-//!   version = 1
+//!   version = 2
 //!   machine = "cam-grinder"
 //!   mark = "5bd1e995"                 of the machine's drives and loops: another mark, and the table is stale
 //!   [[measured]]
@@ -18,15 +18,13 @@
 //!   response = …
 //! ```
 //!
-//! The file is written beside its name and renamed: a reader finds the old table or the new one. What is known of a
-//! machine that has been changed since is refused, since it would be compensated with another machine's lag.
-use crate::{Error, SMALL_FILE_LIMIT, learning::mark, output, read_text, text::Lines};
+//! What all such files have in common is in [`kept_file`](crate::kept_file).
+use crate::kept_file::{KeptFile, Whose, mark};
+use crate::{Error, SMALL_FILE_LIMIT};
 use diag::Diagnostic;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The version that is written.
-const VERSION: u32 = 1;
 /// Entries a table may have.
 const MOST: usize = 4096;
 
@@ -101,11 +99,59 @@ pub fn form_mark(nodes: &[f64]) -> String {
     format!("{:08x}", mark(&text))
 }
 
+impl Measured {
+    fn makes_sense(&self) -> bool {
+        let figures = [
+            self.rpm,
+            self.phase_error_deg,
+            self.sigma_deg,
+            self.by_maximum_deg,
+            self.by_flanks_deg,
+        ];
+        let all = figures.iter().chain(self.response.iter().flatten()).chain(&self.learnt_nm);
+        self.rpm > 0.0 && all.into_iter().all(|x| x.is_finite())
+    }
+}
+
+impl Swung {
+    fn makes_sense(&self) -> bool {
+        let figures = self.sent.iter().chain(&self.response).flatten();
+        self.rpm > 0.0 && self.rpm.is_finite() && figures.copied().all(f64::is_finite)
+    }
+}
+
+impl KeptFile for Phases {
+    const WHAT: &'static str = "a table of phase errors";
+    const VERSION: u32 = 2;
+    const LONGEST: u64 = SMALL_FILE_LIMIT * 16;
+    const CODES: [&'static str; 3] = ["S1101", "S1102", "S1103"];
+    const INSTEAD: &'static str = "measure again, into a new file or after removing this one";
+
+    fn whose(&self) -> Whose<'_> {
+        Whose { version: self.version, machine: &self.machine, mark: &self.mark }
+    }
+
+    fn makes_sense(&self) -> Result<(), String> {
+        if self.measured.len() + self.swung.len() > MOST {
+            return Err(format!("more than {MOST} measurements"));
+        }
+        if let Some(bad) = self.measured.iter().find(|m| !m.makes_sense()) {
+            let (profile, rpm) = (bad.profile, bad.rpm);
+            return Err(format!("profile {profile} at {rpm} rpm: expected finite numbers"));
+        }
+        if let Some(bad) = self.swung.iter().find(|s| !s.makes_sense()) {
+            let (on, rpm) = (&bad.on, bad.rpm);
+            return Err(format!("oscillation of {on} at {rpm} rpm: expected finite numbers"));
+        }
+        Ok(())
+    }
+}
+
 impl Phases {
     /// Nothing measured yet on this machine.
     pub fn new(machine: &str, mark: u32) -> Self {
         Self {
-            version: VERSION,
+            version: Self::VERSION,
             machine: machine.into(),
             mark: format!("{mark:08x}"),
             measured: Vec::new(),
@@ -118,12 +164,7 @@ impl Phases {
     /// # Errors
     /// It cannot be read, is damaged, or belongs to another machine or to other servo parameters.
     pub fn load(path: &Path, machine: &str, mark: u32) -> Result<Option<Self>, Error> {
-        if !path.exists() {
-            return Ok(None);
-        }
-        let text = read_text(path, "a table of phase errors", SMALL_FILE_LIMIT * 16)?;
-        let read = Self::parse(&text).and_then(|table| table.checked_for(machine, mark, &text));
-        read.map(Some).map_err(|findings| Error::refused(path, text, findings))
+        Self::read_for(path, machine, mark)
     }
 
     /// Read a table from text.
@@ -131,61 +172,7 @@ impl Phases {
     /// # Errors
     /// What is wrong with it.
     pub fn parse(text: &str) -> Result<Self, Vec<Diagnostic>> {
-        let wrong = |at: std::ops::Range<usize>, sentence: String| {
-            vec![Diagnostic::error("S1101", Lines::of(text, 0).span(&at), sentence)]
-        };
-        let table: Self = toml::from_str(text)
-            .map_err(|e| wrong(e.span().unwrap_or(0..0), e.message().to_owned()))?;
-        if table.version != VERSION {
-            return Err(wrong(
-                0..0,
-                format!("expected version {VERSION}, found {}", table.version),
-            ));
-        }
-        if table.measured.len() + table.swung.len() > MOST {
-            return Err(wrong(0..0, format!("more than {MOST} measurements")));
-        }
-        let finite = |m: &Measured| {
-            let figures =
-                [m.rpm, m.phase_error_deg, m.sigma_deg, m.by_maximum_deg, m.by_flanks_deg];
-            let all = figures.iter().chain(m.response.iter().flatten()).chain(&m.learnt_nm);
-            m.rpm > 0.0 && all.into_iter().all(|x| x.is_finite())
-        };
-        if let Some(bad) = table.measured.iter().find(|m| !finite(m)) {
-            let sentence =
-                format!("profile {} at {} rpm: expected finite numbers", bad.profile, bad.rpm);
-            return Err(wrong(0..0, sentence));
-        }
-        let finite = |s: &Swung| {
-            let figures = s.sent.iter().chain(&s.response).flatten();
-            s.rpm > 0.0 && s.rpm.is_finite() && figures.copied().all(f64::is_finite)
-        };
-        if let Some(bad) = table.swung.iter().find(|s| !finite(s)) {
-            let sentence =
-                format!("oscillation of {} at {} rpm: expected finite numbers", bad.on, bad.rpm);
-            return Err(wrong(0..0, sentence));
-        }
-        Ok(table)
-    }
-
-    fn checked_for(self, machine: &str, mark: u32, text: &str) -> Result<Self, Vec<Diagnostic>> {
-        let mark = format!("{mark:08x}");
-        let key = if self.machine != machine {
-            "machine"
-        } else if self.mark != mark {
-            "mark"
-        } else {
-            return Ok(self);
-        };
-        let at = text.find(key).unwrap_or(0);
-        let sentence = if key == "machine" {
-            format!("measured on {}, and this is {machine}", self.machine)
-        } else {
-            format!("stale: measured with other drives or loops (mark {}, now {mark})", self.mark)
-        };
-        let finding =
-            Diagnostic::error("S1102", Lines::of(text, 0).span(&(at..at + key.len())), sentence);
-        Err(vec![finding.with_help("measure again, into a new file or after removing this one")])
+        Self::read(text)
     }
 
     /// Write it, whole or not at all.
@@ -193,8 +180,7 @@ impl Phases {
     /// # Errors
     /// The file system refuses.
     pub fn save(&self, path: &Path) -> Result<(), Error> {
-        let text = toml::to_string(self).unwrap_or_default(); // tables of numbers and words: always possible
-        output::write_file(path, text.as_bytes())
+        self.write(path)
     }
 
     /// Keep a measurement in the place of an older one of the same profile and speed.
@@ -267,10 +253,10 @@ mod tests {
                 response: vec![[50.0, gain, 0.01]],
             });
         }
-        let text = toml::to_string(&table).unwrap();
-        assert_eq!(Phases::parse(&text).unwrap(), table);
+        assert_eq!(Phases::parse(&table.text()).unwrap(), table);
         assert_eq!((table.swung.len(), table.swung[0].response[0][1]), (1, 1.2));
-        assert!(Phases::parse(&text.replace("rpm = 500.0", "rpm = -500.0")).is_err());
+        table.swung[0].rpm = -500.0;
+        assert!(Phases::parse(&table.text()).is_err());
     }
 
     #[test]
@@ -279,12 +265,15 @@ mod tests {
         let path = folder.path().join("phases.toml");
         table().save(&path).unwrap();
         let stale = Phases::load(&path, "cam-grinder", 1).unwrap_err().to_string();
-        assert!(stale.contains("stale"), "{stale}");
+        assert!(stale.contains("has been changed since"), "{stale}");
         let foreign = Phases::load(&path, "another", 0x5bd1_e995).unwrap_err().to_string();
-        assert!(foreign.contains("measured on cam-grinder"), "{foreign}");
+        assert!(foreign.contains("this is of cam-grinder"), "{foreign}");
         let text = std::fs::read_to_string(&path).unwrap();
-        assert!(Phases::parse(&text.replace("version = 1", "version = 2")).is_err());
-        assert!(Phases::parse(&text.replace("rpm = 60.0", "rpm = nan")).is_err());
+        let newer = Phases::parse(&text.replace("version = 2", "version = 3")).unwrap_err();
+        assert_eq!(newer[0].message, "expected version 2, found 3");
+        let mut spoilt = table();
+        spoilt.measured[0].rpm = f64::NAN;
+        assert!(Phases::parse(&spoilt.text()).is_err());
         for cut in [0, text.len() / 2, text.len() - 3] {
             assert!(Phases::parse(&text[..cut]).is_err(), "cut at {cut}");
         }

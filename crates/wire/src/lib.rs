@@ -16,10 +16,9 @@
 //! |---|---|
 //! | 2 | `LS` |
 //! | 1 | version |
-//! | 1 | kind |
 //! | 4 | sequence number |
 //! | 2 | length of the payload |
-//! | … | payload |
+//! | … | the message, as postcard writes it |
 //! | 4 | CRC-32 of all before it |
 //!
 //! Each command says which tool the control has in the work. The machine keeps that ([`Evidence`]): when a control dies, the
@@ -27,12 +26,9 @@
 //!
 //! A frame that is not whole, not this version's, or not in sequence ends the connection: what a drive is told is
 //! certain, or it is not told. Neither is a command with a number that is none, or that ties an axis or a spindle which there is not.
-//! Axes and spindles that say nothing are left out by a mask.
-mod bytes;
 mod frame;
 mod message;
 mod remote;
-mod truth;
 
 pub use frame::{LONGEST, VERSION, decode, encode};
 pub use message::{Engagement, Evidence, Hello, Message, Observed, Order, Sense, Stop, Welcome};

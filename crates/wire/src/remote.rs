@@ -125,7 +125,7 @@ impl<S: Read + Write> Port<S> {
     fn take_rest(&mut self) -> Result<Message, Error> {
         let mut first = [0; HEAD];
         first.copy_from_slice(&self.buffer[..HEAD]);
-        let (_, _, follow) = head(&first)?;
+        let (_, follow) = head(&first)?;
         self.buffer.resize(HEAD + follow, 0);
         self.stream.read_exact(&mut self.buffer[HEAD..])?;
         let (message, sequence) = decode(&self.buffer)?;

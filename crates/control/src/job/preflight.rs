@@ -152,11 +152,7 @@ pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnM
 }
 
 /// What is wrong with a program, without the time it takes.
-pub fn judge(
-    session: &mut Session,
-    source: &[u8],
-    options: Options,
-) -> Vec<Diagnostic> {
+pub fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diagnostic> {
     if session.depends_on_program() {
         let (operations, assumed) = interpret(session, source);
         let planner = judging(session, options).only_judging();

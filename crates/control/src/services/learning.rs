@@ -5,13 +5,18 @@
 //! ```
 use crate::Refused;
 use std::path::{Path, PathBuf};
-use store::learning::{LearningRecord as Filed, LearningRecords, mark};
+use store::learning::{LearningRecord as Filed, LearningRecords, mark, rounded};
 use store::machine::MachineFile;
 use sync::{CELLS, Learning, LearningRecord, StrokeKey};
 use units::{Angle, Lead, Length, Spin, Time};
 
 /// Gain and bandwidth where the machine's file does not state them: half the usual resonance of a screw.
 const USUAL: Learning = Learning { gain: 0.7, bandwidth_hz: 70.0 };
+
+/// Nanometres in a millimetre.
+const NANO: f64 = 1e-6;
+/// Billionths.
+const BILLIONTH: f64 = 1e-9;
 
 /// Learning, switched on.
 pub struct Memory {
@@ -47,8 +52,7 @@ impl Memory {
     /// A file that cannot be written.
     pub fn save(&self, records: &[LearningRecord]) -> Result<(), Refused> {
         let list = records.iter().filter(|record| record.strokes > 0).map(packed).collect();
-        let records = LearningRecords { machine: self.machine.clone(), mark: self.mark, list };
-        Ok(records.save(&self.path)?)
+        Ok(LearningRecords::new(&self.machine, self.mark, list).save(&self.path)?)
     }
 }
 
@@ -93,24 +97,24 @@ pub fn text(records: &[LearningRecord]) -> String {
 }
 
 fn unpacked(filed: &Filed) -> LearningRecord {
-    let [lead, spin, back, turns, into, out] = filed.stroke;
     let key = StrokeKey {
         tool: filed.tool,
-        lead: Lead::mm_per_rev(lead),
-        spin: Spin::rev_per_s(spin),
-        return_spin: Spin::rev_per_s(back),
-        turns: Angle::rev(turns),
-        times: (Time::s(into), Time::s(out)),
+        lead: Lead::mm_per_rev(filed.lead_mm_per_rev),
+        spin: Spin::rev_per_s(filed.spin_rev_per_s),
+        return_spin: Spin::rev_per_s(filed.return_spin_rev_per_s),
+        turns: Angle::rev(filed.turns_rev),
+        times: (Time::s(filed.time_in_s), Time::s(filed.time_out_s)),
     };
     let mut record = LearningRecord::new(key, filed.gain);
-    let [first, best] = filed.scores;
-    (record.strokes, record.first) = (filed.strokes, Some(Length::mm(first)));
-    (record.progress.best, record.progress.strikes) = (Some(best), filed.strikes);
-    record.early = Angle::rev(filed.early);
-    for (channel, cells) in [(&mut record.feed, &filed.feed), (&mut record.spindle, &filed.spindle)]
-    {
+    (record.strokes, record.first) = (filed.strokes, Some(Length::mm(filed.first_mm)));
+    (record.progress.best, record.progress.strikes) = (Some(filed.best_mm), filed.strikes);
+    record.early = Angle::rev(filed.early_rev);
+    for (channel, cells, unit) in [
+        (&mut record.feed, &filed.feed_nm, NANO),
+        (&mut record.spindle, &filed.spindle_1e9_rev, BILLIONTH),
+    ] {
         for (slot, value) in channel.best.iter_mut().zip(cells) {
-            *slot = *value;
+            *slot = *value * unit;
         }
         channel.cells = channel.best;
     }
@@ -120,27 +124,26 @@ fn unpacked(filed: &Filed) -> LearningRecord {
 /// The best correction is what is kept: it has proved itself.
 fn packed(record: &LearningRecord) -> Filed {
     let key = &record.key;
-    let cells = |cells: &[f64; CELLS]| {
+    let cells = |cells: &[f64; CELLS], unit: f64| {
         let used = cells.iter().rposition(|u| *u != 0.0).map_or(0, |last| last + 1);
-        cells[..used].to_vec()
+        cells[..used].iter().map(|value| rounded(value / unit)).collect()
     };
     let mm = |score: Option<Length>| score.map_or(0.0, Length::value);
     Filed {
         tool: key.tool,
-        stroke: [
-            key.lead.value(),
-            key.spin.value(),
-            key.return_spin.value(),
-            key.turns.value(),
-            key.times.0.value(),
-            key.times.1.value(),
-        ],
+        lead_mm_per_rev: key.lead.value(),
+        spin_rev_per_s: key.spin.value(),
+        return_spin_rev_per_s: key.return_spin.value(),
+        turns_rev: key.turns.value(),
+        time_in_s: key.times.0.value(),
+        time_out_s: key.times.1.value(),
         strokes: record.strokes,
         gain: record.progress.gain,
         strikes: record.progress.strikes,
-        scores: [mm(record.first), mm(record.best())],
-        early: record.early.value(),
-        feed: cells(&record.feed.best),
-        spindle: cells(&record.spindle.best),
+        first_mm: mm(record.first),
+        best_mm: mm(record.best()),
+        early_rev: record.early.value(),
+        feed_nm: cells(&record.feed.best, NANO),
+        spindle_1e9_rev: cells(&record.spindle.best, BILLIONTH),
     }
 }

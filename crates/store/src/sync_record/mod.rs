@@ -14,22 +14,21 @@
 //! carries a checksum, a version, the machine's identity and the *epoch* of its encoders (a new number each time a
 //! reference was lost), and every way of not being right has a sentence of its own in [`Untrusted`].
 //!
-//! Layout, little-endian: `LSYN`, version u16, length u32 of the whole, generation u64, fields as in
-//! [`SyncRecord`] (f64 for quantities, u16 + UTF-8 for names), CRC-32 of all before it. [`slots`] keeps two generations.
-mod bytes;
+//! Layout, little-endian: `LSYN`, version u16, length u32 of the whole, generation u64, [`SyncRecord`] as postcard writes
+//! it, CRC-32 of all before it. [`slots`] keeps two generations.
 pub mod slots;
 mod stroke;
 mod untrusted;
 
-use bytes::{Reader, Writer};
+use serde::{Deserialize, Serialize, Serializer};
 pub use stroke::{Cut, Geared, Retreat, Stroke};
-use units::{Angle, Lead, LeadGrowth, Length, Spin, Stiffness};
+use units::Length;
 pub use untrusted::Untrusted;
 
 /// First bytes of every record.
 const MAGIC: [u8; 4] = *b"LSYN";
 /// Layout that this version writes and reads.
-pub const VERSION: u16 = 6;
+pub const VERSION: u16 = 7;
 /// No record is longer.
 pub const LONGEST: usize = 8192;
 /// Longest name in it, bytes; longer ones are cut.
@@ -43,9 +42,10 @@ const HEAD: usize = 4 + 2 + 4 + 8;
 const TAIL: usize = 4;
 
 /// Which machine, and which state of its encoders.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Name in the machine's file.
+    #[serde(serialize_with = "cut_name")]
     pub machine: String,
     /// Number of this very machine.
     pub serial: u64,
@@ -54,9 +54,10 @@ pub struct Identity {
 }
 
 /// Where in which program.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Place {
     /// The program as the user named it.
+    #[serde(serialize_with = "cut_name")]
     pub program: String,
     /// CRC-32 of its text.
     pub checksum: u32,
@@ -67,21 +68,21 @@ pub struct Place {
     /// Which of the program's holes and threads, counted from 1 in the order in which they are cut.
     pub hole: u32,
     /// What was typed behind `leadscrew run`, but for where the machine simulator is and where to begin: all that is needed to go on.
+    #[serde(serialize_with = "whole_command")]
     pub command: Vec<String>,
 }
 
 /// How far the tap has got.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stage {
     /// Going in, or about to: it has not turned back.
-    Inward = 1,
+    Inward,
     /// About to turn back at the bottom, or on its way out.
-    Outward = 2,
+    Outward,
     /// Out of the work: nothing to recover.
-    Out = 3,
+    Out,
     /// Taken out by a recovery: nothing to recover, and the hole is one whose tap was.
-    Recovered = 4,
+    Recovered,
 }
 
 impl Stage {
@@ -95,7 +96,7 @@ impl Stage {
 }
 
 /// One generation of the record.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SyncRecord {
     /// Whose.
     pub identity: Identity,
@@ -119,48 +120,13 @@ impl Identity {
 impl SyncRecord {
     /// Its bytes, as this generation.
     pub fn encode(&self, generation: u64) -> Vec<u8> {
-        let mut w = Writer::default();
-        w.bytes(&MAGIC);
-        w.u16(VERSION);
-        w.u32(0);
-        w.u64(generation);
-        w.name(&self.identity.machine, LONGEST_NAME);
-        w.u64(self.identity.serial);
-        w.u64(self.identity.epoch);
-        w.u64(self.engagement);
-        w.name(&self.place.program, LONGEST_NAME);
-        for number in [self.place.checksum, self.place.op, self.place.line, self.place.hole] {
-            w.u32(number);
-        }
-        w.words(&self.place.command);
-        w.u8(self.stage as u8);
-        let s = &self.stroke;
-        w.u8(s.cut as u8);
-        let retreat = s.retreat.unwrap_or(Retreat { axis: 0, clear: Length::ZERO, outward: false });
-        w.u8(u8::from(s.retreat.is_some()) | u8::from(retreat.outward) << 1);
-        w.u8(retreat.axis);
-        w.f64(retreat.clear.value());
-        w.u8(s.axis);
-        w.u8(s.spindle);
-        w.u32(s.tool);
-        for value in [
-            s.diameter.value(),
-            s.theta0.value(),
-            s.z0.value(),
-            s.lead.value(),
-            s.growth.value(),
-            s.start.value(),
-            s.bottom.value(),
-            s.surface.value(),
-            s.spin.value(),
-            s.stiffness.value(),
-            s.travel.value(),
-            s.thread_length.value(),
-        ] {
-            w.f64(value);
-        }
-        w.geared(s.geared.as_ref());
-        let mut bytes = w.finish();
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend([0; 4]);
+        bytes.extend(generation.to_le_bytes());
+        // what cannot be written leaves a record without fields, which no reader believes
+        let mut bytes = postcard::to_extend(self, bytes).unwrap_or_default();
+        bytes.resize(bytes.len().max(HEAD), 0);
         let length = (bytes.len() + TAIL) as u32;
         bytes[6..10].copy_from_slice(&length.to_le_bytes());
         let checksum = crc32fast::hash(&bytes);
@@ -178,10 +144,12 @@ impl SyncRecord {
             return Err(Untrusted::Foreign);
         }
         let torn = |needs| Untrusted::Torn { has: bytes.len(), needs };
-        let mut head = Reader::new(&bytes[start..]);
-        let (Some(version), Some(length)) = (head.u16(), head.u32()) else {
+        let Some((head, _)) = bytes.split_first_chunk::<HEAD>() else {
             return Err(torn(HEAD + TAIL));
         };
+        let [_, _, _, _, v0, v1, l0, l1, l2, l3, generation @ ..] = *head;
+        let version = u16::from_le_bytes([v0, v1]);
+        let length = u32::from_le_bytes([l0, l1, l2, l3]);
         if version != VERSION {
             return Err(Untrusted::Version(version));
         }
@@ -199,60 +167,11 @@ impl SyncRecord {
         if checksum != crc32fast::hash(said).to_le_bytes() {
             return Err(Untrusted::Changed);
         }
-        let mut body = Reader::new(&said[HEAD - 8..]);
-        let read = Self::fields(&mut body).ok_or(Untrusted::Senseless("a field is missing"))?;
-        if !body.is_empty() {
-            return Err(Untrusted::Senseless("it has fields that nobody knows"));
+        match postcard::take_from_bytes::<Self>(&said[HEAD..]) {
+            Ok((read, [])) => read.makes_sense().map(|()| (read, u64::from_le_bytes(generation))),
+            Ok(_) => Err(Untrusted::Senseless("it has fields that no record has")),
+            Err(_) => Err(Untrusted::Senseless("a field is missing or is none")),
         }
-        read.0.makes_sense()?;
-        Ok(read)
-    }
-
-    fn fields(r: &mut Reader<'_>) -> Option<(Self, u64)> {
-        let generation = r.u64()?;
-        let identity = Identity { machine: r.name()?, serial: r.u64()?, epoch: r.u64()? };
-        let engagement = r.u64()?;
-        let place = Place {
-            program: r.name()?,
-            checksum: r.u32()?,
-            op: r.u32()?,
-            line: r.u32()?,
-            hole: r.u32()?,
-            command: r.words()?,
-        };
-        let stage = match r.u8()? {
-            1 => Stage::Inward,
-            2 => Stage::Outward,
-            3 => Stage::Out,
-            4 => Stage::Recovered,
-            _ => return None,
-        };
-        let number = r.u8()?;
-        let cut = Cut::ALL.into_iter().find(|cut| *cut as u8 == number)?;
-        let flags = r.u8()?;
-        let (infeed, clear) = (r.u8()?, Length::mm(r.f64()?));
-        let retreat = Retreat { axis: infeed, clear, outward: flags & 2 != 0 };
-        let stroke = Stroke {
-            cut,
-            retreat: (flags & 1 != 0).then_some(retreat),
-            axis: r.u8()?,
-            spindle: r.u8()?,
-            tool: r.u32()?,
-            diameter: Length::mm(r.f64()?),
-            theta0: Angle::rev(r.f64()?),
-            z0: Length::mm(r.f64()?),
-            lead: Lead::mm_per_rev(r.f64()?),
-            growth: LeadGrowth::mm_per_rev2(r.f64()?),
-            start: Length::mm(r.f64()?),
-            bottom: Length::mm(r.f64()?),
-            surface: Length::mm(r.f64()?),
-            spin: Spin::rev_per_s(r.f64()?),
-            stiffness: Stiffness::n_per_mm(r.f64()?),
-            travel: Length::mm(r.f64()?),
-            thread_length: Length::mm(r.f64()?),
-            geared: r.geared()?,
-        };
-        Some((Self { identity, engagement, place, stage, stroke }, generation))
     }
 
     /// Numbers that no tool can have.
@@ -311,6 +230,20 @@ impl SyncRecord {
         }
         Ok(())
     }
+}
+
+/// A name cut to so many bytes, between two characters.
+fn cut_name<S: Serializer>(name: &str, to: S) -> Result<S::Ok, S::Error> {
+    let end = (0..=name.len().min(LONGEST_NAME)).rev().find(|at| name.is_char_boundary(*at));
+    to.serialize_str(&name[..end.unwrap_or(0)])
+}
+
+/// None of its words, where they are too many to be kept.
+fn whole_command<S: Serializer>(words: &[String], to: S) -> Result<S::Ok, S::Error> {
+    let fits = words.len() <= MOST_WORDS
+        && words.iter().map(String::len).sum::<usize>() <= LONGEST_COMMAND
+        && words.iter().all(|word| word.len() <= LONGEST_NAME);
+    to.collect_seq(if fits { words } else { &[] })
 }
 
 #[cfg(test)]

@@ -1,28 +1,25 @@
 //! What is cut, along which line or on which gear, and how its tool comes off it.
+use serde::{Deserialize, Serialize, Serializer};
 use units::{Angle, Lead, LeadGrowth, Length, Spin, Stiffness};
 
 /// What the tool cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Cut {
     /// It taps: screwed to the work, it comes out along its thread.
-    Tap = 1,
+    Tap,
     /// A pass over a turned thread.
-    Thread = 2,
+    Thread,
     /// A cam is ground.
-    Cam = 3,
+    Cam,
     /// A polygon is turned.
-    Polygon = 4,
+    Polygon,
     /// A gear is hobbed.
-    Gear = 5,
+    Gear,
     /// It taps in a holder that gives or has a clutch: the spindle is not tied to the feed, so there is no line to go back along.
-    FloatingTap = 6,
+    FloatingTap,
 }
 
 impl Cut {
-    pub(super) const ALL: [Self; 6] =
-        [Self::Tap, Self::Thread, Self::Cam, Self::Polygon, Self::Gear, Self::FloatingTap];
-
     /// For people: what the tool is doing.
     pub const fn name(self) -> &'static str {
         match self {
@@ -42,7 +39,7 @@ impl Cut {
 }
 
 /// How a tool comes off work that it is not screwed to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Retreat {
     /// Bus index of the infeed axis.
     pub axis: u8,
@@ -60,7 +57,7 @@ impl Retreat {
 }
 
 /// The coupled motion. Coordinates are those of the axes, at the spindle's gauge line.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stroke {
     /// What is cut.
     pub cut: Cut,
@@ -101,7 +98,7 @@ pub struct Stroke {
 }
 
 /// A spindle that follows another one: φ = (p/q)·θ + z/H + φ₀ + Σ swing(θ).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Geared {
     /// The spindle that follows; the stroke names the one that leads.
     pub follower: u8,
@@ -116,6 +113,7 @@ pub struct Geared {
     /// At this radius of what follows, a distance from its place is a length.
     pub radius: Length,
     /// What swings about that, rev: periods in so many turns of the master, cosine, sine; …
+    #[serde(serialize_with = "cut_swing")]
     pub swing: Vec<(u32, f64, f64)>,
     /// … and those turns.
     pub swing_turns: f64,
@@ -137,6 +135,7 @@ impl Geared {
             && self.swing_turns > 0.0
             && numbers.iter().all(|number| number.is_finite())
             && lead != Lead::ZERO
+            && self.swing.len() <= Self::MOST_TERMS
             && swing
     }
 
@@ -188,6 +187,11 @@ impl Stroke {
     pub fn inside(&self, z: Length) -> Length {
         if self.bottom < self.start { self.start - z } else { z - self.start }
     }
+}
+
+/// The terms that are written down.
+fn cut_swing<S: Serializer>(terms: &[(u32, f64, f64)], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(&terms[..terms.len().min(Geared::MOST_TERMS)])
 }
 
 #[cfg(test)]
