@@ -11,42 +11,25 @@ use kernel::{
 use motion::{Limiting, Move, Path, Phase, Profile, TapLimiting, TapPlan};
 use plan::{AxisLimits, SpindleLimits, StrokeRequest};
 use plan::{SpindleStep, Step, StepKind};
-use sim::{AxisEncoder, AxisModel, Lugre, SimulatedMachine, SpindleEncoder, SpindleModel};
+use sim::{AxisEncoder, AxisModel, SimulatedMachine, SpindleModel};
 use units::{
     Angle, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Force, Inertia, Lead,
-    Length, Mass, Power, Speed, Spin, SpinAccel, Stiffness, Time, Torque,
+    Length, Mass, Power, Speed, Spin, SpinAccel, Time, Torque,
 };
+
+/// The tapping centre of the simulator's own tests.
+#[path = "../../../sim/tests/fixtures/mod.rs"]
+mod fixtures;
 
 pub const PERIOD: Time = Time::s(250e-6);
-
-const FRICTION: Lugre = Lugre {
-    bristle_stiffness: Stiffness::n_per_mm(2e4),
-    bristle_damping_n_s_per_m: 2e4,
-    viscous_n_s_per_m: 600.0,
-    coulomb: Force::n(150.0),
-    breakaway: Force::n(190.0),
-    stribeck: CoordinateSpeed::new(2.0),
-};
 
 fn axis(table_kg: f64, weight_share: f64) -> AxisModel {
     AxisModel {
         table: Mass::kg(table_kg),
-        inertia: Inertia::kg_m2(0.0070),
-        screw_lead: Coordinate::new(16.0),
-        peak_torque: Torque::n_m(60.0),
-        force_lag: Time::ZERO,
-        stiffness: Stiffness::n_per_mm(80_000.0),
-        damping_ratio: 0.04,
         backlash: Coordinate::linear(Length::um(1.0)),
-        friction: FRICTION,
         weight_share,
         brake: weight_share > 0.0,
-        encoder: AxisEncoder::Motor { counts_per_rev: 1 << 20 },
-        start: Coordinate::ZERO,
-        travel: sim::Travel::FREE,
-        scatter: sim::AxisScatter::NONE,
-        growth: None,
-        errors: sim::AxisErrors::DRAWN,
+        ..fixtures::z_axis()
     }
 }
 
@@ -58,31 +41,14 @@ pub fn machine(command_delay: usize) -> sim::Config {
         command_delay,
         axes: vec![(0, axis(200.0, 0.0)), (1, axis(350.0, 0.0)), (2, axis(150.0, 1.0))],
         spindles: vec![SpindleModel {
-            inertia: Inertia::kg_m2(0.010),
-            peak_torque: Torque::n_m(42.0),
-            peak_power: Power::w(15_000.0),
-            torque_lag: Time::s(0.8e-3),
-            coulomb: Torque::n_m(0.3),
-            viscous_n_m_s_per_rad: 0.0012,
             rounding: Spin::rev_per_s(1.0 / TAU),
-            encoder: SpindleEncoder {
-                counts_per_rev: 1 << 20,
-                eccentricity: Angle::ZERO,
-                eccentric_at: Angle::ZERO,
-                noise_counts: 0.0,
-            },
             start: Angle::rev(0.3),
-            scatter: sim::SpindleScatter::NONE,
+            ..fixtures::spindle()
         }],
         magazine: Vec::new(),
-        tool: 0,
         tool_change_time: Time::s(0.9),
         stock: None,
-        scatter: sim::Scatter::NONE,
-        material: sim::Scatter::NONE,
-        part: 1,
-        seed: 1,
-        power_on: sim::PowerOn::Known,
+        ..fixtures::tapping_center()
     }
 }
 
@@ -107,24 +73,13 @@ pub fn machine_with_work(command_delay: usize, order: &TapOrder, diameter_mm: f6
     let tap = sim::Tap {
         diameter: Length::mm(diameter_mm),
         lead: Lead::mm_per_rev(lead),
-        chamfer_pitches: 2.5,
-        flute_factor: 1.15,
         thread_length: Length::mm(40.0),
-        flank_play: Length::um(10.0),
-        flank_stiffness: Stiffness::n_per_mm(100_000.0),
-        holder: sim::Holder { stiffness: Stiffness::n_per_mm(20_000.0), travel: None },
-        clutch: None,
+        ..fixtures::m6()
     };
     machine.magazine = vec![sim::Tool { number: 1, length, kind: sim::ToolKind::Tap(tap) }];
     machine.tool = 1;
-    machine.stock = Some(sim::Stock {
-        top: Length::mm(order.surface_mm) - length,
-        thickness: None,
-        sides: None,
-        cutting_n_per_mm2: 3900.0, // C45, tap makers' tables
-        holes: Vec::new(),
-        assume_predrilled: true,
-    });
+    machine.stock =
+        Some(sim::Stock { top: Length::mm(order.surface_mm) - length, ..fixtures::stock() });
     machine
 }
 
@@ -173,7 +128,6 @@ fn axis_control(model: &AxisModel) -> AxisControl {
     }
 }
 
-/// The control of a machine.
 /// No limit that an override could break.
 pub const UNLIMITED: motion::Bounds = motion::Bounds {
     speed: [f64::INFINITY; 9],
@@ -181,6 +135,7 @@ pub const UNLIMITED: motion::Bounds = motion::Bounds {
     jerk: [f64::INFINITY; 9],
 };
 
+/// The control of a machine.
 pub fn control(machine: &sim::Config) -> Config {
     let mut axes = [None; bus::AXES];
     for (index, model) in &machine.axes {
