@@ -2,7 +2,7 @@
 """Holds the setpoints of runs in which an operator interferes against the machine's limits and the programmed path.
 
     python tools/operator-check.py                      each kind of path once, and the programs named behind it
-    python tools/operator-check.py --runs 200 PART.ngc  at length
+    python tools/operator-check.py --runs 200 PART.ngc  at length, and a run of a program
     python tools/operator-check.py --within 0.9         shows that it finds what is wrong: it fails
 
 Overrides, holds, single block and aborts come at random instants of the run. What is checked is the recorded setpoints alone, at a
@@ -18,6 +18,7 @@ It needs the Python package, numpy and scipy.
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import sys
 from dataclasses import dataclass
@@ -220,7 +221,7 @@ def main() -> int:
     asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     asked.add_argument("programs", nargs="*", type=Path)
     asked.add_argument("--machine", action="append", help="[default: bench-xyz and bench-xyz-jerk20]")
-    asked.add_argument("--runs", type=int, default=4, help="of each machine: kinds of path in turn, then the programs")
+    asked.add_argument("--runs", type=int, default=4, help="of each machine on the kinds of path in turn")
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--within", type=float, default=1.0, help="share of limits and P that is allowed")
     args = asked.parse_args()
@@ -228,9 +229,7 @@ def main() -> int:
     for name in args.machine or ["bench-xyz", "bench-xyz-jerk20"]:
         machine = leadscrew.Machine.load(name).with_({"control.period_us": PERIOD_US})
         limits = Limits.of(machine, args.within)
-        sources = [*PATHS, *args.programs]
-        for run in range(args.runs + len(args.programs)):
-            source = sources[run % len(sources)]
+        for run, source in enumerate([*itertools.islice(itertools.cycle(PATHS), args.runs), *args.programs]):
             rng = np.random.default_rng([args.seed, run])
             body = PATHS[source](rng) if isinstance(source, str) else None
             text = f"G21 G90 G17 G40 G49 G94\nG0 X0 Y0 Z0\n{body}\nM2\n" if body else Path(source).read_text()
