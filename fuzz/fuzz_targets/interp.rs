@@ -8,7 +8,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|program: &[u8]| {
     let limits = Limits { blocks: 5_000, ..Limits::default() };
-    for dialect in [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Brother, Dialect::Fanuc, Dialect::FanucLatheA, Dialect::FanucLatheB, Dialect::FanucLatheC] {
+    for dialect in Dialect::ALL {
         try_in(program, &Setup { dialect, limits, ..Setup::default() });
     }
 });

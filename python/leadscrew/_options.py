@@ -13,7 +13,8 @@ from typing import Literal, TypedDict, TypeAlias
 Path: TypeAlias = str | os.PathLike[str]
 
 Dialect: TypeAlias = Literal[
-    "linuxcnc", "grbl", "brother", "fanuc", "fanuc-lathe-a", "fanuc-lathe-b", "fanuc-lathe-c", "toyoda"
+    "linuxcnc", "grbl", "brother", "fanuc", "haas", "mitsubishi",
+    "fanuc-lathe-a", "fanuc-lathe-b", "fanuc-lathe-c", "toyoda"
 ]
 
 

@@ -7,7 +7,7 @@
 //! ```
 use crate::args::CheckArgs;
 use control::Refused;
-use control::job::options::ProgramOptions;
+use control::job::options::{DecimalPoint, ProgramOptions};
 use control::job::preflight;
 use control::job::{DEFAULT_MACHINE, Session};
 use diag::{Diagnostic, Span};
@@ -67,9 +67,14 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
         Dialect::Grbl => &ROUTERS,
         _ => &MILLS,
     };
+    let whole_units = whole_units(args, &asked, dialect, text);
     let options = |machine: &str| ProgramOptions {
         machine: machine.into(),
         dialect: Some(dialect),
+        decimal_point: whole_units
+            .as_ref()
+            .map(|_| DecimalPoint::Calculator)
+            .or(asked.decimal_point),
         without_table: told.is_some() || turned || args.summary,
         ..asked.clone()
     };
@@ -87,11 +92,31 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
         }
         _ => first,
     };
+    if let Some(reason) = whole_units {
+        best.machine += ", numbers without a point in whole units";
+        let text = format!("read with --decimal-point calculator: {reason}");
+        let help = "as increments they would be a thousandth of that; --decimal-point increments reads them so";
+        best.found.insert(0, Diagnostic::note("A0107", Span::default(), text).with_help(help));
+    }
     if told.is_some() || turned {
         let said = said(dialect, &best.machine, evidence.as_deref());
         best.found.insert(0, said);
     }
     Ok(best)
+}
+
+/// Why the numbers without a point of a program in a folder that is summed up are read as whole units, if nothing else is asked.
+fn whole_units(
+    args: &CheckArgs,
+    asked: &ProgramOptions,
+    dialect: Dialect,
+    text: &[u8],
+) -> Option<String> {
+    if !args.summary || asked.decimal_point.is_some() || dialect.grammar() != gcode::Grammar::Fanuc
+    {
+        return None;
+    }
+    interp::counts_whole_units(text, &interp::Setup { dialect, ..interp::Setup::default() })
 }
 
 /// Of these machines the one on which the least is wrong; none, if none is better than the one of before, or if no machine

@@ -28,6 +28,7 @@ mod causes;
 mod check;
 mod coasting;
 mod codes;
+mod codes_of;
 mod compare;
 mod compensation;
 mod console;
@@ -144,10 +145,8 @@ fn execute(cli: &Cli) -> Result<u8, Refused> {
         Command::Study { .. } => Err(Refused::because(
             "studies run in Python: `pip install 'leadscrew[dask]'` brings this command with them",
         )),
-        Command::Codes { format } => {
-            codes::command(*format)?;
-            Ok(SUCCESS)
-        }
+        Command::Codes(args) if !args.of.is_empty() => codes_of::command(args).map(|()| SUCCESS),
+        Command::Codes(args) => codes::command(args.format).map(|()| SUCCESS),
         Command::Machine(order) => machine::command(order).map(|()| SUCCESS),
         Command::Trace(order) => trace::command(order, cli.quiet).map(|()| SUCCESS),
         Command::Man { of } => man::command(of.as_deref()).map(|()| SUCCESS),

@@ -90,3 +90,44 @@ fn a_machines_file_says_what_its_codes_do() {
     let text = said(&leadscrew(&["machine", "check", "mine.toml"], folder.path()));
     assert!(text.contains("expected M24 to end in \"output N on\""), "{text}");
 }
+
+#[test]
+fn numbers_that_are_too_small_by_a_thousand_are_read_as_whole_units_in_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "%\nO1\nG90 G54 G21\nT1 M6 (T1 10 FLAT ENDMILL)\nS2000 M3\nG43 H1 Z50\nG0 X-10 Y0\nG1 Z-2 F200\nX60\nG0 Z50\nM30\n%\n";
+    fs::write(folder.path().join("school.nc"), text).unwrap();
+    let alone = said(&leadscrew(&["check", "school.nc"], folder.path()));
+    assert!(alone.contains("I1068") && alone.contains("--decimal-point calculator"), "{alone}");
+    let summed = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
+    assert!(summed.contains("whole units"), "{summed}");
+}
+
+#[test]
+fn codes_of_a_folder_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("O1001"), SHOP).unwrap();
+    fs::write(folder.path().join("O1002"), "O1002\nG65 P9001 A1.\nG12 I5. D1\nM31\nM30\n").unwrap();
+    let machine = "extends = \"tapping-center\"\nname = \"mine\"\ndescription = \"with codes\"\n[user_codes]\nM31 = \"chips out\"\n";
+    fs::write(folder.path().join("mine.toml"), machine).unwrap();
+    let words = ["codes", "--of", ".", "--dialect", "fanuc", "--format", "json"];
+    let codes: serde_json::Value =
+        serde_json::from_slice(&leadscrew(&words, folder.path()).stdout).unwrap();
+    let of = |code: &str| codes.as_array().unwrap().iter().find(|row| row["code"] == code).unwrap();
+    assert_eq!((of("M31")["times"].as_u64(), of("M31")["programs"].as_u64()), (Some(2), Some(2)));
+    assert_eq!(
+        (of("G0")["status"].as_str(), of("G0")["times"].as_u64()),
+        (Some("executed"), Some(2))
+    );
+    assert_eq!(of("G12")["status"], "unknown", "no code of Fanuc's");
+    assert_eq!(of("M31")["status"], "unknown");
+    assert_eq!(
+        (&of("M31")["first"]["program"], &of("M31")["first"]["line"]),
+        (&"./O1001".into(), &5.into())
+    );
+    let named = ["codes", "--of", ".", "--dialect", "fanuc", "--machine", "mine.toml"];
+    let text = said(&leadscrew(&named, folder.path()));
+    assert!(text.contains("chips out") && text.contains("machine's"), "{text}");
+    assert!(text.contains("2 programs:") && text.contains("1 unknown"), "{text}");
+    let haas = said(&leadscrew(&["codes", "--of", "O1002", "--dialect", "haas"], folder.path()));
+    assert!(haas.contains("a circle from its centre, clockwise"), "{haas}");
+}

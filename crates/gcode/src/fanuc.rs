@@ -124,6 +124,16 @@ impl Grammar {
     }
 }
 
+/// Whether what stands behind a semicolon is for people, and no block: two letters follow one another, and they begin none
+/// of the words that stand for flow and output.
+pub(crate) fn is_for_people(behind: &[u8]) -> bool {
+    let mut letters = behind.iter().filter(|byte| !byte.is_ascii_whitespace());
+    let [Some(first), Some(second)] = [letters.next(), letters.next()] else { return false };
+    let both = [first.to_ascii_uppercase(), second.to_ascii_uppercase()];
+    let is_flow = [b"IF", b"WH", b"GO", b"DO", b"EN", b"PO", b"PC", b"DP", b"BP", b"TH"];
+    both.iter().all(u8::is_ascii_alphabetic) && !is_flow.contains(&&both)
+}
+
 impl Line<'_, '_> {
     /// A block of Fanuc's, after block delete and N.
     pub(crate) fn fanuc_block(&mut self) -> Read<()> {

@@ -10,7 +10,7 @@
 //! that cannot be read stays as it was, byte for byte, and so does all that follows a tape's second
 //! `%`. Line ends stay CR LF where the file's first line has them.
 
-use crate::{Block, Grammar, Keyword, Label, Parser, print::Printed};
+use crate::{Block, Grammar, Keyword, Label, Parser, fanuc::is_for_people, print::Printed};
 
 /// Blanks a level is moved in by.
 const STEP: usize = 2;
@@ -45,6 +45,11 @@ pub fn format(source: &[u8], grammar: Grammar) -> Vec<u8> {
         let end = block.span.end as usize;
         if grammar == Grammar::Fanuc && source.get(end) == Some(&b';') {
             out.push(b';');
+            let behind = source[end + 1..].split(|byte| matches!(byte, b'\n' | b'\r')).next();
+            let behind = behind.unwrap_or_default().trim_ascii_end();
+            if is_for_people(behind) {
+                out.extend_from_slice(behind);
+            }
         }
         let (rest, line) = parser.position();
         if line == block.span.line && (rest as usize) < source.len() {

@@ -41,4 +41,5 @@ pub use block::{Assignment, Block, Comment, CommentKind, Keyword, Label, OWord, 
 pub use expression::{Expr, ExprId, Function, Operator, Parameter, Value};
 pub use fanuc::{Control, Grammar, Output, Piece};
 pub use format::format;
+pub use line::end_lines_with_lf;
 pub use parser::{MAX_DIAGNOSTICS, MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS, Parser};

@@ -162,3 +162,12 @@ impl Line<'_, '_> {
 fn name_byte(byte: u8) -> bool {
     byte > b' ' && byte != 0x7f && !matches!(byte, b'(' | b')' | b'<' | b'>' | b';')
 }
+
+/// Line ends of a text that has CR alone, as old systems and some controls write them, become LF, byte for byte. A text with
+/// any LF stays as it is.
+pub fn end_lines_with_lf(text: &mut [u8]) {
+    if memchr::memchr(b'\r', text).is_none() || memchr::memchr(b'\n', text).is_some() {
+        return;
+    }
+    text.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+}

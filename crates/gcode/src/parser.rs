@@ -8,7 +8,7 @@
 use crate::Block;
 use crate::block::{Assignment, Word};
 use crate::expression::Value;
-use crate::fanuc::Grammar;
+use crate::fanuc::{Grammar, is_for_people};
 use crate::line::{Line, Read};
 use crate::number;
 use crate::problem::{Fault, Problem};
@@ -92,10 +92,12 @@ impl<'a> Parser<'a> {
             text = line;
         }
         let (mut step, mut lines) = (step, 1);
+        let mut comment = false;
         if let Some((end, next)) = self.grammar.end_of_block(text) {
-            // what follows in the line is a block of its own, unless it is blank
+            // what follows in the line is a block of its own, unless it is blank or for people
             let blank = text[next..].iter().all(|b| matches!(b, b' ' | b'\t'));
-            (step, lines) = if blank { (step, 1) } else { (next, 0) };
+            comment = text[end] == b';' && is_for_people(&text[next..]);
+            (step, lines) = if blank || comment { (step, 1) } else { (next, 0) };
             text = &text[..end];
         }
         let place = self.place(self.offset, text.len());
@@ -119,7 +121,8 @@ impl<'a> Parser<'a> {
             remark: None,
         };
         let result = line.read();
-        let remark = line.remark;
+        let behind = Fault { problem: Problem::BehindSemicolon, from: 0, to: text.len() };
+        let remark = line.remark.or(comment.then_some(behind));
         if let Err(fault) = result {
             block.faulty = true;
             self.fault(fault, text, place);
@@ -228,13 +231,21 @@ impl<'a> Parser<'a> {
         if self.reported.contains(&line_start) || line_start < self.more_up_to {
             return;
         }
-        let once =
-            matches!(problem, Problem::NotText | Problem::CommentNotUtf8 | Problem::ForTheSender);
+        let once = matches!(
+            problem,
+            Problem::NotText
+                | Problem::CommentNotUtf8
+                | Problem::ForTheSender
+                | Problem::BehindSemicolon
+        );
         let again = once && self.diagnostics.iter().any(|d| d.code == problem.code());
         if self.reported.len() < MAX_DIAGNOSTICS && !again {
             self.reported.push(line_start);
             self.diagnostics.push(problem.diagnostic(text, from, span));
-        } else if !matches!(problem, Problem::CommentNotUtf8 | Problem::ForTheSender) {
+        } else if !matches!(
+            problem,
+            Problem::CommentNotUtf8 | Problem::ForTheSender | Problem::BehindSemicolon
+        ) {
             self.more += 1;
             self.more_up_to = span.end;
         }

@@ -49,6 +49,7 @@ pub(crate) enum Problem {
     Binary,
     NotText,
     ForTheSender,
+    BehindSemicolon,
     LoneReturn,
     CommentNotUtf8,
     FileTooLong,
@@ -115,6 +116,7 @@ impl Problem {
             Self::Binary => "P0191",
             Self::NotText => "P0192",
             Self::ForTheSender => "P0196",
+            Self::BehindSemicolon => "P0197",
             Self::LoneReturn => "P0193",
             Self::CommentNotUtf8 => "P0194",
             Self::FileTooLong => "P0195",
@@ -212,10 +214,9 @@ impl Problem {
             }
             Self::Binary => "expected a text file, found a NUL byte: this is binary data".into(),
             Self::ForTheSender => format!("{here} is for a sender, its controller or a simulator, and is left out"),
+            Self::BehindSemicolon => "behind the semicolon stands no block: it is left out".into(),
             Self::NotText => format!("expected plain ASCII text outside comments, found {found}"),
-            Self::LoneReturn => {
-                "expected lines that end with LF or CR LF, found a CR in the middle".into()
-            }
+            Self::LoneReturn => "expected lines that end with LF or CR LF, found a CR in the middle".into(),
             Self::CommentNotUtf8 => {
                 "this comment is not UTF-8: its other characters are shown as \u{fffd}".into()
             }
@@ -233,6 +234,8 @@ impl Problem {
             Self::CommentNotUtf8 => Diagnostic::note(self.code(), span, message),
             Self::ForTheSender => Diagnostic::note(self.code(), span, message)
                 .with_help("do by hand what it asks for, if it is needed. Said once"),
+            Self::BehindSemicolon => Diagnostic::warning(self.code(), span, message)
+                .with_help("Fanuc's controls have comments in brackets, (like this). Said once"),
             Self::UnknownFunction(_) | Self::KeywordUnknown => {
                 let finding = Diagnostic::error(self.code(), span, message);
                 let names = match self {

@@ -140,12 +140,23 @@ pub fn dialect_codes() -> impl Iterator<Item = CodeInfo> {
             let shared = codes().find(|code| code.code == info.code);
             shared.is_none_or(|shared| shared.name != info.name)
         };
-        let file = describe_in(dialect, b'M', 198.0).filter(|code| code.code == "M198");
-        (0..=1000u16)
-            .filter_map(described)
-            .chain(file)
-            .filter(own)
-            .map(move |info| CodeInfo { dialects: vec![dialect], ..info })
+        let variant_of = dialect.variant_of();
+        let last = if variant_of.is_some() { 2700 } else { 1000 };
+        let of_calls = move |number| {
+            let code = describe_in(dialect, b'M', number);
+            code.filter(|code| code.code == format!("M{number}"))
+        };
+        let differs = move |(letter, value): (u8, f64), info: &CodeInfo| {
+            let before = variant_of.and_then(|base| describe_in(base, letter, value));
+            before.is_none_or(|before| before.name != info.name)
+        };
+        let g = (0..=last).filter_map(move |tenths: u16| {
+            described(tenths).filter(|info| differs((b'G', f64::from(tenths) / 10.0), info))
+        });
+        let m = [97.0, 198.0].into_iter().filter_map(move |number| {
+            of_calls(number).filter(|info| differs((b'M', number), info))
+        });
+        g.chain(m).filter(own).map(move |info| CodeInfo { dialects: vec![dialect], ..info })
     })
 }
 
@@ -180,7 +191,7 @@ mod tests {
         assert_eq!(name(Dialect::FanucLatheB, 71.0), Some("roughing cycle along Z"));
         assert_eq!(name(Dialect::Fanuc, 333.0), None);
         let of = |value| describe(b'G', value).map(|code| code.dialects.len());
-        assert_eq!((of(0.0), of(33.1)), (Some(8), Some(4)));
+        assert_eq!((of(0.0), of(33.1)), (Some(10), Some(4)));
         let own = |dialect, code: &str| {
             dialect_codes().any(|info| info.dialects == [dialect] && info.code == code)
         };

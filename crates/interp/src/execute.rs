@@ -69,6 +69,7 @@ pub(crate) fn new(setup: &Setup) -> Executor {
             stand_alone: setup.stand_alone,
             fastest_rpm: setup.fastest_spindle.map_or(f64::INFINITY, units::Spin::in_rpm),
             user_codes: setup.user_codes.clone(),
+            macro_calls: setup.macro_calls.clone(),
             leaves: setup.leaves,
             cycles: setup.cycles,
         },
@@ -115,6 +116,9 @@ pub(crate) fn execute<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outco
         || hobbing::hobbing(&ex.words, &mut ex.modes, out)?
     {
         return stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
+    }
+    if ex.settings.rules.dwells_by_s {
+        dwell_by_s(ex)?;
     }
     let motion = motion(&ex.words, &ex.modes)?;
     if refused::motion_is_unknown(&ex.words, &ex.modes) {
@@ -211,6 +215,23 @@ fn remark_on_laser(ex: &mut Executor) {
     ex.remarks.push(diag::Diagnostic::note("I0647", ex.words.place.span, text).with_help(
         "Leadscrew does not simulate lasers; a spindle turns clockwise with M3. Said once",
     ));
+}
+
+/// `G4 S2`: seconds where no P stands.
+fn dwell_by_s(ex: &mut Executor) -> Outcome {
+    if ex.words.g(GGroup::NonModal) != Some(40) || ex.words.get(b'P').is_some() {
+        return Ok(());
+    }
+    let span = ex.words.span(b'S');
+    let Some(seconds) = ex.words.take(b'S') else { return Ok(()) };
+    ex.words.put(b'P', seconds, span)?;
+    if ex.idle_told & set("S") == 0 {
+        ex.idle_told |= set("S");
+        let text = format!("S of G4 is read as a wait of {seconds} s, as Marlin has it");
+        let remark = diag::Diagnostic::warning("I0648", span, text);
+        ex.remarks.push(remark.with_help("Grbl itself takes P. Said once"));
+    }
+    Ok(())
 }
 
 /// Words that the dialect takes without effect.

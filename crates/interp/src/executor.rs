@@ -14,7 +14,7 @@ use crate::{
     names::Store,
     out::Held,
     profile::recording::Recording,
-    setup::{Cycles, Leaves, UserCode},
+    setup::{Cycles, Leaves, MacroCall, UserCode},
     tools::Tools,
     words::Words,
 };
@@ -64,6 +64,8 @@ pub(crate) struct Settings {
     pub(crate) stand_alone: bool,
     /// What the machine's own M codes do.
     pub(crate) user_codes: Vec<UserCode>,
+    /// Words that call programs, where the dialect can.
+    pub(crate) macro_calls: Vec<MacroCall>,
     /// What a program may leave out.
     pub(crate) leaves: Leaves,
     /// The machine's settings for cycles.

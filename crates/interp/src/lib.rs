@@ -94,6 +94,7 @@ mod tool_change;
 mod tool_table;
 mod tools;
 mod unknown;
+mod whole_units;
 mod words;
 
 pub use call::{
@@ -109,14 +110,17 @@ pub use interpreter::{Interpreter, Progress};
 pub use lint::{Lint, lint};
 pub use listing::Listing;
 pub use live::{Live, asks};
-pub use ops::{Ops, called_files, check, defined_subprograms, with_dialect};
+pub use ops::{
+    Ops, called_files, check, defined_subprograms, files_called_by_word, suspicion, with_dialect,
+};
 pub use other_dialect::{looks_like, other_dialect, telling_words, unended};
 pub use other_machine::is_turned;
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use resolve::Resolver;
 pub use setup::{
-    Aside, Chips, Cycles, Increments, Leaves, Limits, MAX_PARAMETER, MissingTools, Parameters,
-    Setup, Subprogram, UserAction, UserCode,
+    Aside, Chips, Cycles, Increments, Leaves, Limits, MAX_PARAMETER, MacroCall, MissingTools,
+    Parameters, Setup, Subprogram, UserAction, UserCode,
 };
 pub use snapshot::{Snapshot, Standing};
 pub use unknown::Unknown;
+pub use whole_units::counts_whole_units;

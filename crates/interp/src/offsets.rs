@@ -27,7 +27,7 @@ const SYSTEM: usize = 5220;
 /// Offsets as the parameters have them, at the beginning.
 pub(crate) fn load_offsets(modes: &mut Modes, store: &mut Store, settings: &Settings) {
     let system = store.numbered.at(SYSTEM);
-    let most = if has_external_offset(settings) { 57.0 } else { 9.0 };
+    let most = if has_external_offset(settings) { 108.0 } else { 9.0 };
     let system = if (1.0..=most).contains(&system) { system as u8 } else { 1 };
     if store.numbered.at(ADDED_ON) != 0.0 {
         modes.frame.added = read_point(modes, store, ADDED);

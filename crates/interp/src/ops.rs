@@ -4,7 +4,7 @@ use crate::{
     dialect::DepthFrom,
     interpreter::{Interpreter, Progress},
     resolve::Resolver,
-    setup::{Parameters, Setup},
+    setup::{MacroCall, Parameters, Setup},
 };
 use canon::{Counting, Op, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
@@ -34,7 +34,7 @@ impl<'s> Ops<'s> {
         if let Some(printer) = crate::other_machine::printer(source) {
             return Self { ended: true, other_dialect: Some(printer), ..self };
         }
-        Self { other_dialect: crate::other_dialect(source, setup), ..self }
+        Self { other_dialect: suspicion(source, setup), ..self }
     }
 
     pub(crate) const fn with(interpreter: Interpreter<'s>, resolver: Resolver) -> Self {
@@ -137,6 +137,13 @@ pub fn with_dialect(suspicion: Option<Diagnostic>, found: Vec<Diagnostic>) -> Ve
     core::iter::once(suspicion).chain(found).collect()
 }
 
+/// What the beginning of a program looks like, if that is not how it is read: one for another dialect, or one whose numbers
+/// without a point are meant otherwise.
+pub fn suspicion(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
+    let other_dialect = crate::other_dialect(source, setup);
+    other_dialect.or_else(|| crate::whole_units::meant_otherwise(source, setup))
+}
+
 /// What the parser finds wrong, in all lines.
 fn syntax(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
     let mut parser = Parser::with_grammar(source, 0, setup.dialect.grammar());
@@ -166,6 +173,14 @@ pub fn called_files(source: &[u8], grammar: Grammar) -> Vec<String> {
     };
     called.retain(|name| !defined.contains(name));
     called
+}
+
+/// Numbers of programs that a text calls by words of the machine's own.
+pub fn files_called_by_word(source: &[u8], calls: &[MacroCall], grammar: Grammar) -> Vec<String> {
+    match grammar {
+        Grammar::Rs274 | Grammar::Grbl => Vec::new(),
+        Grammar::Fanuc => crate::dialect::fanuc::programs_by_word(source, calls),
+    }
 }
 
 /// Names of subprograms that a text of RS-274 defines.

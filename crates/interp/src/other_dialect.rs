@@ -50,6 +50,14 @@ const O_KEYWORDS: [&str; 15] = [
     "CONTINUE",
 ];
 
+/// A control's name, whose it is, and what that is evidence of.
+type Named = (&'static str, Family, &'static str);
+const NAMES: [Named; 3] = [
+    ("Grbl", Family::Grbl, "a comment that names Grbl"),
+    ("Haas", Family::Haas, "a comment that names Haas"),
+    ("Meldas", Family::Mitsubishi, "a comment that names Meldas"), // Mitsubishi is on tools, too
+];
+
 /// A word that gives a dialect away.
 struct Evidence {
     of: Family,
@@ -181,8 +189,8 @@ pub(crate) struct Line {
     divided: Option<(bool, bool)>,
     /// The first comment in brackets, up to its comma.
     keyword: String,
-    /// A comment speaks of Grbl.
-    names_grbl: bool,
+    /// It speaks of a control by its name.
+    names: Option<&'static Named>,
     /// From its first to its last character that is no blank.
     span: Span,
 }
@@ -200,7 +208,9 @@ impl Line {
             words: Vec::new(),
             divided: None,
             keyword: String::new(),
-            names_grbl: text.windows(4).any(|word| word.eq_ignore_ascii_case(b"grbl")),
+            names: NAMES.iter().find(|(name, ..)| {
+                text.windows(name.len()).any(|word| word.eq_ignore_ascii_case(name.as_bytes()))
+            }),
             span,
         };
         let (mut inside, mut comment, mut depth) = (false, String::new(), 0_u32);
@@ -290,6 +300,12 @@ impl Line {
             };
             match code {
                 (tenths, 'G') => self.g(tenths, &mut say),
+                (970, 'M') if self.has("P") => {
+                    say(Family::Haas, 4, "a subprogram of this program is called by its block N");
+                }
+                (980, 'M') if self.has("PH") => {
+                    say(Family::Mitsubishi, 4, "a subprogram is begun at a block, by H");
+                }
                 (1980, 'M') => say(Family::Fanuc, 3, "a program in another file is called"),
                 (610, 'M') => say(Family::LinuxCnc, 3, "the tool's number is set"),
                 (620..=680 | 700..=730, 'M') => {
@@ -315,10 +331,9 @@ impl Line {
             let (of, what, written) = (Family::Grbl, "a line for the controller", code.to_owned());
             tell(Evidence { of, weight: 5, what, written, span: self.span });
         }
-        if self.names_grbl {
-            let (of, what, written) =
-                (Family::Grbl, "a comment that names Grbl", "\"Grbl\"".to_owned());
-            tell(Evidence { of, weight: 4, what, written, span: self.span });
+        if let Some((name, of, what)) = self.names {
+            let written = format!("\"{name}\"");
+            tell(Evidence { of: *of, weight: 4, what, written, span: self.span });
         }
         let mut say = |of, weight, what, written: &str| {
             tell(Evidence { of, weight, what, written: written.to_owned(), span: self.span });
@@ -363,6 +378,9 @@ impl Line {
             if number.is_some_and(|c| c.is_ascii_digit() || matches!(c, '.' | '#' | '[')) {
                 say(Family::Fanuc, 4, "a corner's chamfer or radius", corner);
             }
+        }
+        if code.contains("#9000") {
+            say(Family::Mitsubishi, 3, "a common variable from #900000 on", "#900000");
         }
         if code.contains("#<") {
             say(Family::LinuxCnc, 3, "a parameter with a name", "#<…>");
@@ -424,6 +442,25 @@ impl Line {
             280 if self.has_any("UW") => {
                 say(Family::FanucLathe, 3, "the reference point by increments");
             }
+            1540 if self.has("P") && !self.has("S") => {
+                say(Family::Haas, 4, "a work offset beyond the sixth, by G154");
+            }
+            1870 if self.has_any("PE") => say(Family::Haas, 4, "how corners are taken, by G187"),
+            1030 if self.has("P") => say(Family::Haas, 2, "how far the control looks ahead"),
+            40 | 810..=830
+                if tenths % 10 == 0 && self.number('P').is_some_and(|(p, _)| p.contains('.')) =>
+            {
+                say(Family::Haas, 1, "a wait in seconds, with a point");
+            }
+            810..=850 if tenths % 10 == 0 && self.has("Z") && !self.has_any("RUEK") => {
+                say(Family::Haas, 1, "a cycle without R");
+            }
+            120 | 130 if self.has("IKQ") => say(Family::Haas, 4, "a round pocket in rings"),
+            120 | 130 if self.has("ID") => {
+                say(Family::Haas, 3, "a round pocket");
+                say(Family::Mitsubishi, 3, "a circle from its centre");
+            }
+            1201 if self.has("P") => say(Family::Mitsubishi, 3, "a set of conditions is chosen"),
             1000 if self.has("T") => say(Family::Brother, 6, "the non-stop tool change"),
             770 | 780 if self.has_any("IJ") && self.has_any("ZR") && self.has_any("SR") => {
                 say(Family::Brother, 6, "synchronised tapping by its pitch");

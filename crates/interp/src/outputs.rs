@@ -16,6 +16,7 @@
 use crate::{
     call::{Call, Sink},
     codes::MGroup,
+    dialect::rules::FrontEndKind,
     executor::{Executor, Settings},
     fault::{Outcome, error, refuse},
     names::Store,
@@ -118,6 +119,16 @@ pub(crate) fn was_read(store: &mut Store, value: Option<f64>) {
 pub(crate) fn user_code<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
     let (words, settings) = (&ex.words, &ex.settings);
     let Some(number) = words.m(MGroup::User) else { return Ok(()) };
+    let called = settings.macro_calls.iter().find(|call| {
+        settings.rules.front_end == FrontEndKind::Rs274
+            && (call.letter, call.number) == ('M', Some(number))
+    });
+    if let Some(call) = called {
+        let text = format!("M{number} calls O{} on this machine", call.program);
+        let help =
+            "only Fanuc's dialects and their variants call programs by M codes: --dialect fanuc";
+        return Err(error("I0645", words.place.span, text).with_help(help).into());
+    }
     let Some(code) = settings.user_codes.iter().find(|code| code.number == number) else {
         if !settings.leaves.unknown_codes {
             return Err(unnamed(words, settings, number).into());

@@ -72,6 +72,8 @@ pub struct Setup {
     pub subprograms: Vec<Subprogram>,
     /// What the machine's own M codes do.
     pub user_codes: Vec<UserCode>,
+    /// Words of the machine's own that call programs.
+    pub macro_calls: Vec<MacroCall>,
     /// What a program may leave out.
     pub leaves: Leaves,
     /// Where the axes stand when the program begins.
@@ -132,6 +134,19 @@ pub struct UserCode {
     pub action: UserAction,
 }
 
+/// A word that calls a program of the tape, on Fanuc's controls and their variants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MacroCall {
+    /// `G`, `M` or `T`.
+    pub letter: char,
+    /// The number after G or M; none for T, whatever its number.
+    pub number: Option<u16>,
+    /// O of the program.
+    pub program: u32,
+    /// The block's other words are arguments, as those of G65; else they do what they say, and then it is called as by M98.
+    pub takes_arguments: bool,
+}
+
 /// What an M code of the machine's own moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum UserAction {
@@ -190,9 +205,9 @@ impl Default for Limits {
 
 /// Highest number of a parameter that a program of RS-274 can write.
 pub const MAX_PARAMETER: usize = 5601;
-/// Where the offsets of Fanuc's G54.1 P1 to P48 lie.
+/// Where the offsets of Fanuc's G54.1 P1 to P48 lie; Haas has 99.
 const MORE_OFFSETS: usize = 7001;
-const MOST: usize = MORE_OFFSETS + 20 * 48 - 1;
+const MOST: usize = MORE_OFFSETS + 20 * 99 - 1;
 /// Parameters that have a value or none.
 const OPTIONAL: core::ops::RangeInclusive<usize> = 500..=999;
 
@@ -260,7 +275,7 @@ impl Parameters {
         self.values.get(number).copied().unwrap_or(0.0)
     }
 
-    /// First parameter of a work offset (1 is G54, 9 is G59.3, 10 to 57 are Fanuc's G54.1 P1 to P48; 0 is Fanuc's
+    /// First parameter of a work offset (1 is G54, 9 is G59.3, 10 and more are Fanuc's G54.1 P1 and more; 0 is Fanuc's
     /// external one, which is added to all).
     pub(crate) const fn work_offset(system: usize) -> usize {
         match system {

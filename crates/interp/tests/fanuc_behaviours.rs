@@ -71,18 +71,25 @@ fn meaning(program: &str, dialect: Dialect, holes_alone: bool) -> String {
     said
 }
 
-#[test]
-fn every_rule_of_the_page_holds() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../spec/fanuc-behaviours.md");
+/// Runs the rules of a page of `spec`, and says how many it has.
+fn hold(page: &str) -> usize {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../spec").join(page);
     let page = fs::read_to_string(path).unwrap();
     let (mut rules, mut wrong) = (0, Vec::new());
-    for part in page.split("```fanuc").skip(1) {
-        let (options, rest) = part.split_once('\n').unwrap();
+    let is_program =
+        |part: &&str| ["fanuc", "haas", "mitsubishi"].iter().any(|d| part.starts_with(d));
+    for part in page.split("```").filter(is_program) {
+        let begin = part.as_ptr() as usize - page.as_ptr() as usize;
+        let (options, rest) = page[begin..].split_once('\n').unwrap();
         let (program, rest) = rest.split_once("```\n").unwrap();
         let expected = rest.strip_prefix("```means\n").and_then(|rest| rest.split_once("```"));
         let expected = expected.unwrap_or_else(|| panic!("no meaning behind {program}")).0;
-        let dialect =
-            if options.starts_with("-lathe") { Dialect::FanucLatheA } else { Dialect::Fanuc };
+        let dialect = match options.split_whitespace().next() {
+            Some("haas") => Dialect::Haas,
+            Some("mitsubishi") => Dialect::Mitsubishi,
+            Some("fanuc-lathe") => Dialect::FanucLatheA,
+            _ => Dialect::Fanuc,
+        };
         let found = meaning(program, dialect, options.contains("holes"));
         if found != expected {
             wrong.push(format!("{program}means\n{found}and is expected to mean\n{expected}"));
@@ -90,5 +97,15 @@ fn every_rule_of_the_page_holds() {
         rules += 1;
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert!(rules >= 60, "{rules} rules");
+    rules
+}
+
+#[test]
+fn every_rule_of_the_page_holds() {
+    assert!(hold("fanuc-behaviours.md") >= 60);
+}
+
+#[test]
+fn haas_and_mitsubishi_differ_from_fanuc_as_their_page_says() {
+    assert!(hold("haas-mitsubishi.md") >= 20);
 }

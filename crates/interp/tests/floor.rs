@@ -33,10 +33,7 @@ fn holes(text: &str, dialect: Dialect) -> Vec<Hole> {
 fn blank_lines_and_comments_before_the_percent_sign_are_no_program() {
     for head in ["", "\n", "\r\n \r\n", "(made by a post)\n", "; made by a post\n\n(today)\n"] {
         for dialect in Dialect::ALL {
-            let is_fanuc = dialect.name().starts_with("fanuc");
-            if is_fanuc && head.starts_with(';') {
-                continue; // there it ends a block
-            }
+            let is_fanuc = dialect.grammar() == gcode::Grammar::Fanuc;
             let number = if is_fanuc { "O1\n" } else { "" };
             let text = format!("{head}%\n{number}G21 G90\nG0 X10.\nM30\n%\nwhatever follows\n");
             let found = places(&ops(&text, dialect));
@@ -287,4 +284,64 @@ fn h_names_the_tools_radius_where_no_d_stands() {
     assert_ne!(places(&ops(&with("G42 D18"), Dialect::Fanuc)), beside);
     let longer = "O1\nG91 G10 L12 P14 R3.\nG0 G45 X10. H14\nM30\n";
     assert_eq!(places(&ops(longer, Dialect::Fanuc)), [[13.0, 0.0, 0.0]]);
+}
+
+#[test]
+fn behind_a_semicolon_stands_a_block_or_a_comment() {
+    for dialect in [Dialect::Fanuc, Dialect::Haas, Dialect::Mitsubishi] {
+        let text = "O1\nG21 G90; mm mode\nG0 X1.; G0 X2.; over there\n; drilling at (1, 2)\nIF[1 EQ 1]THEN #1=3.;GOTO 5\nN5 X#1;\nM30\n";
+        let found = places(&ops(text, dialect));
+        assert_eq!(found.iter().map(|at| at[0]).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
+    }
+    assert!(found("O1\nG0 X1.; over there\nM30\n", Dialect::Fanuc).contains(&"P0197"));
+}
+
+/// A file of an old Macintosh or of a control that ends its lines with CR alone.
+#[test]
+fn lines_may_end_with_a_bare_carriage_return() {
+    for dialect in [Dialect::LinuxCnc, Dialect::Fanuc, Dialect::Grbl] {
+        let number = if dialect == Dialect::Fanuc { "O1\r" } else { "" };
+        let mut text = format!("{number}G21 G90\rG0 X1.\rX2.\rM30\r").into_bytes();
+        gcode::end_lines_with_lf(&mut text);
+        let text = String::from_utf8(text).unwrap();
+        assert_eq!(places(&ops(&text, dialect)).len(), 2);
+    }
+    let mut mixed = b"G0 X1\r\nG0 \rX2\n".to_vec();
+    gcode::end_lines_with_lf(&mut mixed);
+    assert_eq!(mixed, b"G0 X1\r\nG0 \rX2\n", "a CR among other line ends is a slip, and is said");
+}
+
+#[test]
+fn numbers_without_a_point_that_make_no_sense_are_said_once() {
+    let whole = "O1\nF100\nG0 X50 Y40 Z5\nG1 Z-5\nX100\nM30\n";
+    let said = found(whole, Dialect::Fanuc);
+    assert_eq!(said.iter().filter(|code| **code == "I1068").count(), 1);
+    let is_said = |text: &str, calculator: bool| {
+        let setup = Setup { whole_units_without_point: calculator, ..setup(Dialect::Fanuc) };
+        interp::check(text.as_bytes(), &setup).iter().any(|finding| finding.code == "I1068")
+    };
+    assert!(!is_said(whole, true));
+    let increments = "O1\nF100\nG0 X50000 Y40000 Z5000\nG1 Z-5000\nM30\n";
+    assert!(is_said(increments, true) && !is_said(increments, false));
+    // with points nothing is to be guessed, and few words tell nothing
+    assert!(!is_said("O1\nG0 X50. Y40. Z5.\nX0.5 Y1.\nM30\n", false));
+    assert!(!is_said("O1\nG0 X50 Y40\nM30\n", false));
+    let reason = interp::counts_whole_units(whole.as_bytes(), &setup(Dialect::Fanuc)).unwrap();
+    assert_eq!(
+        reason,
+        "5 of 5 axis words have none, and the largest of them, X100 in line 5, is 0.1 mm"
+    );
+}
+
+#[test]
+fn s_of_a_dwell_is_seconds_to_grbls_kin() {
+    let dwell = |text: &str| {
+        let kinds = ops(text, Dialect::Grbl);
+        kinds.iter().find_map(|kind| match kind {
+            OpKind::Dwell { time } => Some(time.value()),
+            _ => None,
+        })
+    };
+    assert_eq!(dwell("G4 S2\n"), Some(2.0));
+    assert_eq!(dwell("G4 P0.5\n"), Some(0.5));
 }

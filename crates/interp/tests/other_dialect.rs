@@ -5,10 +5,12 @@ use diag::Diagnostic;
 use interp::{Dialect, Setup, other_dialect};
 use std::{fs, path::Path};
 
-const ALL: [Dialect; 7] = [
+const ALL: [Dialect; 9] = [
     Dialect::LinuxCnc,
     Dialect::Brother,
     Dialect::Fanuc,
+    Dialect::Haas,
+    Dialect::Mitsubishi,
     Dialect::FanucLatheA,
     Dialect::FanucLatheB,
     Dialect::FanucLatheC,
@@ -27,7 +29,11 @@ fn named(text: &str, read_as: Dialect) -> Option<String> {
 }
 
 /// Programs that a shop would run, and the dialect of each.
-const PROGRAMS: [(Dialect, &str); 10] = [
+const PROGRAMS: [(Dialect, &str); 14] = [
+    (Dialect::Haas, "%\nO1000\nT1 M6\nG43 H1 Z1.\nG81 Z-0.5 R0.1 P0.5 F10.\nM30\n%\n"),
+    (Dialect::Haas, "%\nO1000\nG154 P3\nG0 X0 Y0\nG13 I8. D1 F100.\nM97 P100\nM30\nN100 M99\n%\n"),
+    (Dialect::Haas, "%\nO1000 (MADE FOR A HAAS VF-2)\nG90 G54 G0 X0 Y0\nM30\n%\n"),
+    (Dialect::Mitsubishi, "O80\n#900001=5.\nM98 P2 H20\nM30\n"),
     (Dialect::Fanuc, "%\nO1000(COVER)\nG21G17G40G49G80G90\nT1M6\nG65P9100A1.B2.\nM30\n%\n"),
     (Dialect::Fanuc, "%\nO0012\nG90G54G0X0Y0\nG51X0Y0P2000\nG1X10.F100\nG50\nM30\n%\n"),
     (Dialect::Fanuc, "O1\n#1=0\nN10 #1=#1+1\nIF[#1LT5]GOTO10\nM30\n"),

@@ -33,8 +33,10 @@ impl Document {
     pub(crate) fn new(text: String, encoding: &PositionEncodingKind) -> Self {
         let utf8 = *encoding == PositionEncodingKind::UTF8;
         let mut new = Self { text: Vec::new(), starts: vec![0], utf8 };
-        new.move_lines(0, 0, text.as_bytes());
-        new.text = text.into_bytes();
+        let mut text = text.into_bytes();
+        gcode::end_lines_with_lf(&mut text);
+        new.move_lines(0, 0, &text);
+        new.text = text;
         new
     }
 

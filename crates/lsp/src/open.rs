@@ -90,7 +90,7 @@ impl Open {
             all.push(Diagnostic::error("A0102", Span::default(), trouble.clone()));
         }
         all.sort_by_key(|finding| finding.span.start);
-        interp::with_dialect(interp::other_dialect(&self.document.text, setup), all)
+        interp::with_dialect(interp::suspicion(&self.document.text, setup), all)
     }
 
     pub(crate) fn told(&self, uri: &Uri, finding: &Diagnostic) -> lsp::Diagnostic {

@@ -119,6 +119,10 @@ pub(crate) enum Dialect {
     Brother,
     /// Fanuc's machining centres: custom macro B, least input increments
     Fanuc,
+    /// Haas' machining centres: Fanuc's language, G12, G13, G154, M97, seconds with a point
+    Haas,
+    /// Mitsubishi's machining centres: Fanuc's language, G12, G13, M98 with H, `,R1` of taps
+    Mitsubishi,
     /// Fanuc's lathes, G code system A
     FanucLatheA,
     /// Fanuc's lathes, G code system B

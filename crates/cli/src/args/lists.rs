@@ -1,5 +1,7 @@
 //! The arguments of `leadscrew codes` and `leadscrew machine`.
-use clap::{Subcommand, ValueEnum};
+use super::common::Dialect;
+use clap::{Args, Subcommand, ValueEnum};
+use std::path::PathBuf;
 
 /// `leadscrew machine`.
 #[derive(Subcommand, Debug)]
@@ -22,6 +24,24 @@ pub(crate) enum MachineCommand {
         /// A name from `list`, or a file
         machine: String,
     },
+}
+
+/// `leadscrew codes`.
+#[derive(Args, Debug)]
+pub(crate) struct CodesArgs {
+    /// Count those of these programs, or of the programs in these folders, instead: how often each code is used, in how
+    /// many of them, whether it is known, and where it comes first
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub(crate) of: Vec<PathBuf>,
+    /// How the programs are read [default: the machine's, else as their words tell]
+    #[arg(long, value_enum, requires = "of")]
+    pub(crate) dialect: Option<Dialect>,
+    /// A machine whose own codes are known, as its file has them: a name from `machine list`, or a file
+    #[arg(long, requires = "of")]
+    pub(crate) machine: Option<String>,
+    /// How they are printed
+    #[arg(long, value_enum, default_value_t = CodesFormat::Text)]
+    pub(crate) format: CodesFormat,
 }
 
 /// How the codes are printed.

@@ -23,7 +23,7 @@ pub(crate) use common::{Dialect, Format, ProgramArgs, Switch, WorkSpeedChoice};
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use control::ControlArgs;
-pub(crate) use lists::{CodesFormat, MachineCommand};
+pub(crate) use lists::{CodesArgs, CodesFormat, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use serve::{ServeArgs, TokenRole};
@@ -218,12 +218,11 @@ Example: leadscrew study plate.toml")]
 subprograms, definitions, renaming and formatting. An editor starts it; see docs/editors.md."
     )]
     Lsp(ProgramArgs),
-    /// List every G and M code, with what it takes and whether it is executed
-    Codes {
-        /// How they are printed
-        #[arg(long, value_enum, default_value_t = CodesFormat::Text)]
-        format: CodesFormat,
-    },
+    /// List every G and M code, with what it takes and whether it is executed; or those that programs use
+    #[command(after_help = "Examples:
+  leadscrew codes                                         what is known, by code
+  leadscrew codes --of programs/ --machine mine.toml      what is used, how often, and is it known?")]
+    Codes(CodesArgs),
     /// The machines Leadscrew knows, and files that describe others
     #[command(subcommand)]
     Machine(MachineCommand),
@@ -261,7 +260,7 @@ impl Command {
             Self::Canon(args) => args.format == CanonFormat::Json,
             Self::Cam(args) => args.format == CamOutput::Json,
             Self::Compensation(args) => args.format == CompensationOutput::Json,
-            Self::Codes { format } => *format == CodesFormat::Json,
+            Self::Codes(args) => args.format == CodesFormat::Json,
             Self::Simulator(_)
             | Self::Control(_)
             | Self::Serve(_)

@@ -79,6 +79,8 @@ impl From<Dialect> for interp::Dialect {
             Dialect::Grbl => Self::Grbl,
             Dialect::Brother => Self::Brother,
             Dialect::Fanuc => Self::Fanuc,
+            Dialect::Haas => Self::Haas,
+            Dialect::Mitsubishi => Self::Mitsubishi,
             Dialect::FanucLatheA => Self::FanucLatheA,
             Dialect::FanucLatheB => Self::FanucLatheB,
             Dialect::FanucLatheC => Self::FanucLatheC,

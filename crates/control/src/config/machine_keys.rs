@@ -56,6 +56,8 @@ const NAMES: [&str; 47] = [
     "max",
     "linuxcnc",
     "fanuc",
+    "haas",
+    "mitsubishi",
     "brother",
     "toyoda",
     "C45",

@@ -10,6 +10,8 @@ pub fn of(asked: Option<interp::Dialect>, machine: &MachineFile) -> interp::Dial
             machine::Dialect::Grbl => interp::Dialect::Grbl,
             machine::Dialect::Brother => interp::Dialect::Brother,
             machine::Dialect::Fanuc => interp::Dialect::Fanuc,
+            machine::Dialect::Haas => interp::Dialect::Haas,
+            machine::Dialect::Mitsubishi => interp::Dialect::Mitsubishi,
             machine::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
             machine::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
             machine::Dialect::FanucLatheC => interp::Dialect::FanucLatheC,
@@ -49,6 +51,17 @@ pub fn user_codes(codes: &[machine::UserCode]) -> Vec<interp::UserCode> {
         },
     };
     codes.iter().map(code).collect()
+}
+
+/// Words of the machine's own that call programs.
+pub fn macro_calls(calls: &[machine::MacroCall]) -> Vec<interp::MacroCall> {
+    let call = |call: &machine::MacroCall| interp::MacroCall {
+        letter: call.letter,
+        number: call.number,
+        program: call.program,
+        takes_arguments: call.takes_arguments,
+    };
+    calls.iter().map(call).collect()
 }
 
 /// What `[control.canned]` sets; where it is silent, the dialect decides.

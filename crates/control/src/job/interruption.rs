@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 /// The code of the finding that stands for all that was not found out.
-const INTERRUPTED: &str = "A0107";
+const INTERRUPTED: &str = "A0108";
 
 /// Asked now and then while a program is planned: an editor that has cancelled its request, Ctrl-C in Python.
 #[derive(Clone, Default)]

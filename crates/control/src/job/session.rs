@@ -243,7 +243,8 @@ impl Session {
             missing_tools: self.missing_tools,
             parameters: self.parameters.clone(),
             subprograms: self.drawn.iter().map(|drawn| drawn.sub.clone()).collect(),
-            user_codes: dialect::user_codes(&self.machine.user_codes),
+            user_codes: dialect::user_codes(&self.machine.own_codes.codes),
+            macro_calls: dialect::macro_calls(&self.machine.own_codes.calls),
             leaves: dialect::leaves(self.leaves, &self.machine.control),
             start,
             ..interp::Setup::default()
@@ -326,7 +327,9 @@ fn taps(options: &ProgramOptions, machine: &MachineFile) -> plan::Unsynchronised
 /// A file that cannot be read, or is too large.
 pub fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
     if path != Path::new("-") {
-        return Ok(store::read_bytes(path, "a program", store::PROGRAM_LIMIT)?);
+        let mut text = store::read_bytes(path, "a program", store::PROGRAM_LIMIT)?;
+        gcode::end_lines_with_lf(&mut text);
+        return Ok(text);
     }
     let mut text = Vec::new();
     let read = std::io::stdin().take(store::PROGRAM_LIMIT + 1).read_to_end(&mut text);
@@ -337,6 +340,7 @@ pub fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
             "standard input is larger than the {limit} bytes that a program may have"
         )));
     }
+    gcode::end_lines_with_lf(&mut text);
     Ok(text)
 }
 

@@ -45,7 +45,13 @@ pub fn find(
 ) -> Result<Vec<Drawn>, Refused> {
     let folders = search_path(options, machine, program)?;
     let mut found: Vec<Drawn> = Vec::new();
-    let mut wanted = interp::called_files(text, grammar);
+    let calls = crate::job::dialect::macro_calls(&machine.own_codes.calls);
+    let called = |text: &[u8]| {
+        let mut names = interp::called_files(text, grammar);
+        names.extend(interp::files_called_by_word(text, &calls, grammar));
+        names
+    };
+    let mut wanted = called(text);
     while let Some(name) = wanted.pop() {
         if found.iter().any(|drawn| drawn.sub.name == name) {
             continue;
@@ -58,8 +64,9 @@ pub fn find(
                 "the program calls more than {MOST_FILES} subprogram files"
             )));
         }
-        let source = store::read_bytes(&path, "a subprogram", store::PROGRAM_LIMIT)?;
-        wanted.extend(interp::called_files(&source, grammar));
+        let mut source = store::read_bytes(&path, "a subprogram", store::PROGRAM_LIMIT)?;
+        gcode::end_lines_with_lf(&mut source);
+        wanted.extend(called(&source));
         let path = path.display().to_string();
         found.push(Drawn { path, sub: interp::Subprogram { name, source } });
     }

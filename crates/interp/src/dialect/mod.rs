@@ -29,6 +29,10 @@ pub enum Dialect {
     Brother,
     /// Fanuc's machining centres: custom macro B, least input increments, milliseconds.
     Fanuc,
+    /// Haas' machining centres: Fanuc's language with pockets, local subprograms and work offsets of their own.
+    Haas,
+    /// Mitsubishi's machining centres: Fanuc's language with circles, variables and calls of their own.
+    Mitsubishi,
     /// Fanuc's lathes, G code system A.
     FanucLatheA,
     /// Fanuc's lathes, G code system B.
@@ -43,20 +47,38 @@ pub enum Dialect {
 
 impl Dialect {
     /// All of them, the shared language first.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::LinuxCnc,
         Self::Grbl,
         Self::Brother,
         Self::Toyoda,
         Self::Fanuc,
+        Self::Haas,
+        Self::Mitsubishi,
         Self::FanucLatheA,
         Self::FanucLatheB,
         Self::FanucLatheC,
     ];
 
     /// Those that a program's words can tell apart, the rarer words first.
-    pub(crate) const BY_RARITY: [Self; 6] =
-        [Self::Brother, Self::Toyoda, Self::Fanuc, Self::FanucLatheA, Self::LinuxCnc, Self::Grbl];
+    pub(crate) const BY_RARITY: [Self; 8] = [
+        Self::Brother,
+        Self::Toyoda,
+        Self::Fanuc,
+        Self::Haas,
+        Self::Mitsubishi,
+        Self::FanucLatheA,
+        Self::LinuxCnc,
+        Self::Grbl,
+    ];
+
+    /// The dialect of which it is a variant: what its own tables do not say is that one's.
+    pub(crate) const fn variant_of(self) -> Option<Self> {
+        match self {
+            Self::Haas | Self::Mitsubishi => Some(Self::Fanuc),
+            _ => None,
+        }
+    }
 
     /// What it has of its own.
     pub(crate) const fn rules(self) -> &'static Rules {
@@ -65,6 +87,8 @@ impl Dialect {
             Self::Brother => &brother::RULES,
             Self::Grbl => &grbl::RULES,
             Self::Fanuc => &fanuc::rules::MILL,
+            Self::Haas => &fanuc::rules::HAAS,
+            Self::Mitsubishi => &fanuc::rules::MITSUBISHI,
             Self::FanucLatheA => &fanuc::rules::LATHE_A,
             Self::FanucLatheB => &fanuc::rules::LATHE_B,
             Self::FanucLatheC => &fanuc::rules::LATHE_C,

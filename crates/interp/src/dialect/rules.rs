@@ -61,6 +61,8 @@ pub(crate) struct Rules {
     pub(crate) begins_rapidly: bool,
     /// M4 with S is a laser's power that follows the speed.
     pub(crate) has_laser: bool,
+    /// S of G4 is a wait in seconds, where no P stands.
+    pub(crate) dwells_by_s: bool,
     /// Letters that may stand where no code takes them: they have no effect there.
     pub(crate) idle: Letters,
     /// R may be too short by so much to reach an arc's end, mm and inches.
@@ -118,6 +120,8 @@ pub(crate) enum Family {
     Fanuc,
     FanucMill,
     FanucLathe,
+    Haas,
+    Mitsubishi,
 }
 
 /// What a front end's codes mean, for people.

@@ -263,4 +263,44 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nF100 S500 M3\nG16\nG99 G81 X20. Y0 Z-10. R2.\nG91 X5. Y30. K3\nM30",
         "O1\nF100 S500 M3\nG16\nG99 G81 X20. Y0 Z-10. R2.\nG91 Y30. K3\nM30",
     ),
+    f(
+        "I1063",
+        "A round pocket needs a radius above the tool's, and K and Q together.",
+        "O1\nF100\nG13 I4. D1\nM30",
+        "O1\nF100\nG13 I8. D1\nM30",
+    )
+    .of(crate::Dialect::Haas),
+    f(
+        "I1064",
+        "A cycle without R feeds from where the tool stands.",
+        "O1\nF100 S500 M3\nG0 Z5.\nG81 X0 Z-10.\nM30",
+        "O1\nF100 S500 M3\nG0 Z5.\nG81 X0 Z-10. R2.\nM30",
+    )
+    .of(crate::Dialect::Haas),
+    f(
+        "I1065",
+        "P of G187 is 1, 2 or 3, and ,R of a tap 1.",
+        "O1\nG187 P4\nM30",
+        "O1\nG187 P3 E0.02\nM30",
+    )
+    .of(crate::Dialect::Haas),
+    f(
+        "I1066",
+        "G53 has no effect while G91 is in force.",
+        "O1\nG91 G53 Z0\nM30",
+        "O1\nG90 G53 Z0\nM30",
+    ),
+    f("I1067", "A block calls one program.", "", ""),
+    f(
+        "I1068",
+        "Numbers without a point make no sense as they are read.",
+        "O1\nF100\nG0 X50 Y40 Z5\nG1 Z-5\nX100\nM30",
+        "O1\nF100\nG0 X50. Y40. Z5.\nG1 Z-5.\nX100.\nM30",
+    ),
+    lathe(
+        "I1069",
+        "A line at this angle never comes to the coordinate that is named.",
+        "O1\nG97 S500 M3\nG0 X20. Z2.\nG1 X40. A180. F0.2\nM30",
+        "O1\nG97 S500 M3\nG0 X20. Z2.\nG1 X40. A135. F0.2\nM30",
+    ),
 ];

@@ -107,5 +107,12 @@ pub(super) const ROWS: &[Finding] = &[
         "G0 X1",
     )
     .of(crate::Dialect::Grbl),
+    row(
+        "P0197",
+        "What stands behind a semicolon is no block, and is left out.",
+        "O1\nG0 X1.; up to the edge\nM30",
+        "O1\nG0 X1. (up to the edge)\nM30",
+    )
+    .of(crate::Dialect::Fanuc),
     row("P0199", "There are more findings than are shown.", "", ""),
 ];

@@ -60,4 +60,11 @@ pub(super) const ROWS: &[Finding] = &[
         "M3 S1000\nG1 X5 F500",
     )
     .of(crate::Dialect::Grbl),
+    row(
+        "I0648",
+        "S of G4 is read as a wait in seconds.",
+        "G4 S2",
+        "G4 P2",
+    )
+    .of(crate::Dialect::Grbl),
 ];

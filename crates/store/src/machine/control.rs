@@ -65,6 +65,10 @@ pub enum Dialect {
     LinuxCnc,
     /// Macro B.
     Fanuc,
+    /// The same as Haas has it.
+    Haas,
+    /// The same as Mitsubishi has it.
+    Mitsubishi,
     /// The same of lathes, G code system A.
     FanucLatheA,
     /// System B.
@@ -265,6 +269,8 @@ impl Control {
                 &[
                     ("linuxcnc", Dialect::LinuxCnc),
                     ("fanuc", Dialect::Fanuc),
+                    ("haas", Dialect::Haas),
+                    ("mitsubishi", Dialect::Mitsubishi),
                     ("fanuc-lathe-a", Dialect::FanucLatheA),
                     ("fanuc-lathe-b", Dialect::FanucLatheB),
                     ("fanuc-lathe-c", Dialect::FanucLatheC),

@@ -69,7 +69,7 @@ pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
-pub use user_code::{UserAction, UserCode};
+pub use user_code::{MacroCall, OwnCodes, UserAction, UserCode};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;
@@ -115,7 +115,7 @@ pub struct MachineFile {
     /// Its probe input; `None`: it has none.
     pub probe: Option<ProbeInput>,
     /// The machine's own M codes, and what they do.
-    pub user_codes: Vec<UserCode>,
+    pub own_codes: OwnCodes,
 }
 
 /// Names of the embedded machines; the first is the default.
@@ -231,7 +231,7 @@ impl MachineFile {
             inputs: keys.optional_section("inputs", Names::read).unwrap_or_default(),
             outputs: keys.optional_section("outputs", Names::read).unwrap_or_default(),
             probe: keys.optional_section("probe", ProbeInput::read),
-            user_codes: keys.optional_section("user_codes", UserCode::read).unwrap_or_default(),
+            own_codes: keys.optional_section("user_codes", OwnCodes::read).unwrap_or_default(),
         };
         file.refuse_contradictions(keys);
         file

@@ -19,9 +19,21 @@ use crate::{
 };
 
 impl Fanuc {
+    /// Those of G65 or G66.
     pub(super) fn arguments(&self, it: &Program<'_>, code: u16) -> Outcome<Macro> {
+        self.arguments_of(it, (b'G', f64::from(code)), None)
+    }
+
+    /// Those of a word that calls a macro; which one, unless P says it.
+    pub(super) fn arguments_of(
+        &self,
+        it: &Program<'_>,
+        (letter, code): (u8, f64),
+        program: Option<u32>,
+    ) -> Outcome<Macro> {
         let span = it.block.span;
-        let (mut number, mut times) = (self.called, 1);
+        let caller = format!("{}{code}", letter as char);
+        let (mut number, mut times) = (program.or(self.called), 1);
         let mut locals = [None; LOCALS];
         let (mut set, mut last) = (0, None);
         let mut begun = false;
@@ -38,15 +50,15 @@ impl Fanuc {
                 ),
             };
             let variable = match said.letter {
-                b'G' if said.value == f64::from(code) => {
+                own if own == letter && said.value == code && !begun => {
                     begun = true;
                     continue;
                 }
                 _ if !begun => {
-                    let text = format!("expected G{code} before its arguments");
+                    let text = format!("expected {caller} before its arguments");
                     return refuse("I1008", said.span, text);
                 }
-                b'P' => {
+                b'P' if program.is_none() => {
                     number = Some(whole()?);
                     continue;
                 }
@@ -67,7 +79,7 @@ impl Fanuc {
                     4 + 3 * set + (rank - b'I')
                 }
                 other => {
-                    let text = format!("{} cannot be an argument of G{code}", other as char);
+                    let text = format!("{} cannot be an argument of {caller}", other as char);
                     return refuse("I1009", said.span, text);
                 }
             };
@@ -78,7 +90,7 @@ impl Fanuc {
         }
         match number {
             Some(number) => Ok(Macro { number, times, locals }),
-            None => refuse("I1010", span, format!("G{code} needs P, the number of the macro")),
+            None => refuse("I1010", span, format!("{caller} needs P, the number of the macro")),
         }
     }
 }

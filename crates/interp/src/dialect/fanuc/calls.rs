@@ -20,6 +20,7 @@ use crate::{
     number::near_whole,
     out::Out,
     program::Program,
+    setup::MacroCall,
 };
 use diag::Diagnostic;
 use gcode::{Block, Grammar, Label, Parser, Value};
@@ -130,7 +131,7 @@ impl Fanuc {
     }
 
     /// G65.
-    fn call_macro(&mut self, it: &mut Program<'_>, called: &Macro) -> Outcome {
+    pub(super) fn call_macro(&mut self, it: &mut Program<'_>, called: &Macro) -> Outcome {
         let begin = self.begin_of(it, called.number)?;
         self.enter(it, Some(called.number), begin, called.times, Some(called.locals))
     }
@@ -186,6 +187,7 @@ impl Fanuc {
             start,
             left: times - 1,
             locals,
+            by_word: false,
             modals: None,
         });
         it.executor.modes.call_level = self.levels.len();
@@ -343,6 +345,24 @@ pub(crate) fn programs(source: &[u8]) -> (Vec<String>, HashSet<String>) {
         there.remove(&name); // what is on the tape is not what M198 calls
     }
     (called, there)
+}
+
+/// Programs that words of the machine's own call on a tape: their numbers.
+pub(crate) fn programs_by_word(source: &[u8], calls: &[MacroCall]) -> Vec<String> {
+    let (mut parser, mut block) = (Parser::with_grammar(source, 0, Grammar::Fanuc), Block::new());
+    let mut found = Vec::new();
+    while !calls.is_empty() && parser.next(&mut block) {
+        for word in &block.words {
+            let is_meant = |call: &&MacroCall| {
+                let number = call.number.map(f64::from);
+                char::from(word.letter) == call.letter
+                    && number.is_none_or(|number| plain(word) == Some(number))
+            };
+            let name = calls.iter().find(is_meant).map(|call| call.program.to_string());
+            found.extend(name.filter(|name| !found.contains(name)));
+        }
+    }
+    found
 }
 
 /// A word's number, if it is written as one.

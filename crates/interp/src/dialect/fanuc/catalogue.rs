@@ -18,8 +18,12 @@ impl FrontEndCodes for Kind {
                 executed: true,
             });
         }
+        if (*self, letter, tenths) == (Kind::Haas, b'M', 970) {
+            let (name, group) = ("call from a block N of this program on, up to its M99", "stop");
+            return Some(Meaning::Own { name, group, modal: false, letters: "PL", executed: true });
+        }
         if letter != b'G' {
-            let there = tenths.is_multiple_of(10) && has_m(tenths / 10);
+            let there = tenths.is_multiple_of(10) && has_m(*self, tenths / 10);
             return there.then_some(Meaning::Shared(tenths));
         }
         let (shared, name, executed) = told(*self, tenths)?;

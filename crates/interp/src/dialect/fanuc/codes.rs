@@ -2,46 +2,10 @@
 use crate::{
     codes::{BORE_UPWARDS, FINE_BORE, LENGTH_BACK},
     dialect::fanuc::kind::Kind,
+    dialect::fanuc::{haas, mitsubishi},
 };
 
-/// What a G code is in the shared language.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Meaning {
-    /// This code, in tenths.
-    Shared(u16),
-    /// G15, G16, G50, G51, G50.1, G51.1, G68, G69 of machining centres.
-    Mapping(u16),
-    /// It ends something that Leadscrew does not begin: nothing is to be done.
-    Off,
-    /// G5 P, G5.1 Q, G8 P: how far the control looks ahead, which this one always does.
-    Smoothing,
-    /// G9.
-    ExactBlock,
-    /// G29.
-    Back,
-    /// G27: are the axes at the reference point?
-    Check,
-    /// G22 (true), G23: stored stroke check.
-    StrokeCheck(bool),
-    /// G7.1.
-    Cylinder,
-    /// G12.1 (true), G13.1.
-    Face(bool),
-    /// G45 to G48: how many offsets longer the way is.
-    Longer(i8),
-    /// G31: a feed that the probe's signal would end; here it comes at the programmed end.
-    Skip,
-    /// G33, G32.
-    Thread,
-    /// G77, G78, G79 of lathes (A: G90, G92, G94): a cycle of four moves.
-    Box(u16),
-    /// G34, G70 to G76 of lathes.
-    Multiple(u16),
-    /// Known, and not executed.
-    NotYet(&'static str),
-    /// No code.
-    Unknown,
-}
+pub(super) use crate::dialect::fanuc::meaning::Meaning;
 
 /// What G means, in tenths.
 pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
@@ -49,6 +13,14 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         Back, Box, Check, Cylinder, ExactBlock, Face, Longer, Mapping, Multiple, NotYet, Off,
         Shared, Skip, Smoothing, StrokeCheck, Thread, Unknown,
     };
+    let own = match kind {
+        Kind::Haas => haas::own(tenths),
+        Kind::Mitsubishi => mitsubishi::own(tenths),
+        _ => None,
+    };
+    if let Some(own) = own {
+        return own;
+    }
     let Some(code) = kind.common(tenths) else { return Unknown };
     if kind.is_lathe() {
         match code {
@@ -72,7 +44,7 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
             Shared(code)
         }
         800 | 810 | 820 | 830 | 840 | 850 | 860 => Shared(code),
-        842 | 843 if kind == Kind::Mill => Shared(code),
+        842 | 843 if kind.is_mill() => Shared(code),
         541 => Shared(541),
         610 => Shared(611),
         330 => Thread,
@@ -80,13 +52,13 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         90 => ExactBlock,
         290 => Back,
         310 => Skip,
-        440 if kind == Kind::Mill => Shared(LENGTH_BACK),
+        440 if kind.is_mill() => Shared(LENGTH_BACK),
         220 | 230 => StrokeCheck(code == 220),
         270 => Check,
-        450 if kind == Kind::Mill => Longer(1),
-        460 if kind == Kind::Mill => Longer(-1),
-        470 if kind == Kind::Mill => Longer(2),
-        480 if kind == Kind::Mill => Longer(-2),
+        450 if kind.is_mill() => Longer(1),
+        460 if kind.is_mill() => Longer(-1),
+        470 if kind.is_mill() => Longer(2),
+        480 if kind.is_mill() => Longer(-2),
         110 | 150 | 250 | 500 | 501 | 670 | 690 => Off,
         22 | 23 | 32 | 33 => NotYet("involute and exponential interpolation"),
         24 | 34 => NotYet("arc in space"),
@@ -146,9 +118,12 @@ const fn mapping(tenths: u16) -> &'static str {
     }
 }
 
-/// M codes that are the same in the shared language.
-pub(super) const fn is_shared_m(number: u16) -> bool {
-    matches!(number, 0..=9 | 19 | 29 | 30 | 48 | 49 | 60)
+/// M codes that are the same in the shared language. M29 announces a rigid tap on Fanuc's controls alone.
+pub(super) const fn is_shared_m(kind: Kind, number: u16) -> bool {
+    match number {
+        29 => !matches!(kind, Kind::Haas | Kind::Mitsubishi),
+        _ => matches!(number, 0..=9 | 19 | 30 | 48 | 49 | 60),
+    }
 }
 
 /// A G code of a Fanuc machine, for people: what it is in the shared language, or its name and whether it is executed.
@@ -181,6 +156,10 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
         Meaning::Longer(-1) => Some((None, "this way is shorter by the offset D", true)),
         Meaning::Longer(2) => Some((None, "this way is longer by twice the offset D", true)),
         Meaning::Longer(_) => Some((None, "this way is shorter by twice the offset D", true)),
+        Meaning::Circle(true) => Some((None, "a circle from its centre, clockwise", true)),
+        Meaning::Circle(false) => Some((None, "a circle from its centre, counter-clockwise", true)),
+        Meaning::WorkOffset(_) => Some((None, "more work offsets", true)),
+        Meaning::Smoothness => Some((None, "how corners are taken", true)),
         Meaning::ExactBlock => Some((None, "exact stop for one block", true)),
         Meaning::Back => Some((None, "return from the reference point", true)),
         Meaning::Skip => Some((None, "skip: a feed to the end, where the signal comes", true)),
@@ -215,10 +194,14 @@ pub(crate) fn stays(kind: Kind, tenths: u16) -> bool {
             | Meaning::Mapping(160 | 510 | 511 | 680)
             | Meaning::Box(_)
             | Meaning::Thread
+            | Meaning::WorkOffset(_)
+            | Meaning::Smoothness
     )
 }
 
 /// Whether this M code is the one of the shared language.
-pub(crate) const fn has_m(number: u16) -> bool {
-    is_shared_m(number) || matches!(number, 98 | 99)
+pub(crate) const fn has_m(kind: Kind, number: u16) -> bool {
+    is_shared_m(kind, number)
+        || matches!(number, 98 | 99)
+        || matches!((kind, number), (Kind::Haas, 97))
 }

@@ -52,7 +52,8 @@ impl Fanuc {
             Meaning::Back | Meaning::Skip | Meaning::Check | Meaning::Longer(_) => true,
             Meaning::Mapping(_) | Meaning::StrokeCheck(_) => true,
             Meaning::Cylinder | Meaning::Face(_) => true,
-            Meaning::NotYet(_) | Meaning::Unknown => true,
+            Meaning::NotYet(_) | Meaning::Unknown | Meaning::Circle(_) => true,
+            Meaning::WorkOffset(_) | Meaning::Smoothness => false,
             Meaning::Smoothing | Meaning::ExactBlock | Meaning::Off => false,
         }
     }

@@ -17,6 +17,10 @@
 pub(crate) enum Kind {
     /// Machining centres.
     Mill,
+    /// Haas' machining centres: [`haas`](super::haas) says what differs.
+    Haas,
+    /// Mitsubishi's machining centres: [`mitsubishi`](super::mitsubishi) says what differs.
+    Mitsubishi,
     /// Lathes, system A: G90, G92, G94 are cycles, U and W are increments.
     LatheA,
     /// Lathes, system B: G77, G78, G79 are those cycles, G91 makes increments.
@@ -27,7 +31,21 @@ pub(crate) enum Kind {
 
 impl Kind {
     pub(super) const fn is_lathe(self) -> bool {
-        !matches!(self, Self::Mill)
+        !self.is_mill()
+    }
+
+    pub(super) const fn is_mill(self) -> bool {
+        matches!(self, Self::Mill | Self::Haas | Self::Mitsubishi)
+    }
+
+    /// The last of the work offsets beyond G59.
+    pub(super) const fn last_offset(self) -> u32 {
+        if matches!(self, Self::Haas) { 99 } else { 48 }
+    }
+
+    /// Whether this is a common variable that Fanuc's controls do not have.
+    pub(super) fn has_more_variables(self, number: usize) -> bool {
+        self == Self::Mitsubishi && matches!(number, 400..=499 | 900_000..=907_399)
     }
 
     /// A code in tenths as machining centres and system B write it; none if this system has no such code.
@@ -76,7 +94,9 @@ mod tests {
 
     #[test]
     fn a_system_writes_what_it_reads() {
-        for kind in [Kind::Mill, Kind::LatheA, Kind::LatheB, Kind::LatheC] {
+        for kind in
+            [Kind::Mill, Kind::Haas, Kind::Mitsubishi, Kind::LatheA, Kind::LatheB, Kind::LatheC]
+        {
             let codes = [20, 21, 33, 70, 73, 76, 77, 78, 79, 83, 94, 95];
             for code in codes {
                 assert_eq!(kind.common(10 * kind.own(code)), Some(10 * code), "{kind:?} G{code}");

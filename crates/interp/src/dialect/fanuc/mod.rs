@@ -19,18 +19,23 @@
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
 mod accepted;
 mod arguments;
+mod by_word;
 mod calls;
 mod catalogue;
+mod circle;
 mod codes;
 mod corner;
 mod figure;
 mod grooving;
 mod growing;
+mod haas;
 pub(crate) mod kind;
 mod lathe;
 mod longer;
 mod loops;
 mod mapping;
+mod meaning;
+mod mitsubishi;
 mod moves;
 mod offsets;
 mod output;
@@ -49,7 +54,7 @@ mod turning;
 mod values;
 mod words;
 
-pub(crate) use calls::programs;
+pub(crate) use calls::{programs, programs_by_word};
 pub(crate) use state::Fanuc;
 pub(crate) use tape::Tape;
 
@@ -135,6 +140,9 @@ impl Fanuc {
     /// Execute the block that the interpreter has read.
     pub(crate) fn block<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         let result = self.execute(it, out);
+        if core::mem::take(&mut self.once.back_to_increments) {
+            it.executor.modes.incremental = true;
+        }
         if self.shape.is_none() {
             return result;
         }
@@ -200,6 +208,14 @@ impl Fanuc {
     /// A block with words.
     fn words<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         self.read(it)?;
+        if let Some((word, call)) = self.calling_word(it) {
+            return self.call_by_word(it, word, call, out);
+        }
+        self.words_read(it, out)
+    }
+
+    /// Those that have been read.
+    fn words_read<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         if self.only_moves(&it.executor) {
             let moves = self.move_only(&mut it.executor, out)?;
             return if moves { self.modal_call(it) } else { Ok(()) };
@@ -211,6 +227,9 @@ impl Fanuc {
         }
         if let Some(code) = self.macro_code() {
             return self.macro_call(it, code);
+        }
+        if let Some(clockwise) = self.circle_code() {
+            return self.circle(it, clockwise, out);
         }
         self.check_surface(&it.executor)?;
         if let Some(code) = self.multiple_cycle() {

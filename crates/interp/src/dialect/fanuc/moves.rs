@@ -4,7 +4,6 @@
 use crate::{
     call::Sink,
     codes::{AXES, g_code},
-    dialect::fanuc::kind::Kind,
     dialect::fanuc::sense::Sense,
     dialect::fanuc::state::{Callee, Fanuc, Once, Said, Then},
     execute,
@@ -36,7 +35,7 @@ impl Fanuc {
         let has_circle = self.said.iter().any(|said| matches!(said.letter, b'I'..=b'K' | b'R'));
         motion
             && (has_circle || !is_arc)
-            && self.kind == Kind::Mill
+            && self.kind.is_mill()
             && self.surface.is_none()
             && self.called.is_none()
             && ex.recording.is_none()
@@ -65,7 +64,7 @@ impl Fanuc {
 
     /// What a block says that calls a subprogram by its number, or ends one, and does nothing else.
     pub(super) fn only_calls(&self, ex: &Executor) -> Option<Then> {
-        let usual = self.kind == Kind::Mill
+        let usual = self.kind.is_mill()
             && self.surface.is_none()
             && self.called.is_none()
             && ex.recording.is_none();

@@ -32,13 +32,19 @@ impl Fanuc {
         let span = ex.words.place.span;
         match (l, p) {
             (Some(2), Some(p @ 0..=6)) => self.set_work(ex, p as usize),
-            (Some(20), Some(p @ 1..=48)) => self.set_work(ex, 9 + p as usize),
+            (Some(20), Some(p)) if (1..=self.kind.last_offset()).contains(&p) => {
+                self.set_work(ex, 9 + p as usize)
+            }
             (Some(2), _) => refuse(
                 "I0617",
                 span,
                 "G10 L2 needs P: 1 to 6 for G54 to G59, 0 for the external offset",
             ),
-            (Some(20), _) => refuse("I0617", span, "G10 L20 needs P: 1 to 48 for G54.1 P1 to P48"),
+            (Some(20), _) => {
+                let last = self.kind.last_offset();
+                let text = format!("G10 L20 needs P: 1 to {last} for G54.1 P1 to P{last}");
+                refuse("I0617", span, text)
+            }
             (Some(kind @ (1 | 10..=13)), Some(p)) => {
                 let Some(value) = ex.words.take(b'R') else {
                     let text = format!("G10 L{kind} needs R, the tool's offset");

@@ -29,6 +29,27 @@ pub(crate) const MILL: Rules = Rules {
     ..linuxcnc::RULES
 };
 
+/// Haas' machining centres.
+pub(crate) const HAAS: Rules = Rules {
+    name: "haas",
+    people: "Haas' machining centres",
+    front_end: FrontEndKind::Fanuc(Kind::Haas),
+    codes: Some(&Kind::Haas),
+    evidence: &[Family::Fanuc, Family::FanucMill, Family::Haas],
+    idle: set("DEHPQ"),
+    ..MILL
+};
+
+/// Mitsubishi's machining centres.
+pub(crate) const MITSUBISHI: Rules = Rules {
+    name: "mitsubishi",
+    people: "Mitsubishi's machining centres",
+    front_end: FrontEndKind::Fanuc(Kind::Mitsubishi),
+    codes: Some(&Kind::Mitsubishi),
+    evidence: &[Family::Fanuc, Family::FanucMill, Family::Mitsubishi],
+    ..MILL
+};
+
 /// Lathes, G code system A.
 pub(crate) const LATHE_A: Rules = Rules {
     name: "fanuc-lathe-a",

@@ -1,12 +1,15 @@
 //! What the codes of a block make of its other words: P of a dwell is a time, P of a call a program.
 use crate::{
     dialect::fanuc::codes::{Meaning, meaning},
+    dialect::fanuc::kind::Kind,
+    dialect::fanuc::mapping::incremental,
     dialect::fanuc::state::{Fanuc, Said},
     executor::Executor,
     fault::Outcome,
     modes::{FeedMode, Motion},
     number::tenths,
 };
+use diag::Diagnostic;
 
 /// What the block's codes make of its other words.
 #[allow(clippy::struct_excessive_bools)] // each is a fact of its own about the block
@@ -33,6 +36,10 @@ pub(super) struct Sense {
     /// M98, M198, M99.
     pub(super) call: bool,
     pub(super) in_file: bool,
+    /// M97 of Haas: P is a block of this program.
+    pub(super) local: bool,
+    /// G187 of Haas: P and E say how corners are taken.
+    pub(super) smoothness: bool,
     pub(super) back: bool,
     pub(super) surface_speed: bool,
     pub(super) per_revolution: bool,
@@ -64,6 +71,7 @@ impl Fanuc {
                     }
                     Meaning::Shared(300) => sense.reference = true,
                     Meaning::Smoothing => sense.smoothing = true,
+                    Meaning::Smoothness => sense.smoothness = true,
                     Meaning::Skip | Meaning::Check => {
                         (sense.motion, sense.cycle) = (true, false);
                         self.growing = false;
@@ -96,6 +104,9 @@ impl Fanuc {
                 (b'M', Some(code @ (980 | 1980))) => {
                     (sense.call, sense.in_file) = (true, code == 1980);
                 }
+                (b'M', Some(970)) if self.kind == Kind::Haas => {
+                    (sense.call, sense.local) = (true, true);
+                }
                 (b'M', Some(990)) => sense.back = true,
                 (b'M', Some(30 | 40 | 50 | 190)) => sense.spindle = true,
                 _ => {}
@@ -123,6 +134,9 @@ impl Fanuc {
                 ex.words.put(b'P', 0.0, span)?;
             }
         }
+        if self.kind == Kind::Haas && sense.cycle {
+            level_where_it_stands(ex)?;
+        }
         if sense.thread
             && self.lathe_cycle.is_none()
             && let Some(lead) = self.lead.filter(|_| ex.words.any(crate::codes::AXES))
@@ -145,6 +159,24 @@ impl Fanuc {
         }
         Ok(())
     }
+}
+
+/// A cycle of Haas' without R, where none before it has one: it feeds from where the tool stands.
+fn level_where_it_stands(ex: &mut Executor) -> Outcome {
+    let kept = ex.modes.sticky.is_some() && matches!(ex.modes.motion, Motion::Cycle(_));
+    if kept || ex.words.get(b'R').is_some() || !ex.words.any(crate::codes::AXES) {
+        return Ok(());
+    }
+    let span = ex.words.place.span;
+    let normal = ex.modes.plane.normal().index();
+    let level = if incremental(ex) { 0.0 } else { ex.modes.at[normal] };
+    ex.words.put(b'R', level, span)?;
+    let letter = char::from(b"XYZ"[normal]);
+    let at = crate::spelling::short(ex.modes.at[normal]);
+    let text = format!("no R: the cycle feeds from where the tool stands, {letter}{at}");
+    let remark = Diagnostic::warning("I1064", span, text);
+    ex.remarks.push(remark.with_help("write R, the level just above the work"));
+    Ok(())
 }
 
 /// The motion in force: a profile that is taken down has its own.

@@ -96,6 +96,8 @@ pub(super) struct Once {
     pub(super) longer: i8,
     /// The arc in force has no centre, and the block goes straight.
     pub(super) straight: Option<Motion>,
+    /// G91 was left out for this block, and is in force again after it.
+    pub(super) back_to_increments: bool,
     /// W stands for Z.
     pub(super) by_w: bool,
     /// G54.1: the work offset.
@@ -142,6 +144,8 @@ pub(super) struct Level {
     pub(super) left: u32,
     /// The caller's #1 to #33, if the callee has its own.
     pub(super) locals: Option<Box<Locals>>,
+    /// A word of the machine's own has called it: in it and below, such words are the plain ones.
+    pub(super) by_word: bool,
     /// The caller's modal macros, if this is one of them.
     pub(super) modals: Option<Vec<Macro>>,
 }
@@ -232,6 +236,8 @@ pub(super) struct Kept {
     pub(super) timers: [Timer; 2],
     /// #3003 to #3005, #3901, #3902.
     pub(super) set: [f64; 5],
+    /// #1132: outputs 0 to 31.
+    pub(super) outputs: u32,
     /// #4102 …: the last B, D, E, H, M, N.
     pub(super) words: [f64; 6],
 }
@@ -275,6 +281,8 @@ pub(super) struct Variables {
     pub(super) local: Locals,
     /// #100 to #999, of which #200 to #499 do not exist.
     pub(super) common: Vec<Option<f64>>,
+    /// Those that other controls have beside them, by number.
+    pub(super) more: BTreeMap<usize, f64>,
 }
 
 /// #1 to #33.

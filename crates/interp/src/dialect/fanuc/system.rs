@@ -2,11 +2,14 @@
 //!
 //! | variables | are |
 //! |---|---|
+//! | #1000 – #1035 | inputs of the machine: 0, a simulated run has none |
+//! | #1100 – #1131, #1132 | outputs 0 to 31, and all of them as bits: they are switched as M62 and M63 do, and read back |
 //! | #2001 – #2999, #10001 – #19999 | tool offsets ([`tool_offsets`](super::tool_offsets)) |
 //! | #3000, #3006 | set: alarm; stop with a message |
 //! | #3001, #3002 | milliseconds, hours: each reading is a millisecond after the one before, so that waiting ends |
 //! | #3003, #3004, #3005, #3901, #3902 | kept as they are set: a simulated run has no single block, no switches, no counter |
 //! | #3011, #3012 | date and time: always 2000-01-01, 00:00:00, so that a run can be repeated |
+//! | #5401 – #5600, #5701 – #5800 of Haas | timers and lives of tools, which do not go on here: 0 |
 //! | #4001 – #4030, #4101 – #4130 (#4201 –, #4301 – alike) | modal codes, and the last D, F, H, M, N, S, T |
 //! | #5001 –, #5021 –, #5041 – | end of the block before, in the work; machine position; position in the work |
 //! | #5061 –, #5081 –, #5101 – | where G31 ended; tool offset in force; following error, which is 0 |
@@ -17,6 +20,7 @@
 use crate::{
     Parameters,
     call::{Call, Sink},
+    dialect::fanuc::kind::Kind,
     dialect::fanuc::state::{Fanuc, Kept},
     dialect::fanuc::tool_offsets::ToolVariable,
     dialect::fanuc::values::{Values, comment},
@@ -25,6 +29,7 @@ use crate::{
     out::Out,
     program::Program,
 };
+use canon::{Output, Signal};
 use diag::Span;
 
 /// Axes by their number in system variables.
@@ -91,6 +96,15 @@ impl Fanuc {
         let span = it.block.span;
         let zero = value.unwrap_or(0.0);
         match number {
+            1100..=1131 => self.switch(number - 1100, zero != 0.0, out),
+            1132 => {
+                for output in 0..32 {
+                    let on = zero.max(0.0) as u64 >> output & 1 == 1;
+                    if on != (self.kept.outputs >> output & 1 == 1) {
+                        self.switch(output, on, out);
+                    }
+                }
+            }
             3000 => return self.alarm(it, zero),
             3001 | 3002 => {
                 let ms = if number == 3001 { zero } else { zero * MS_PER_HOUR };
@@ -122,6 +136,14 @@ impl Fanuc {
             }
         }
         Ok(())
+    }
+
+    /// A digital output.
+    fn switch<S: Sink>(&mut self, output: usize, on: bool, out: &mut Out<'_, S>) {
+        let bit = 1_u32 << output;
+        self.kept.outputs = if on { self.kept.outputs | bit } else { self.kept.outputs & !bit };
+        let (number, signal) = (output as u8, Signal::Digital { on });
+        out.say(&Call::Output(Output { number, signal, with_motion: false }));
     }
 
     fn alarm(&self, it: &mut Program<'_>, value: f64) -> Outcome {
@@ -194,6 +216,10 @@ impl Values<'_> {
             self.coordinate(number - first + 1, point, span).map(Some)
         };
         match number {
+            1000..=1035 => Ok(Some(0.0)),
+            1100..=1131 => Ok(Some(f64::from(kept.outputs >> (number - 1100) & 1))),
+            1132 => Ok(Some(f64::from(kept.outputs))),
+            5401..=5600 | 5701..=5800 if self.fanuc.kind == Kind::Haas => Ok(Some(0.0)),
             3001 | 3002 => {
                 let timer = &kept.timers[number - 3001];
                 timer.set(timer.get() + 1.0);

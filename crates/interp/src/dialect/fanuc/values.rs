@@ -24,13 +24,14 @@ use crate::{
 };
 use diag::Span;
 use gcode::{Block, Expr, Function, Operator, Parameter, Value};
+use std::collections::BTreeMap;
 
 /// From here on common variables are kept.
 const FIRST_KEPT: usize = 500;
 
 impl Default for Variables {
     fn default() -> Self {
-        Self { local: [None; super::state::LOCALS], common: vec![None; 900] }
+        Self { local: [None; super::state::LOCALS], common: vec![None; 900], more: BTreeMap::new() }
     }
 }
 
@@ -99,6 +100,12 @@ impl Fanuc {
             match number {
                 1..=33 => self.variables.local[number - 1] = value,
                 100..=199 | 500..=999 => self.set_common(it, number, value),
+                _ if self.kind.has_more_variables(number) => {
+                    _ = match value {
+                        Some(value) => self.variables.more.insert(number, value),
+                        None => self.variables.more.remove(&number),
+                    }
+                }
                 _ => self.set_system(it, number, value, out)?,
             }
         }
@@ -170,6 +177,9 @@ impl Values<'_> {
             0 => None,
             1..=33 => self.fanuc.variables.local[number - 1],
             100..=199 | 500..=999 => self.fanuc.variables.common[number - 100],
+            _ if self.fanuc.kind.has_more_variables(number) => {
+                self.fanuc.variables.more.get(&number).copied()
+            }
             _ => return self.system(number, span),
         })
     }

@@ -1,6 +1,8 @@
 //! A block's words in the shared language: units, seconds, repetitions, increments, codes.
 use crate::{
+    codes::MGroup,
     dialect::fanuc::codes::{Meaning, is_shared_m, meaning},
+    dialect::fanuc::kind::Kind,
     dialect::fanuc::sense::Sense,
     dialect::fanuc::state::{Callee, Fanuc, Said, Then},
     dialect::fanuc::values::rounded,
@@ -117,8 +119,13 @@ impl Fanuc {
             match word.letter {
                 b'G' | b'M' => {}
                 b'P' | b'Q' | b'R' | b'X' | b'Y' | b'Z' if sense.smoothing => {}
+                b'P' if sense.smoothness => smoothness(word)?,
+                b'E' if sense.smoothness => ex.words.put(b'P', word.value, word.span)?,
                 b'P' if sense.reference => super::reference::second(word)?,
+                b'P' if sense.local => start = Some(*word),
                 b'Q' if sense.call => start = Some(*word),
+                b'H' if sense.call && self.kind == Kind::Mitsubishi => start = Some(*word),
+                b'r' if sense.tap && self.kind == Kind::Mitsubishi => rigid(ex, word)?,
                 b'Q' if sense.set_offset => ex.words.put(b'Q', word.value, word.span)?,
                 b'c' | b'r' => self.corner_word(word, value)?,
                 b'C' | b'R' | b'I' | b'K' if self.is_corner(word, &sense) => {
@@ -130,15 +137,16 @@ impl Fanuc {
                     p = Some(*word);
                 }
                 b'P' if sense.dwell || sense.cycle => {
-                    if !word.counts && word.value.fract() != 0.0 {
+                    let seconds = self.kind == Kind::Haas && !word.counts;
+                    if !word.counts && word.value.fract() != 0.0 && !seconds {
                         let text = format!(
                             "P counts milliseconds, without a point, found P{}",
                             word.value
                         );
                         return refuse("I1020", word.span, text);
                     }
-                    let seconds = word.value / self.increments.per_unit();
-                    ex.words.put(b'P', seconds, word.span)?;
+                    let unit = if seconds { 1.0 } else { self.increments.per_unit() };
+                    ex.words.put(b'P', word.value / unit, word.span)?;
                 }
                 b'X' | b'U' if sense.dwell => {
                     let seconds = if word.counts && !self.calculator {
@@ -209,6 +217,10 @@ impl Fanuc {
                     Some((_, Meaning::Shared(920))) if sense.position => {}
                     Some((_, Meaning::Shared(541 | 100) | Meaning::Smoothing)) => {}
                     Some((_, Meaning::Shared(540))) if sense.more_offsets => {}
+                    Some((_, Meaning::WorkOffset(number))) => {
+                        self.once.system = Some(9 + self.more_offsets(u32::from(number), span)?);
+                    }
+                    Some((_, Meaning::Smoothness)) => ex.words.take_g(64.0, span)?,
                     Some((_, Meaning::ExactBlock)) => self.once.exact = true,
                     Some((_, Meaning::Back)) => self.once.back = true,
                     Some((_, Meaning::Check)) => {
@@ -244,12 +256,15 @@ impl Fanuc {
                 },
                 b'M' => match near_whole(word.value) {
                     Some(98 | 99 | 198) => {}
+                    Some(97) if sense.local => {}
                     // T has changed the tool
                     Some(6) if self.is_lathe() && said.iter().any(|s| s.letter == b'T') => {}
-                    _ if ex.words.is_own_m(word.value) && !is_shared_m_word(word.value) => {
+                    _ if ex.words.is_own_m(word.value)
+                        && !is_shared_m_word(self.kind, word.value) =>
+                    {
                         ex.words.take_own_m(word.value, span)?;
                     }
-                    Some(number @ 0..=60) if is_shared_m(number as u16) => {
+                    Some(number @ 0..=60) if is_shared_m(self.kind, number as u16) => {
                         ex.words.take_m(word.value, span)?;
                     }
                     _ => {
@@ -303,17 +318,8 @@ impl Fanuc {
             return self.set_offset(ex, number, times).map(|()| Then::Next);
         }
         if sense.more_offsets {
-            return match number {
-                Some(_) if self.mapping.changes() => {
-                    let text = "G54.1 cannot be used while G51, G51.1 or G68 is in force";
-                    refuse("I1045", span, text)
-                }
-                Some(n @ 1..=48) => {
-                    self.once.system = Some(9 + n as u8);
-                    Ok(Then::Next)
-                }
-                _ => refuse("I1021", span, "G54.1 takes P1 to P48"),
-            };
+            self.once.system = Some(9 + self.more_offsets(number.unwrap_or(0), span)?);
+            return Ok(Then::Next);
         }
         if sense.back {
             return Ok(Then::Return(number));
@@ -325,6 +331,9 @@ impl Fanuc {
         let call = |program, times| Ok(Then::Call(Callee { program, in_file, times, start }));
         match (self.called.or(number), times) {
             (None, times) if start.is_some() && !in_file => call(None, times.unwrap_or(1)),
+            (None, _) if sense.local => {
+                refuse("I0302", span, "M97 needs P, the number N of the block where it begins")
+            }
             (None, _) if in_file => {
                 refuse("I0302", span, "M198 needs P, the number of the program")
             }
@@ -335,6 +344,20 @@ impl Fanuc {
                 call(Some(both % 10_000), both / 10_000)
             }
             (Some(number), None) => call(Some(number), 1),
+        }
+    }
+
+    /// The work offset beyond G59 with this number.
+    fn more_offsets(&self, number: u32, span: Span) -> Outcome<u8> {
+        if self.mapping.changes() {
+            let text = "G54.1 cannot be used while G51, G51.1 or G68 is in force";
+            return refuse("I1045", span, text);
+        }
+        let code = if self.kind == Kind::Haas { "G154" } else { "G54.1" };
+        let last = self.kind.last_offset();
+        match u8::try_from(number) {
+            Ok(number) if number > 0 && u32::from(number) <= last => Ok(number),
+            _ => refuse("I1021", span, format!("{code} takes P1 to P{last}")),
         }
     }
 
@@ -363,8 +386,29 @@ impl Fanuc {
 }
 
 /// Whether an M word is one of the shared language.
-fn is_shared_m_word(value: f64) -> bool {
-    near_whole(value).and_then(|number| u16::try_from(number).ok()).is_some_and(is_shared_m)
+fn is_shared_m_word(kind: Kind, value: f64) -> bool {
+    let number = near_whole(value).and_then(|number| u16::try_from(number).ok());
+    number.is_some_and(|number| is_shared_m(kind, number))
+}
+
+/// P of Haas' G187: rough, medium, finish. How far that rounds a corner is a setting there.
+fn smoothness(word: &Said) -> Outcome {
+    if matches!(word.value, 1.0 | 2.0 | 3.0) {
+        return Ok(());
+    }
+    let text = format!("P of G187 is 1, 2 or 3: rough, medium, finish; found {}", word.value);
+    refuse("I1065", word.span, text)
+}
+
+/// `,R` of Mitsubishi's taps.
+fn rigid(ex: &mut Executor, word: &Said) -> Outcome {
+    if word.value == 1.0 {
+        ex.words.put_m(MGroup::Rigid, 290);
+        return Ok(());
+    }
+    let text = format!(",R1 makes a tap that follows the spindle, found ,R{}", word.value);
+    let help = "a tap in a holder with a clutch is a setting of the machine: --tapping floating";
+    Err(error("I1065", word.span, text).with_help(help).into())
 }
 
 /// The one sentence for a lead that is missing.

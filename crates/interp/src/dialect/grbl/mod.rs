@@ -4,6 +4,7 @@
 //!   $H  ?  ~  !       for the sender or the controller: left out, with a remark
 //!   X10 Y5            G0 is in force where a program begins
 //!   (the end)         a program ends where its text does: M2 and M30 may be missing
+//!   G4 S2             waits for two seconds, as Marlin does, with a remark
 //!   G2 … K0, D1       words that no code takes have no effect, with a remark
 //! ```
 //!
@@ -27,6 +28,7 @@ pub(crate) const RULES: Rules = Rules {
     ends_with_text: true,
     begins_rapidly: true,
     has_laser: true,
+    dwells_by_s: true,
     idle: set("DHKPQ"),
     short_radius: [0.005, 0.0002],
     ..linuxcnc::RULES

@@ -32,6 +32,7 @@ pub(crate) const RULES: Rules = Rules {
     ends_with_text: false,
     begins_rapidly: false,
     has_laser: false,
+    dwells_by_s: false,
     idle: 0,
     short_radius: [0.00127, 0.00005],
     reads_up_to_fault: false,
