@@ -4,6 +4,7 @@
     python tools/corpus.py fetch FOLDER              from the hosting site, what is not there yet
     python tools/corpus.py verdicts FOLDER --half open    `leadscrew check --summary` on one half; `kept` is for the last look
     python tools/corpus.py verdicts FOLDER --write   on all, and docs/corpus/verdicts.tsv anew
+    python tools/corpus.py motion FOLDER             what both accept, call by call against LinuxCNC's stand-alone interpreter
 
 The programs are not part of this repository: they are their authors'. docs/corpus/list.tsv says where each is.
 """
@@ -26,6 +27,8 @@ LIST = ROOT / "docs/corpus/list.tsv"
 VERDICTS = ROOT / "docs/corpus/verdicts.tsv"
 #: Programs that are given to the command at once.
 AT_ONCE = 40
+#: Larger programs are not compared: each takes seconds.
+MOST_BYTES = 2_000_000
 
 
 def listed(half: str) -> list[dict[str, str]]:
@@ -97,9 +100,17 @@ def verdicts(folder: Path, half: str, command: str, write: bool) -> int:
     return 0
 
 
+def motion(folder: Path, half: str) -> int:
+    """Equal or different, with the first difference: `cargo xtask parity --live` on the programs of mills and lathes."""
+    kinds = ("grbl-mill", "linuxcnc-mill", "linuxcnc-lathe")
+    rows = [row for row in listed(half) if row["kind"] in kinds and int(row["bytes"]) < MOST_BYTES]
+    files = [str(place(folder, row).resolve()) for row in rows if is_whole(place(folder, row), row)]
+    return subprocess.run(["cargo", "xtask", "parity", "--live", *files], cwd=ROOT, check=False).returncode
+
+
 def main() -> int:
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("what", choices=["fetch", "verdicts"])
+    asked.add_argument("what", choices=["fetch", "verdicts", "motion"])
     asked.add_argument("folder", type=Path)
     asked.add_argument("--half", choices=["open", "kept", "all"], default="all")
     asked.add_argument("--command", default=str(ROOT / "target/debug/leadscrew"), help="the command that checks")
@@ -107,6 +118,8 @@ def main() -> int:
     args = asked.parse_args()
     if args.what == "fetch":
         return fetch(args.folder)
+    if args.what == "motion":
+        return motion(args.folder, args.half)
     return verdicts(args.folder, args.half, args.command, args.write)
 
 

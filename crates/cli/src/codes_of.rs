@@ -14,7 +14,7 @@ use store::machine::OwnCodes;
 
 /// What is counted beside G and M: words of macros and of flow.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
+enum CountedWord {
     /// G or M and tenths of its number.
     Code(char, i64),
     /// By what it is.
@@ -30,7 +30,7 @@ struct Used {
     first: (String, u32),
 }
 
-type Uses = BTreeMap<(What, &'static str), (Dialect, Used)>;
+type Uses = BTreeMap<(CountedWord, &'static str), (Dialect, Used)>;
 
 /// Print them.
 pub(crate) fn command(args: &CodesArgs) -> Result<(), Refused> {
@@ -81,32 +81,34 @@ fn count(uses: &mut Uses, index: usize, path: &Path, text: &[u8], dialect: Diale
         for word in &block.words {
             match (word.letter, word.value) {
                 (letter @ (b'G' | b'M'), Value::Number(number)) => {
-                    add(What::Code(letter.into(), (number * 10.0).round() as i64));
+                    add(CountedWord::Code(letter.into(), (number * 10.0).round() as i64));
                 }
-                (b'G' | b'M', Value::Expression(_)) => add(What::Other("G or M of a variable")),
-                (b'T', _) => add(What::Other("T")),
-                (b'c' | b'r', _) => add(What::Other(",C and ,R")),
+                (b'G' | b'M', Value::Expression(_)) => {
+                    add(CountedWord::Other("G or M of a variable"));
+                }
+                (b'T', _) => add(CountedWord::Other("T")),
+                (b'c' | b'r', _) => add(CountedWord::Other(",C and ,R")),
                 _ => {}
             }
         }
         if block.control.is_some() {
-            add(What::Other("IF, GOTO, WHILE"));
+            add(CountedWord::Other("IF, GOTO, WHILE"));
         }
         if block.output.is_some() {
-            add(What::Other("DPRNT"));
+            add(CountedWord::Other("DPRNT"));
         }
         if block.o.is_some_and(|o| o.keyword != gcode::Keyword::Program) {
-            add(What::Other("O-words"));
+            add(CountedWord::Other("O-words"));
         }
         if !block.assignments.is_empty() {
-            add(What::Other("variables that are set"));
+            add(CountedWord::Other("variables that are set"));
         }
     }
 }
 
 /// One word for whether it is executed, and what it means.
-fn known(what: What, dialect: Dialect, own: &OwnCodes) -> (&'static str, String) {
-    let What::Code(letter, tenths) = what else { return ("executed", String::new()) };
+fn known(what: CountedWord, dialect: Dialect, own: &OwnCodes) -> (&'static str, String) {
+    let CountedWord::Code(letter, tenths) = what else { return ("executed", String::new()) };
     let number = u16::try_from(tenths / 10).ok().filter(|_| tenths % 10 == 0);
     let call = own.calls.iter().find(|call| call.letter == letter && call.number == number);
     if let Some(call) = call.filter(|_| number.is_some()) {
@@ -124,11 +126,13 @@ fn known(what: What, dialect: Dialect, own: &OwnCodes) -> (&'static str, String)
     }
 }
 
-fn written(what: What) -> String {
+fn written(what: CountedWord) -> String {
     match what {
-        What::Code(letter, tenths) if tenths % 10 == 0 => format!("{letter}{}", tenths / 10),
-        What::Code(letter, tenths) => format!("{letter}{}.{}", tenths / 10, (tenths % 10).abs()),
-        What::Other(what) => what.to_owned(),
+        CountedWord::Code(letter, tenths) if tenths % 10 == 0 => format!("{letter}{}", tenths / 10),
+        CountedWord::Code(letter, tenths) => {
+            format!("{letter}{}.{}", tenths / 10, (tenths % 10).abs())
+        }
+        CountedWord::Other(what) => what.to_owned(),
     }
 }
 
@@ -145,7 +149,7 @@ fn table(uses: &Uses, own: &OwnCodes) -> comfy_table::Table {
 }
 
 fn object(
-    (what, name): (What, &'static str),
+    (what, name): (CountedWord, &'static str),
     (dialect, used): &(Dialect, Used),
     own: &OwnCodes,
 ) -> serde_json::Value {

@@ -88,8 +88,8 @@ impl<'a> Parser<'a> {
             None => (rest.len(), rest.len()),
         };
         let mut text = &rest[..length];
-        if let [line @ .., b'\r'] = text {
-            text = line;
+        while let [line @ .., b'\r'] = text {
+            text = line; // CR LF, and CR CR LF of files that were sent through two systems
         }
         let (mut step, mut lines) = (step, 1);
         let mut comment = false;

@@ -28,7 +28,7 @@ pub(crate) fn comments<S: Sink>(
         match comment.kind {
             CommentKind::Plain => {
                 let bracketed = source.get(comment.span.start as usize) == Some(&b'(');
-                if bracketed && i + 1 == block.comments.len() {
+                if bracketed && i + 1 == block.comments.len() && !text.is_empty() {
                     out.say(&Call::Comment(text.trim_start()));
                 }
             }

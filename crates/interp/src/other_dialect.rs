@@ -51,8 +51,8 @@ const O_KEYWORDS: [&str; 15] = [
 ];
 
 /// A control's name, whose it is, and what that is evidence of.
-type Named = (&'static str, Family, &'static str);
-const NAMES: [Named; 3] = [
+type ControlName = (&'static str, Family, &'static str);
+const NAMES: [ControlName; 3] = [
     ("Grbl", Family::Grbl, "a comment that names Grbl"),
     ("Haas", Family::Haas, "a comment that names Haas"),
     ("Meldas", Family::Mitsubishi, "a comment that names Meldas"), // Mitsubishi is on tools, too
@@ -190,7 +190,7 @@ pub(crate) struct Line {
     /// The first comment in brackets, up to its comma.
     keyword: String,
     /// It speaks of a control by its name.
-    names: Option<&'static Named>,
+    names: Option<&'static ControlName>,
     /// From its first to its last character that is no blank.
     span: Span,
 }
@@ -286,6 +286,12 @@ impl Line {
     pub(crate) fn number(&self, letter: char) -> Option<(&str, Span)> {
         let word = self.words.iter().find(|(c, ..)| *c == letter)?;
         Some((&word.1, word.2))
+    }
+
+    /// P has digits behind its point: it can be no milliseconds.
+    fn waits_for_a_fraction(&self) -> bool {
+        let value = self.number('P').and_then(|(number, _)| number.parse::<f64>().ok());
+        value.is_some_and(|value| value.fract() != 0.0)
     }
 
     /// All that it gives away.
@@ -447,9 +453,7 @@ impl Line {
             }
             1870 if self.has_any("PE") => say(Family::Haas, 4, "how corners are taken, by G187"),
             1030 if self.has("P") => say(Family::Haas, 2, "how far the control looks ahead"),
-            40 | 810..=830
-                if tenths % 10 == 0 && self.number('P').is_some_and(|(p, _)| p.contains('.')) =>
-            {
+            40 | 810..=830 if tenths % 10 == 0 && self.waits_for_a_fraction() => {
                 say(Family::Haas, 1, "a wait in seconds, with a point");
             }
             810..=850 if tenths % 10 == 0 && self.has("Z") && !self.has_any("RUEK") => {
@@ -460,7 +464,6 @@ impl Line {
                 say(Family::Haas, 3, "a round pocket");
                 say(Family::Mitsubishi, 3, "a circle from its centre");
             }
-            1201 if self.has("P") => say(Family::Mitsubishi, 3, "a set of conditions is chosen"),
             1000 if self.has("T") => say(Family::Brother, 6, "the non-stop tool change"),
             770 | 780 if self.has_any("IJ") && self.has_any("ZR") && self.has_any("SR") => {
                 say(Family::Brother, 6, "synchronised tapping by its pitch");

@@ -306,6 +306,7 @@ fn lines_may_end_with_a_bare_carriage_return() {
         let text = String::from_utf8(text).unwrap();
         assert_eq!(places(&ops(&text, dialect)).len(), 2);
     }
+    assert_eq!(places(&ops("G21 G90\r\r\nG0 X1.\r\r\nM2\r\r\n", Dialect::LinuxCnc)).len(), 1);
     let mut mixed = b"G0 X1\r\nG0 \rX2\n".to_vec();
     gcode::end_lines_with_lf(&mut mixed);
     assert_eq!(mixed, b"G0 X1\r\nG0 \rX2\n", "a CR among other line ends is a slip, and is said");

@@ -29,7 +29,8 @@ fn named(text: &str, read_as: Dialect) -> Option<String> {
 }
 
 /// Programs that a shop would run, and the dialect of each.
-const PROGRAMS: [(Dialect, &str); 14] = [
+const PROGRAMS: [(Dialect, &str); 15] = [
+    (Dialect::Fanuc, "%\nO1000\nT1 M6\nG43 H1 Z1.\nG83 Z-20. R2. P500. Q2. F20\nM30\n%\n"),
     (Dialect::Haas, "%\nO1000\nT1 M6\nG43 H1 Z1.\nG81 Z-0.5 R0.1 P0.5 F10.\nM30\n%\n"),
     (Dialect::Haas, "%\nO1000\nG154 P3\nG0 X0 Y0\nG13 I8. D1 F100.\nM97 P100\nM30\nN100 M99\n%\n"),
     (Dialect::Haas, "%\nO1000 (MADE FOR A HAAS VF-2)\nG90 G54 G0 X0 Y0\nM30\n%\n"),
