@@ -448,8 +448,9 @@ impl Line {
             280 if self.has_any("UW") => {
                 say(Family::FanucLathe, 3, "the reference point by increments");
             }
-            1540 if self.has("P") && !self.has("S") => {
-                say(Family::Haas, 4, "a work offset beyond the sixth, by G154");
+            1510 if self.has("P") => say(Family::LinuxCnc, 6, "a cam's profile is called by G151"),
+            1540 if self.has("P") && !self.has_any("SF") => {
+                say(Family::Haas, 3, "a work offset beyond the sixth, by G154");
             }
             1870 if self.has_any("PE") => say(Family::Haas, 4, "how corners are taken, by G187"),
             1030 if self.has("P") => say(Family::Haas, 2, "how far the control looks ahead"),

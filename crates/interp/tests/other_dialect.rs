@@ -107,6 +107,15 @@ fn a_program_with_no_errors_of_its_own_is_warned_of_and_not_refused() {
     assert_eq!(found[0].code, "I0909");
 }
 
+/// G154 is a work offset to Haas, and turns on in the cam mode of the shared language.
+#[test]
+fn the_cam_words_of_the_shared_language_are_not_haas() {
+    let cam = "G21 G90 G54\nT1 M6\nG43 H1\nG151 P7\nG154 S60 P2\nG154 P3\nG151 P0\nM30\n";
+    assert_eq!(named(cam, Dialect::LinuxCnc), None);
+    let mill = "O1\nT1 M6\nG154 P3\nG43 H1 Z5.\nM30\n";
+    assert_eq!(named(mill, Dialect::LinuxCnc).as_deref(), Some("haas"));
+}
+
 /// Bare `%` lines, numbered programs and all else that LinuxCNC reads as well.
 #[test]
 fn no_program_that_is_compared_with_linuxcnc_is_suspected() {
