@@ -5,6 +5,8 @@ use crate::tables::table;
 use bus::DriveReaction;
 use control::Refused;
 use control::config::machine_file::{MachineSource, load, text};
+use std::path::{Path, PathBuf};
+use store::linuxcnc::{self, Remark, RemarkKind};
 use store::machine::{self, MachineFile};
 
 /// Do it.
@@ -22,7 +24,45 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
             }
             say::out(&text)
         }
+        MachineCommand::Import { ini, hal, out } => import(ini, hal, out.as_deref()),
     }
+}
+
+/// A machine file from a LinuxCNC configuration: whole and one that can be run, or none.
+fn import(ini: &Path, hal: &[PathBuf], out: Option<&Path>) -> Result<(), Refused> {
+    if let Some(out) = out.filter(|out| out.exists()) {
+        let text = format!(
+            "{} is there already: import writes over no machine file; name another, or remove it",
+            out.display()
+        );
+        return Err(Refused::because(text));
+    }
+    let imported = linuxcnc::read(ini, hal)?;
+    let lines = remarks(&imported.remarks);
+    let Some(text) = imported.text else {
+        say::err(&lines);
+        let wrong =
+            imported.remarks.iter().filter(|remark| remark.kind == RemarkKind::Wrong).count();
+        let text = format!("{}: {wrong} wrong, and no machine file is written", ini.display());
+        return Err(Refused::because(text));
+    };
+    let name = out.unwrap_or(ini).display().to_string();
+    if let Err(refused) = load(MachineSource { name, text: Some(text.clone()) }) {
+        say::err(&lines);
+        return Err(refused);
+    }
+    let Some(out) = out else {
+        say::err(&lines);
+        return say::out(&text);
+    };
+    store::output::write_file(out, text.as_bytes())?;
+    let next =
+        format!("{} is written: look at what was guessed and what is missing\n", out.display());
+    say::out(&(lines + &next))
+}
+
+fn remarks(all: &[Remark]) -> String {
+    all.iter().fold(String::new(), |text, remark| text + &remark.to_string() + "\n")
 }
 
 /// The text of a machine's file, with what the simulated one may be; one that is wrong is shown as it is.

@@ -1,5 +1,5 @@
 //! HAL's C interface as far as the component calls it, for tests on computers without LinuxCNC: pins by name, one function.
-use crate::ffi::Function;
+use crate::ffi::{Direction, Function};
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_int, c_long, c_void};
 use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// What a component has asked HAL for; addresses as numbers, so that threads may share them.
 #[derive(Debug, Default)]
 pub(crate) struct Asked {
-    pins: BTreeMap<String, (char, usize)>,
+    pins: BTreeMap<String, (char, usize, c_int)>,
     function: Option<Function>,
     pub(crate) said: Vec<String>,
 }
@@ -17,6 +17,12 @@ static ASKED: Mutex<Option<Asked>> = Mutex::new(None);
 
 fn asked() -> MutexGuard<'static, Option<Asked>> {
     ASKED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// HAL has one component of this name at a time: a test that loads it holds this.
+pub(crate) fn one_at_a_time() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What the component has asked for.
@@ -30,9 +36,23 @@ impl Asked {
         self.pins.keys().map(String::as_str).collect()
     }
 
+    /// Each pin with its type and direction: `leadscrew.x.pos-cmd float out`.
+    pub(crate) fn described(&self) -> Vec<String> {
+        let described = |(name, (kind, _, direction)): (&String, &(char, usize, c_int))| {
+            let kind = match kind {
+                'b' => "bit",
+                'f' => "float",
+                _ => "u32",
+            };
+            let direction = if *direction == Direction::In as c_int { "in" } else { "out" };
+            format!("{name} {kind} {direction}")
+        };
+        self.pins.iter().map(described).collect()
+    }
+
     fn at<T>(&self, name: &str, kind: char) -> *mut T {
         match self.pins.get(&format!("leadscrew.{name}")) {
-            Some((of, at)) if *of == kind => *at as *mut T,
+            Some((of, at, _)) if *of == kind => *at as *mut T,
             other => panic!("{name}: {other:?}"),
         }
     }
@@ -68,13 +88,18 @@ pub(crate) fn call(period: c_long) -> bool {
     function.is_some()
 }
 
-unsafe fn pin<T: Default>(kind: char, name: *const c_char, data: *mut *mut T) -> c_int {
+unsafe fn pin<T: Default>(
+    kind: char,
+    name: *const c_char,
+    data: *mut *mut T,
+    direction: c_int,
+) -> c_int {
     // SAFETY: a C string, as the component says.
     let name = unsafe { CStr::from_ptr(name) }.to_string_lossy().into_owned();
     let at = Box::into_raw(Box::<T>::default());
     // SAFETY: memory of `hal_malloc`, as the component says.
     unsafe { data.write(at) };
-    with(|asked| asked.pins.insert(name, (kind, at as usize)));
+    with(|asked| asked.pins.insert(name, (kind, at as usize, direction)));
     0
 }
 
@@ -104,34 +129,34 @@ extern "C" fn hal_malloc(size: c_long) -> *mut c_void {
 #[unsafe(no_mangle)]
 unsafe extern "C" fn hal_pin_bit_new(
     name: *const c_char,
-    _: c_int,
+    direction: c_int,
     data: *mut *mut bool,
     _: c_int,
 ) -> c_int {
     // SAFETY: the caller's.
-    unsafe { pin('b', name, data) }
+    unsafe { pin('b', name, data, direction) }
 }
 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn hal_pin_float_new(
     name: *const c_char,
-    _: c_int,
+    direction: c_int,
     data: *mut *mut f64,
     _: c_int,
 ) -> c_int {
     // SAFETY: the caller's.
-    unsafe { pin('f', name, data) }
+    unsafe { pin('f', name, data, direction) }
 }
 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn hal_pin_u32_new(
     name: *const c_char,
-    _: c_int,
+    direction: c_int,
     data: *mut *mut u32,
     _: c_int,
 ) -> c_int {
     // SAFETY: the caller's.
-    unsafe { pin('u', name, data) }
+    unsafe { pin('u', name, data, direction) }
 }
 
 #[unsafe(no_mangle)]

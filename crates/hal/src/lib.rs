@@ -16,6 +16,8 @@ mod component;
 #[cfg(test)]
 mod fake;
 mod ffi;
+#[cfg(test)]
+mod man;
 mod parameters;
 mod pins;
 #[cfg(test)]

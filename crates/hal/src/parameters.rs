@@ -7,6 +7,12 @@ use std::sync::atomic::{AtomicI32, AtomicPtr, Ordering::Relaxed};
 /// Letters of the axes, in the order of their numbers.
 pub(crate) const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 
+/// What is meant where `loadrt` does not say it: axes, name; spindles, digital inputs and outputs, analogue ones.
+const AXES_USUAL: &str = "XYZ";
+const NAME_USUAL: &str = "default";
+const COUNTS_USUAL: [(&str, c_int); 5] =
+    [("spindles", 1), ("din", 4), ("dout", 4), ("ain", 0), ("aout", 0)];
+
 /// As they were told.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct LoadParameters {
@@ -46,20 +52,20 @@ macro_rules! parameter {
 
 #[allow(non_upper_case_globals)] // the names are rtapi's
 mod told {
-    use super::{AtomicI32, AtomicPtr, Symbol, c_char, c_void, null_mut};
+    use super::{AtomicI32, AtomicPtr, COUNTS_USUAL, Symbol, c_char, c_void, null_mut};
     parameter!(AXES: AtomicPtr<c_char> = null_mut(), c"s", c"letters of the axes, as in XYZ",
         rtapi_info_address_axes, rtapi_info_type_axes, rtapi_info_description_axes);
     parameter!(NAME: AtomicPtr<c_char> = null_mut(), c"s", c"name by which a control finds it",
         rtapi_info_address_name, rtapi_info_type_name, rtapi_info_description_name);
-    parameter!(SPINDLES: AtomicI32 = 1, c"i", c"number of spindles",
+    parameter!(SPINDLES: AtomicI32 = COUNTS_USUAL[0].1, c"i", c"number of spindles",
         rtapi_info_address_spindles, rtapi_info_type_spindles, rtapi_info_description_spindles);
-    parameter!(DIN: AtomicI32 = 4, c"i", c"number of digital inputs",
+    parameter!(DIN: AtomicI32 = COUNTS_USUAL[1].1, c"i", c"number of digital inputs",
         rtapi_info_address_din, rtapi_info_type_din, rtapi_info_description_din);
-    parameter!(DOUT: AtomicI32 = 4, c"i", c"number of digital outputs",
+    parameter!(DOUT: AtomicI32 = COUNTS_USUAL[2].1, c"i", c"number of digital outputs",
         rtapi_info_address_dout, rtapi_info_type_dout, rtapi_info_description_dout);
-    parameter!(AIN: AtomicI32 = 0, c"i", c"number of analogue inputs",
+    parameter!(AIN: AtomicI32 = COUNTS_USUAL[3].1, c"i", c"number of analogue inputs",
         rtapi_info_address_ain, rtapi_info_type_ain, rtapi_info_description_ain);
-    parameter!(AOUT: AtomicI32 = 0, c"i", c"number of analogue outputs",
+    parameter!(AOUT: AtomicI32 = COUNTS_USUAL[4].1, c"i", c"number of analogue outputs",
         rtapi_info_address_aout, rtapi_info_type_aout, rtapi_info_description_aout);
 
     /// The licence that rtapi is told: MIT and Apache-2.0 go with the GPL of what loads this module.
@@ -79,12 +85,20 @@ mod told {
 pub(crate) fn read() -> Result<LoadParameters, String> {
     let count = |value: &AtomicI32| value.load(Relaxed);
     parsed(
-        text(&told::AXES).as_deref().unwrap_or("XYZ"),
-        text(&told::NAME).as_deref().unwrap_or("default"),
+        text(&told::AXES).as_deref().unwrap_or(AXES_USUAL),
+        text(&told::NAME).as_deref().unwrap_or(NAME_USUAL),
         count(&told::SPINDLES),
         (count(&told::DIN), count(&told::DOUT)),
         (count(&told::AIN), count(&told::AOUT)),
     )
+}
+
+/// `axes=XYZ` and so on, in the order of the manual page.
+#[cfg(test)]
+pub(crate) fn defaults() -> Vec<String> {
+    let counts = COUNTS_USUAL.iter().map(|(name, count)| format!("{name}={count}"));
+    let axes = std::iter::once(format!("axes={AXES_USUAL}"));
+    axes.chain(counts).chain(std::iter::once(format!("name={NAME_USUAL}"))).collect()
 }
 
 fn text(of: &AtomicPtr<c_char>) -> Option<String> {

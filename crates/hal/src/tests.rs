@@ -99,6 +99,7 @@ fn homed() -> Control {
 /// All of it in one test: HAL has one component of this name at a time.
 #[test]
 fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running() {
+    let _one = fake::one_at_a_time();
     let why = control().err().unwrap().to_string();
     assert!(why.contains("no HAL component named default is loaded"), "{why}");
 

@@ -172,7 +172,8 @@ impl Rings for ServoSide {
             return None;
         }
         let Self { requests, bytes, session, is_damaged, .. } = self;
-        loop {
+        // as many as the ring holds: a control that goes on writing does not hold the servo thread
+        for _ in 0..layout::REQUESTS.slots {
             let request = match requests.take(&mut bytes[..]) {
                 Ok(None) => return None,
                 Ok(Some((of, _))) if of != *session => continue, // a control's before this one
@@ -183,8 +184,9 @@ impl Rings for ServoSide {
                 None => *is_damaged = true,
                 request => return request,
             }
-            return None;
+            break;
         }
+        None
     }
 
     fn reply(&mut self, replied: Replied) {
@@ -200,7 +202,7 @@ impl Rings for ServoSide {
             return None;
         }
         let Self { steps, bytes, session, is_damaged, .. } = self;
-        loop {
+        for _ in 0..layout::STEPS.slots {
             let step = match steps.take(&mut bytes[..]) {
                 Ok(None) => return None,
                 Ok(Some((of, _))) if of != *session => continue,
@@ -211,8 +213,9 @@ impl Rings for ServoSide {
                 None => *is_damaged = true,
                 step => return step,
             }
-            return None;
+            break;
         }
+        None
     }
 
     fn steps_waiting(&self) -> usize {

@@ -14,6 +14,7 @@ pub mod cams;
 pub mod certificate;
 mod kept_file;
 pub mod learning;
+pub mod linuxcnc;
 pub mod machine;
 mod nearest;
 pub mod output;

@@ -24,6 +24,18 @@ pub(crate) enum MachineCommand {
         /// A name from `list`, or a file
         machine: String,
     },
+    /// Write a machine file from a LinuxCNC configuration; say what was taken, what was guessed, and what is missing
+    Import {
+        /// Its INI file; HAL files that it names are found beside it, and in LinuxCNC's library
+        #[arg(value_name = "FILE.ini")]
+        ini: PathBuf,
+        /// HAL files beside those that it names
+        #[arg(value_name = "FILE.hal")]
+        hal: Vec<PathBuf>,
+        /// Where the machine file goes, which is not there yet [default: standard output; the remarks go to standard error]
+        #[arg(long, value_name = "FILE.toml")]
+        out: Option<PathBuf>,
+    },
 }
 
 /// `leadscrew codes`.
