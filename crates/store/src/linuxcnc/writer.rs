@@ -74,7 +74,8 @@ impl MachineWriter {
     /// A line of the file without a remark.
     pub(super) fn line(&mut self, key: &str, value: &str, why: &str) {
         let stated = format!("{key} = {value}");
-        self.text += &format!("{stated:COLUMN$}# {why}\n");
+        let width = COLUMN.max(stated.len() + 1);
+        self.text += &format!("{stated:width$}# {why}\n");
     }
 
     pub(super) fn taken(&mut self, key: &str, value: &str, from: &str) {
