@@ -155,9 +155,10 @@ impl ControlSide {
         self.word(head::ENDED).store(u64::from(self.session), Release);
     }
 
-    /// A sign of life.
+    /// A sign of life of this session.
     pub fn beat(&self) {
-        self.word(head::ALIVE).fetch_add(1, Release);
+        let count = (self.word(head::ALIVE).load(Relaxed) as u32).wrapping_add(1);
+        self.word(head::ALIVE).store(u64::from(self.session) << 32 | u64::from(count), Release);
     }
 
     /// As many steps wait on the other side as do in the usual course.

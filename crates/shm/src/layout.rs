@@ -12,7 +12,7 @@ use crate::ring::{Place, WORD};
 /// First word: `LEADSCRW`.
 pub(crate) const MAGIC: u64 = u64::from_be_bytes(*b"LEADSCRW");
 /// Of this layout and of the messages in it. Both ends come from one build; another one is refused.
-pub(crate) const VERSION: u64 = 1;
+pub(crate) const VERSION: u64 = 2;
 
 /// Words of the header.
 pub(crate) mod head {
@@ -32,7 +32,8 @@ pub(crate) mod head {
     pub(crate) const UNOBSERVED: usize = 10;
     /// The session whose kernel ticks; 0: none.
     pub(crate) const SESSION: usize = 16;
-    /// The control's sign of life: it counts.
+    /// The control's sign of life: its session, and a count in the lower half. One that asks for a session shows signs of life, too:
+    /// they are none of a control before it.
     pub(crate) const ALIVE: usize = 24;
     /// The session that its control has ended.
     pub(crate) const ENDED: usize = 25;

@@ -134,7 +134,8 @@ impl ServoSide {
     /// was held up runs many at once.
     pub fn silence(&mut self, now_ns: i64) -> i64 {
         let alive = self.word(head::ALIVE).load(Acquire);
-        if alive != self.alive || self.heard_ns == 0 {
+        let is_of_this = (alive >> 32) as u32 == self.session;
+        if is_of_this && alive != self.alive || self.heard_ns == 0 {
             (self.alive, self.heard_ns) = (alive, now_ns);
         }
         self.silent_ns = now_ns.saturating_sub(self.heard_ns);

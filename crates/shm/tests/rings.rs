@@ -110,3 +110,22 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_control_that_asks_for_a_session_is_no_sign_of_life_of_the_one_before_it() {
+    const ALIVE: usize = 24; // of the layout: session in the upper half, a count in the lower one
+    let name = format!("test-alive-{}", std::process::id());
+    let made = shm::make(&name, 7, 1).unwrap();
+    // a file in memory: as large as the component has made it
+    let words = std::fs::metadata(format!("/dev/shm/leadscrew-{name}")).unwrap().len() as usize / 8;
+    let control = Mapping::open(&format!("/leadscrew-{name}"), words).unwrap().unwrap();
+    let mut side = shm::ServoSide::new(&made, 1);
+    let mut after = |session: u64, count: u64, now_ns: i64| {
+        control.words()[ALIVE].store(session << 32 | count, Relaxed);
+        side.silence(now_ns)
+    };
+    assert_eq!(after(1, 1, 1_000), 0);
+    assert_eq!(after(1, 2, 2_000), 0, "it is alive");
+    assert_eq!(after(2, 3, 3_000), 1_000, "it has been killed, and another one asks");
+    assert_eq!(after(2, 4, 9_000), 7_000);
+}

@@ -139,7 +139,10 @@ impl Kernel {
 
     /// Nothing moves any more, by the setpoints, and nothing is about to.
     pub fn is_standing(&self) -> bool {
-        let axes = self.drives.axes.iter().flatten().all(|axis| axis.target.speed == 0.0);
+        /// A nanometre, or a millionth of a degree, a second: what rounding leaves of the speed of an axis that follows an encoder
+        /// which does not turn.
+        const ROUNDING: f64 = 1e-6;
+        let axes = self.drives.axes.iter().flatten().all(|axis| axis.target.speed.abs() < ROUNDING);
         let spindles = self.drives.spindles.iter().flatten();
         let still = axes && spindles.map(SpindleLoop::ordered).all(|r| r.spin.value() == 0.0);
         match self.mode {
