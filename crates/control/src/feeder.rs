@@ -71,6 +71,18 @@ impl Feeder {
         }
     }
 
+    /// Forget what was sent and is done: what the kernel does not have any more, of operations before the one under way. What it
+    /// has stays, whatever its operation: on a path that was planned anew they need not rise.
+    fn forget_done(&mut self, kernel: &KernelHandle) {
+        let (done, mut before) =
+            (kernel.report().op, self.sent.len().saturating_sub(kernel.steps()));
+        self.sent.retain(|step| {
+            let is_before = before > 0;
+            before = before.saturating_sub(1);
+            !is_before || step.op >= done
+        });
+    }
+
     /// Keep the kernel's queue full, as far as the program goes.
     pub(super) fn fill(
         &mut self,
@@ -86,9 +98,8 @@ impl Feeder {
                 }
                 self.ahead.push(&step);
                 self.limits_of(&step);
-                let done = kernel.report().op;
-                self.sent.retain(|step| step.op >= done);
                 self.sent.push_back(step);
+                self.forget_done(kernel);
                 continue;
             }
             let next = match self.waiting.take() {

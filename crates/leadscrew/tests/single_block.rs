@@ -26,3 +26,36 @@ fn a_program_that_is_held_after_each_line_and_hurried_on_is_cut_as_it_is_written
         assert!(wrong.is_empty() && outcome.features.len() == 2, "{moment}: {wrong:?}");
     }
 }
+
+/// Rows over a wave, as a CAM system writes a surface.
+fn rows() -> String {
+    let mut text = "G21 G90 G17 G94 G64 P0.01\nG0 X0 Y0 Z0\nF4718\n".to_owned();
+    for row in 0..4 {
+        for k in 0..64 {
+            let k = if row % 2 == 0 { k } else { 63 - k };
+            let (x, y) = (0.4708 * f64::from(k), 0.5 * f64::from(row));
+            let z = (x / 3.0).sin() + 0.3 * (2.1 * x + f64::from(row)).sin();
+            text += &format!("G1 X{x:.4} Y{y:.4} Z{z:.4}\n");
+        }
+    }
+    text + "M2\n"
+}
+
+#[test]
+fn a_surface_that_is_held_twice_at_its_lines_and_hurried_on_is_followed_to_its_end() {
+    for (second, hurry) in [(7.12, 11.0), (7.12, 12.25), (5.3, 9.0), (3.0, 14.0)] {
+        let operator = [
+            "single-block on at 2.0747s".to_owned(),
+            "single-block off at 2.2747s".to_owned(),
+            "resume at 2.2847s".to_owned(),
+            format!("single-block on at {second}s"),
+            format!("single-block off at {}s", second + 0.2),
+            format!("resume at {}s", second + 1.0),
+            format!("override 120 at {hurry}s"),
+        ];
+        let options = RunOptions { operator: operator.to_vec(), ..RunOptions::default() };
+        let job = Program::of("rows", rows()).on("bench-xyz-jerk20").unwrap();
+        let outcome = job.run(&options).unwrap().outcome;
+        assert!(outcome.ended, "{second}, {hurry}: {:?} {:?}", outcome.faults, outcome.broke_off);
+    }
+}
