@@ -58,6 +58,9 @@ const NAMES: [ControlName; 3] = [
     ("Meldas", Family::Mitsubishi, "a comment that names Meldas"), // Mitsubishi is on tools, too
 ];
 
+/// Haas' cycles need no R.
+const WITHOUT_R: &str = "a cycle without R";
+
 /// A word that gives a dialect away.
 struct Evidence {
     of: Family,
@@ -87,9 +90,12 @@ fn heaviest(evidence: &[Evidence], own: Dialect) -> Option<Dialect> {
     let family = |dialect: Dialect| dialect.rules().evidence;
     // of two as likely, the one with the rarer words
     let others = Dialect::BY_RARITY.into_iter().filter(|other| family(*other) != family(own));
+    // where nothing else tells it from the own one, it may as well be a mistake
+    let tells = |e: &&Evidence, other| e.belongs_to(other) && !e.belongs_to(own);
+    let is_told = |other| evidence.iter().any(|e| tells(&e, other) && e.what != WITHOUT_R);
     let mut best = (DECISIVE.max(weight(own) + 1) - 1, None);
     for other in others {
-        if weight(other) > best.0 {
+        if weight(other) > best.0 && is_told(other) {
             best = (weight(other), Some(other));
         }
     }
@@ -458,7 +464,7 @@ impl Line {
                 say(Family::Haas, 1, "a wait in seconds, with a point");
             }
             810..=850 if tenths % 10 == 0 && self.has("Z") && !self.has_any("RUEK") => {
-                say(Family::Haas, 1, "a cycle without R");
+                say(Family::Haas, 1, WITHOUT_R);
             }
             120 | 130 if self.has("IKQ") => say(Family::Haas, 4, "a round pocket in rings"),
             120 | 130 if self.has("ID") => {
