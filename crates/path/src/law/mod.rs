@@ -41,6 +41,9 @@ const LEAST: usize = 1024;
 /// Most cells that are planned together: braking takes less than these.
 const MOST: usize = 1 << 16;
 
+/// So many cells are planned together at least, where the search has failed with more.
+const FEWEST: usize = 8;
+
 /// Longest time between two knots of a jerk-limited plan, s, unless the servo period is longer.
 const LONGEST_STEP: f64 = 0.02;
 
@@ -171,7 +174,7 @@ impl Law {
         if self.state.v * self.state.v > self.beta[0] * (1.0 + ROUNDING) {
             return false;
         }
-        let found = !self.jerky || self.find(count);
+        let found = !self.jerky || self.find(count) || self.slow_down(count);
         if self.jerky && found {
             self.smooth.keep(0, 0);
         }
@@ -289,10 +292,23 @@ impl Law {
     }
 
     /// With a limit of jerk: plan `count` cells to rest, and hand out the first `commit` of them.
-    fn plan_smoothly(&mut self, count: usize, commit: usize, ends: bool) {
-        if !self.find(count) {
-            self.finish_old(count);
-            return;
+    ///
+    /// Where the search fails from rest, less of the path is planned, to a stop within it: that takes a part of a second, and to be
+    /// slow all along would take many.
+    fn plan_smoothly(&mut self, mut count: usize, mut commit: usize, mut ends: bool) {
+        while !self.find(count) {
+            if self.width.is_some() {
+                self.finish_old(count);
+                return;
+            }
+            if count <= FEWEST {
+                self.slow_down(count);
+                break;
+            }
+            count /= 2;
+            (commit, ends) = (count, true);
+            self.beta.truncate(count + 1);
+            reach::backwards(self.cells.range(..count), &mut self.beta, &mut self.bounds);
         }
         let (first, commit) = self.smooth.until(commit, !(ends && commit == count));
         for fine in &self.smooth.grid[..first] {
@@ -319,6 +335,16 @@ impl Law {
         };
         let cells: Vec<&Cell> = self.cells.range(..count).collect();
         self.smooth.plan(&cells, &self.fast, from, self.tau)
+    }
+
+    /// The same from rest, where the search has failed: slower all along; `false`: it is not from rest.
+    fn slow_down(&mut self, count: usize) -> bool {
+        let is_from_rest = self.width.is_none();
+        if is_from_rest {
+            let cells: Vec<&Cell> = self.cells.range(..count).collect();
+            self.smooth.slow_down(&cells);
+        }
+        is_from_rest
     }
 
     /// With a limit of jerk: hand out the first cells in closed form, if they are one line, from rest; it is to end at rest.

@@ -73,7 +73,7 @@ pub(super) enum From {
 impl Smooth {
     /// Plan cells from `from` to rest; `fast` is ṡ² at the cells' beginnings and the last one's end without a limit of jerk.
     ///
-    /// `false`: nothing within the limits was found.
+    /// `false`: nothing within the limits was found; from rest [`Self::slow_down`] has a plan then.
     pub(super) fn plan(&mut self, cells: &[&Cell], fast: &[f64], from: From, tau: f64) -> bool {
         self.speeds(cells, fast, from);
         runs(cells, tau, &mut self.runs);
@@ -83,10 +83,6 @@ impl Smooth {
         if found {
             self.read(from);
             found = self.refine(cells, from);
-        }
-        if !found && matches!(from, From::Rest) {
-            self.slow_down(cells, from);
-            found = true;
         }
         found
     }
@@ -113,8 +109,10 @@ impl Smooth {
         self.tighten(cells) <= ENOUGH
     }
 
-    /// Slower all along, until the motion at the knots is within the limits of jerk; from rest to rest.
-    fn slow_down(&mut self, cells: &[&Cell], from: From) {
+    /// Slower all along, until the motion at the knots is within the limits of jerk; from rest to rest, of the cells that were
+    /// planned last.
+    pub(super) fn slow_down(&mut self, cells: &[&Cell]) {
+        let from = From::Rest;
         for fine in &mut self.grid {
             fine.share = JERK_SHARE;
         }
