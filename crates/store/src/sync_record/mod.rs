@@ -168,7 +168,15 @@ impl SyncRecord {
             return Err(Untrusted::Changed);
         }
         match postcard::take_from_bytes::<Self>(&said[HEAD..]) {
-            Ok((read, [])) => read.makes_sense().map(|()| (read, u64::from_le_bytes(generation))),
+            Ok((read, [])) => {
+                read.makes_sense()?;
+                let generation = u64::from_le_bytes(generation);
+                // a longer name, more words, a number with more bytes than it needs: no writer of this version's writes that
+                if read.encode(generation) != bytes {
+                    return Err(Untrusted::Senseless("it is not as this version would write it"));
+                }
+                Ok((read, generation))
+            }
             Ok(_) => Err(Untrusted::Senseless("it has fields that no record has")),
             Err(_) => Err(Untrusted::Senseless("a field is missing or is none")),
         }

@@ -384,6 +384,29 @@ fn a_command_that_is_too_long_is_left_out_and_the_record_stays_readable() {
 }
 
 #[test]
+fn what_no_writer_of_this_version_writes_is_refused_though_the_checksum_fits() {
+    let mut written = record(1, Stage::Inward);
+    written.place.program = "p".repeat(1000);
+    let bytes = written.encode(1);
+    let name = [&[0xe8, 0x07][..], &[b'p'; 1000]].concat();
+    let at = bytes.windows(name.len()).position(|window| window == name).unwrap();
+    let forged = |name: &[u8]| {
+        let mut forged = [&bytes[..at], name, &bytes[at + 1002..bytes.len() - TAIL]].concat();
+        let length = (forged.len() + TAIL) as u32;
+        forged[6..10].copy_from_slice(&length.to_le_bytes());
+        forged.extend(crc32fast::hash(&forged).to_le_bytes());
+        SyncRecord::decode(&forged)
+    };
+    assert_eq!(forged(&name), Ok((written, 1)));
+    let longer = [&[0xff, 0x08][..], &[b'p'; 1151]].concat();
+    let length_of_three_bytes = [&[0xe8, 0x87, 0x00][..], &[b'p'; 1000]].concat();
+    for name in [longer, length_of_three_bytes] {
+        let said = forged(&name).unwrap_err().to_string();
+        assert!(said.contains("not as this version would write it"), "{said}");
+    }
+}
+
+#[test]
 fn a_discarded_record_leaves_two_generations_that_say_out() {
     let mut disk = used();
     disk.seen.get_mut(B).unwrap().truncate(50);
