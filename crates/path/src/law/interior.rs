@@ -13,7 +13,7 @@ use crate::banded::Banded;
 use alloc::vec::Vec;
 
 /// Newton steps at most.
-const STEPS: usize = 60;
+const STEPS: usize = 200;
 
 /// Part of the way to the nearest bound that a step may go.
 const SHARE: f64 = 0.95;
@@ -29,8 +29,16 @@ const MISS: f64 = 1e-4;
 
 /// Where a search begins: so much of the time for λ·s of each unknown; again, where a problem like it was solved, so much for
 /// all of them together.
-const FIRST: f64 = 0.05;
-const AGAIN: f64 = 0.1;
+pub(super) const FIRST: f64 = 0.2;
+const AGAIN: f64 = 0.03;
+
+/// A search that goes no further than this, in so many steps one after another, is over; and so much of a bound may be exceeded
+/// where it is as fast as can be: the motion itself is measured, and its bounds are made tighter.
+const STUCK: (f64, usize) = (0.01, 6);
+const NEARLY: f64 = 0.01;
+
+/// A search that has become slower than it began by such a factor has lost its way.
+const SLOWER: f64 = 1e3;
 
 /// An unknown's part of the time counts as at least so much of an even one, and at most as one over it.
 const PART: f64 = 1e-3;
@@ -194,26 +202,31 @@ impl Chain {
         most
     }
 
-    /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was found. `again`: a problem of
-    /// the same shape was solved before, and this one begins where that one ended.
-    pub(crate) fn solve(&mut self, again: bool) -> Option<usize> {
+    /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was found. `first`: so much of the
+    /// time for λ·s of each unknown where the search begins; `None`: a problem of the same shape was solved before, and this
+    /// one begins where that one ended.
+    pub(crate) fn solve(&mut self, first: Option<f64>) -> Option<usize> {
         if self.free().is_empty() {
             return (self.excess() < 1e-6).then_some(0);
         }
         self.roots();
         let mut time = self.time();
         self.parts(time);
+        let slowest = SLOWER * time;
         let capped = self.free().filter(|i| self.cap[*i].is_finite()).count();
         let count = (2 * self.pairs.len() + capped) as f64;
-        let again =
-            again && self.known.len() == self.pairs.len() && self.under.len() == self.c.len();
-        let mut mu =
-            if again { AGAIN * time / count } else { FIRST * time / self.free().len() as f64 };
-        if again {
+        let is_same = self.known.len() == self.pairs.len() && self.under.len() == self.c.len();
+        let mut mu = if first.is_none() && is_same {
+            AGAIN * time / count
+        } else {
+            first.unwrap_or(FIRST) * time / self.free().len() as f64
+        };
+        if first.is_none() && is_same {
             self.resume(mu);
         } else {
             self.start(mu);
         }
+        let (mut stuck, mut is_fast) = (0, false);
         for steps in 1..=STEPS {
             self.assemble();
             self.band.factor();
@@ -221,11 +234,16 @@ impl Chain {
             let (primal, dual) = self.reach(mu);
             let (gap, miss) = self.advance(mu, (primal, dual));
             let before = core::mem::replace(&mut time, self.time());
-            if gap < GAP * time && miss < MISS && (before - time).abs() < GAP * time {
+            is_fast = gap < GAP * time && (before - time).abs() < GAP * time;
+            if is_fast && miss < MISS {
                 return Some(steps);
             }
-            if !(time.is_finite() && gap.is_finite()) {
+            if !(gap.is_finite() && time < slowest) {
                 return None;
+            }
+            stuck = if primal.max(dual) < STUCK.0 { stuck + 1 } else { 0 };
+            if stuck == STUCK.1 {
+                break;
             }
             let least = primal.min(dual);
             let shrink = if least > 0.8 {
@@ -237,7 +255,8 @@ impl Chain {
             };
             mu = shrink * gap / count;
         }
-        (self.excess() < 1e-6).then_some(STEPS)
+        let excess = self.excess();
+        (excess < 1e-6 || is_fast && excess < NEARLY).then_some(STEPS)
     }
 
     fn roots(&mut self) {

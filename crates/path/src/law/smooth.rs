@@ -20,7 +20,7 @@ use super::State;
 use super::cell::{Cell, Demand, Row};
 use super::fine::{Fine, JERK_SHARE, growth, jerk_along};
 use super::guess::Guess;
-use super::interior::Chain;
+use super::interior::{Chain, FIRST};
 use super::level::{Level, levels};
 use super::runs::{Run, runs};
 use alloc::vec::Vec;
@@ -31,6 +31,10 @@ const FROM_REST: f64 = 2.725_681_118_082_556;
 /// By how much the bounds may be exceeded where the search begins, and where it must begin within them.
 const START: f64 = f64::INFINITY;
 const WITHIN: f64 = -0.02;
+
+/// Where a search begins, and where it begins again when that has led nowhere: how far in time the guess looks, as a share of the
+/// grid's step, and [`FIRST`].
+const STARTS: [(f64, f64); 3] = [(1.0, FIRST), (4.0, 0.05), (16.0, 0.01)];
 
 /// How often a plan is corrected, and from what share of the limits of acceleration and jerk on.
 const REFINEMENTS: usize = 8;
@@ -56,6 +60,8 @@ pub(super) struct Smooth {
     most: Vec<f64>,
     first: Vec<f64>,
     guess: Guess,
+    /// How far in time the guess looks, s.
+    near: f64,
     spare: Vec<f64>,
     /// The window's cells, as the grid sees them.
     runs: Vec<Run>,
@@ -78,13 +84,18 @@ impl Smooth {
         self.speeds(cells, fast, from);
         runs(cells, tau, &mut self.runs);
         self.lay(cells, from, tau);
-        self.pose(cells, from, START);
-        let mut found = self.chain.solve(false).is_some();
-        if found {
+        STARTS.iter().any(|(near, first)| {
+            self.near = near * tau;
+            for fine in &mut self.grid {
+                *fine = Fine::new(fine.cell, fine.from, fine.h);
+            }
+            self.pose(cells, from, START);
+            if self.chain.solve(Some(*first)).is_none() {
+                return false;
+            }
             self.read(from);
-            found = self.refine(cells, from);
-        }
-        found
+            self.refine(cells, from)
+        })
     }
 
     /// The jerk of the motion at the knots may be a little more than it was in the equations, where the speed changes much
@@ -101,7 +112,7 @@ impl Smooth {
             for i in self.chain.given[0]..self.chain.c.len() - 1 {
                 self.chain.c[i] = self.spare[i];
             }
-            if self.chain.solve(true).is_none() {
+            if self.chain.solve(None).is_none() {
                 return false;
             }
             self.read(from);
@@ -302,7 +313,24 @@ impl Smooth {
             }
         }
         self.first.clone_from(&self.most);
-        self.guess.below(&mut self.first);
+        self.guess.below(&mut self.first, self.grid.iter().map(|fine| fine.h), self.near);
+        self.as_before();
+    }
+
+    /// What is under way is a motion that can be: begin with it, as long as it is not slower.
+    fn as_before(&mut self) {
+        let mut old = self.old.iter().peekable();
+        let all = self.grid.iter().zip(&self.most).zip(&mut self.first);
+        for ((fine, most), first) in all {
+            let begins = (fine.cell, fine.from);
+            while old.next_if(|o| (o.cell, o.from + o.h) <= begins).is_some() {}
+            let Some(o) = old.peek().filter(|o| (o.cell, o.from) <= begins) else { continue };
+            let (x, u) = (fine.from - o.from, (o.a1 - o.a) / o.h);
+            let c = o.v * o.v + x * (2.0 * o.a + u * x) + fine.h * (o.a + u * x);
+            if c > *first {
+                *first = c.min(*most);
+            }
+        }
     }
 
     /// Begin the search with the guess, made slower.
