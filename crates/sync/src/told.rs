@@ -78,6 +78,13 @@ pub enum Told {
     },
     /// Told its speed outwards by whoever holds it: at the start it is held again.
     Clear(Option<Angle>),
+    /// It has come to the start so: told to stand, and held there, whether or not it is still told to come out.
+    Cleared {
+        /// As in `Turn`.
+        taught: Option<Angle>,
+        /// It stands.
+        stands: bool,
+    },
 }
 
 /// On the way to the creep.
@@ -128,6 +135,10 @@ impl Told {
         let share = square((spin + rises * spoken.stopping.delay) / spoken.speeds.0);
         let is = match self {
             Self::Held { inward, taught, .. } => Self::held(inward, taught, tick),
+            Self::Cleared { taught, .. } if tick.rest || tick.out => {
+                Self::Cleared { taught, stands: tick.at_rest }
+            }
+            Self::Cleared { .. } => Self::In,
             _ if tick.rest && !tick.out => Self::Held {
                 inward: self.phase() == Phase::In,
                 taught: self.taught(),
@@ -170,8 +181,8 @@ impl Told {
                 let rises = spoken.rises(-spin, accel, turned, spoken.speeds.1);
                 if left <= spoken.stopping.angle_while(spin, rises) + more {
                     if let Self::Clear(taught) = self {
-                        let held = Self::Held { inward: true, taught, stands: false };
-                        return Cycle::Told(coupling, held);
+                        let cleared = Self::Cleared { taught, stands: false };
+                        return Cycle::Told(coupling, cleared);
                     }
                     return Cycle::RunDown(coupling);
                 }
@@ -193,13 +204,17 @@ impl Told {
 
     /// It is held, and stands.
     pub(crate) const fn is_standing(self) -> bool {
-        matches!(self, Self::Held { stands: true, .. })
+        matches!(self, Self::Held { stands: true, .. } | Self::Cleared { stands: true, .. })
     }
 
     /// What it is about.
     pub(crate) const fn phase(self) -> Phase {
         match self {
-            Self::In | Self::Slow(_) | Self::Turn(_) | Self::Held { inward: true, .. } => Phase::In,
+            Self::In
+            | Self::Slow(_)
+            | Self::Turn(_)
+            | Self::Held { inward: true, .. }
+            | Self::Cleared { .. } => Phase::In,
             Self::Bottom(..) => Phase::Bottom,
             Self::Out(_) | Self::Clear(_) | Self::Held { inward: false, .. } => Phase::Out,
         }
@@ -213,7 +228,7 @@ impl Told {
             Self::Slow(_) if inwards < Spin::ZERO => -spoken.creep,
             Self::Slow(_) => spoken.creep,
             Self::Turn(_) if tap.dwell > Time::ZERO => Spin::ZERO,
-            Self::Bottom(..) | Self::Held { .. } => Spin::ZERO,
+            Self::Bottom(..) | Self::Held { .. } | Self::Cleared { .. } => Spin::ZERO,
             Self::Turn(_) | Self::Out(_) | Self::Clear(_) => outwards,
         };
         Ask::Speed(Rotation { spin, ..Rotation::default() })
@@ -227,7 +242,8 @@ impl Told {
             | Self::Bottom(taught, _)
             | Self::Out(taught)
             | Self::Held { taught, .. }
-            | Self::Clear(taught) => taught,
+            | Self::Clear(taught)
+            | Self::Cleared { taught, .. } => taught,
         }
     }
 }

@@ -81,6 +81,18 @@ fn run(tap: &Tap<Unplanned>) -> Seen {
 
 /// The same with a delay of so many periods, held for a while.
 fn run_held(tap: &Tap<Unplanned>, delay: usize, holds: core::ops::Range<f64>) -> Seen {
+    let (seen, cycle, _) = run_ordered(tap, delay, holds, 0.0..0.0);
+    assert_eq!(cycle, Cycle::Done);
+    seen
+}
+
+/// The same, told to come out for a while; with the cycle and the angle at its end, or after twenty seconds.
+fn run_ordered(
+    tap: &Tap<Unplanned>,
+    delay: usize,
+    holds: core::ops::Range<f64>,
+    outs: core::ops::Range<f64>,
+) -> (Seen, Cycle, f64) {
     let (decel, accel) = (0.85 * 67.0, 67.0);
     let mut orders = std::collections::VecDeque::from(std::vec![0.0; delay]);
     let (mut angle, mut spin, mut cycle) = (0.0_f64, 0.0_f64, Cycle::new());
@@ -112,7 +124,7 @@ fn run_held(tap: &Tap<Unplanned>, delay: usize, holds: core::ops::Range<f64>) ->
             at_rest: wanted == 0.0 && spin == 0.0,
             held: None,
             rest: holds.contains(&seen.seconds),
-            out: false,
+            out: outs.contains(&seen.seconds),
         };
         cycle = cycle.next(tap, &tick);
         seen.taught = seen.taught.or(cycle.taught());
@@ -122,8 +134,7 @@ fn run_held(tap: &Tap<Unplanned>, delay: usize, holds: core::ops::Range<f64>) ->
             seen.beyond_start = seen.beyond_start.max(-angle * sense);
         }
     }
-    assert_eq!(cycle, Cycle::Done);
-    seen
+    (seen, cycle, angle)
 }
 
 /// Half of the way in a period at creep, and at speed.
@@ -200,5 +211,20 @@ fn a_stroke_that_is_held_on_its_way_in_goes_on_to_its_bottom() {
         // too little way is left for the drive to show how it stops: short of the bottom, then, never beyond
         let beyond = seen.beyond_bottom;
         assert!((-0.1..0.01).contains(&beyond), "held at {at} s: {beyond} rev");
+    }
+}
+
+/// Told to come out until it is out, and beyond that: it stands where its way out ends, and is told nothing more.
+#[test]
+fn a_tap_that_is_told_to_come_out_stands_where_it_is_clear_however_long_it_is_told_so() {
+    for (at, sense) in [(0.3, 1.0), (0.6, 1.0), (1.0, 1.0), (0.6, -1.0)] {
+        let tap = tap(Angle::ZERO, false, Time::ZERO, sense);
+        let (seen, cycle, angle) = run_ordered(&tap, DELAY, at..1e3, at + 2.0..1e3);
+        assert!(cycle.is_standing() && seen.seconds >= 20.0, "{cycle:?}");
+        // what the drive brakes slower than its file says is not known yet
+        let turns = angle * sense;
+        let slower = (2000.0_f64 / 60.0).powi(2) / (2.0 * 67.0) * (1.0 / 0.85 - 1.0);
+        assert!((-slower - 0.1..0.1).contains(&turns), "held at {at} s: {turns} turns from clear");
+        assert_eq!(cycle.ask(&tap, Time::ZERO), Ask::Speed(Rotation::default()));
     }
 }
