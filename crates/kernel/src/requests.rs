@@ -60,9 +60,6 @@ pub enum Request {
         /// Where the one under way ends.
         at: Option<f64>,
     },
-    /// [`Kernel::put_table`]; a table does not go to another process.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    PutTable(TableId, Periodic),
     /// [`Kernel::superpose`].
     Superpose(Superpose),
     /// [`Kernel::answer`].
@@ -73,6 +70,10 @@ pub enum Request {
     Acknowledge(u32),
     /// [`Kernel::not_written`].
     NotWritten,
+    /// [`Kernel::put_table`]; a table does not go to another process. The last one: bytes count variants, and what is left out has no
+    /// number of its own.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    PutTable(TableId, Periodic),
 }
 
 /// What came of it.
@@ -89,11 +90,11 @@ pub enum Reply {
     HandedBack(Option<HandedBack>),
     /// What is under way.
     UnderWay(Option<UnderWay>),
-    /// What the table has replaced, or the table itself where no place was free.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    Table(Result<Option<Periodic>, Periodic>),
     /// It is superposed, or why not.
     Superposed(Result<(), FaultKind>),
+    /// What the table has replaced, or the table itself where no place was free. The last one, as [`Request::PutTable`] is.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    Table(Result<Option<Periodic>, Periodic>),
 }
 
 impl Kernel {

@@ -174,6 +174,47 @@ fn what_no_machine_has_is_refused_with_its_number() {
     );
 }
 
+/// Requests and replies that carry nothing: their number alone says which they are, on both sides the same.
+#[test]
+fn every_request_and_reply_comes_out_as_it_went_in() {
+    use kernel::Reply;
+    let same = |one: String, other: String| assert_eq!(one, other);
+    for request in [
+        Request::SwitchOn,
+        Request::SwitchOff,
+        Request::Clear,
+        Request::ClearOutputs,
+        Request::RestManually,
+        Request::ForgetHome(Axis::Z),
+        Request::GoOn,
+        Request::HandBack,
+        Request::UnderWay,
+        Request::GiveUp { steps: 3, at: Some(0.5) },
+        Request::Answer,
+        Request::KeepRecords,
+        Request::Acknowledge(7),
+        Request::NotWritten,
+    ] {
+        let mut bytes = [0; 1024];
+        let length = encode(&request, &mut bytes).unwrap();
+        let out = decode::<Request>(&bytes[..length]).unwrap();
+        same(format!("{out:?}"), format!("{request:?}"));
+    }
+    for reply in [
+        Reply::Done,
+        Reply::Is(true),
+        Reply::HandedBack(None),
+        Reply::UnderWay(None),
+        Reply::Superposed(Ok(())),
+        Reply::Superposed(Err(kernel::FaultKind::TableMissing)),
+    ] {
+        let mut bytes = [0; 1024];
+        let length = encode(&reply, &mut bytes).unwrap();
+        let out = decode::<Reply>(&bytes[..length]).unwrap();
+        same(format!("{out:?}"), format!("{reply:?}"));
+    }
+}
+
 #[test]
 fn a_record_with_every_alarm_fits_into_its_slot() {
     let fault = kernel::Fault {
