@@ -120,7 +120,8 @@ impl Component {
             taken: session.seat.taken(),
         };
         session.seat.rings.record(&record);
-        self.pins.write(&command, &sample.report, &session.obeys_after);
+        let marks = std::array::from_fn(|index| session.seat.kernel.looks_for_index(index));
+        self.pins.write(&command, &sample.report, &session.obeys_after, marks);
     }
 
     /// A session that is over and stands makes place for the next one.

@@ -44,7 +44,11 @@ impl Asked {
                 'f' => "float",
                 _ => "u32",
             };
-            let direction = if *direction == Direction::In as c_int { "in" } else { "out" };
+            let direction = match *direction {
+                d if d == Direction::In as c_int => "in",
+                d if d == Direction::Out as c_int => "out",
+                _ => "io",
+            };
             format!("{name} {kind} {direction}")
         };
         self.pins.iter().map(described).collect()

@@ -2,7 +2,7 @@
 use std::ffi::{CStr, CString, c_char, c_int, c_long, c_void};
 use std::ptr::{NonNull, null_mut};
 
-/// `HAL_IN`, `HAL_OUT`.
+/// `HAL_IN`, `HAL_OUT`, `HAL_IO`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub(crate) enum Direction {
@@ -10,6 +10,8 @@ pub(crate) enum Direction {
     In = 16,
     /// The component writes it.
     Out = 32,
+    /// Both ends write it.
+    Io = 48,
 }
 
 /// What HAL calls once a period.

@@ -16,6 +16,7 @@ mod component;
 #[cfg(test)]
 mod fake;
 mod ffi;
+mod index;
 #[cfg(test)]
 mod man;
 mod parameters;

@@ -15,7 +15,7 @@ fn page() -> String {
 
 /// `leadscrew.L.pos-cmd float out`, of every pin that the page has.
 fn documented() -> Vec<String> {
-    let is_pin = |line: &&str| [" in", " out"].iter().any(|end| line.ends_with(end));
+    let is_pin = |line: &&str| [" in", " out", " io"].iter().any(|end| line.ends_with(end));
     let page = page();
     let lines = page.lines().filter_map(|line| line.strip_prefix(".B leadscrew.")).filter(is_pin);
     let mut pins: Vec<String> = lines.map(|line| format!("leadscrew.{line}")).collect();

@@ -6,9 +6,10 @@
 //!   leadscrew.estop-in …din-00           the machine as a whole
 //! ```
 use crate::ffi::{Direction, Hal, Pin, PinKind};
+use crate::index::Unwrapped;
 use crate::parameters::{LETTERS, LoadParameters};
 use bus::{AXES, AxisFeedback, Command, Feedback, Report, SPINDLES, Signals, SpindleFeedback};
-use units::{Angle, Coordinate, Time};
+use units::{Coordinate, Time};
 
 /// Pins of an axis.
 #[derive(Debug)]
@@ -32,7 +33,9 @@ struct SpindlePins {
     reverse: Pin<bool>,
     brake: Pin<bool>,
     revs: Pin<f64>,
+    index_enable: Pin<bool>,
     fault: Pin<bool>,
+    counted: Unwrapped,
 }
 
 /// A tool changer that is asked and answers.
@@ -116,12 +119,14 @@ impl Pins {
             }
         }
         for ((said, pins), enabled) in
-            feedback.spindles.iter_mut().zip(&self.spindles).zip(self.enabled.1)
+            feedback.spindles.iter_mut().zip(&mut self.spindles).zip(self.enabled.1)
         {
             if let Some(pins) = pins {
-                let angle = Angle::rev(pins.revs.get());
+                let is_set = pins.index_enable.get();
+                let (angle, index) = pins.counted.read(pins.revs.get(), is_set);
                 *said = SpindleFeedback {
                     angle,
+                    index,
                     ready: enabled && !pins.fault.get(),
                     ..SpindleFeedback::default()
                 };
@@ -144,7 +149,14 @@ impl Pins {
     }
 
     /// What the machine shall do. Drives with a position loop of their own are told where the axis shall be when they obey.
-    pub(crate) fn write(&mut self, command: &Command, report: &Report, obeys_after: &[Time; AXES]) {
+    /// `marks`: where the next index mark of a spindle is looked for.
+    pub(crate) fn write(
+        &mut self,
+        command: &Command,
+        report: &Report,
+        obeys_after: &[Time; AXES],
+        marks: [bool; SPINDLES],
+    ) {
         for (index, pins) in self.axes.iter().enumerate() {
             if let Some(pins) = pins {
                 let told = &command.axes[index];
@@ -153,8 +165,11 @@ impl Pins {
                 self.enabled.0[index] = told.enable;
             }
         }
-        for (index, pins) in self.spindles.iter().enumerate() {
+        for (index, pins) in self.spindles.iter_mut().enumerate() {
             if let Some(pins) = pins {
+                if pins.counted.look(marks[index]) != pins.index_enable.get() {
+                    pins.index_enable.set(marks[index]);
+                }
                 let told = &command.spindles[index];
                 let rps = if told.enable { told.spin.value() } else { 0.0 };
                 pins.write(told.enable, rps);
@@ -182,6 +197,7 @@ impl Pins {
             &Command { tool, ..Command::default() },
             &Report::default(),
             &[Time::ZERO; AXES],
+            [false; SPINDLES],
         );
         self.connected.set(false);
     }
@@ -245,7 +261,9 @@ impl SpindlePins {
             reverse: output(hal, &name("reverse"))?,
             brake: output(hal, &name("brake"))?,
             revs: input(hal, &name("revs"))?,
+            index_enable: named(hal, &name("index-enable"), Direction::Io)?,
             fault: input(hal, &name("fault"))?,
+            counted: Unwrapped::default(),
         })
     }
 

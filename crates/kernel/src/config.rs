@@ -233,6 +233,14 @@ pub struct OwnRamps {
     pub creep: f64,
 }
 
+/// What the check of a spindle's encoder looks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct EncoderCheckControl {
+    /// It has an index mark.
+    pub index: bool,
+}
+
 /// One spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -265,6 +273,8 @@ pub struct SpindleControl {
     pub own_ramps: Option<OwnRamps>,
     /// Its drive follows the speed that is ordered: what turns otherwise is an alarm.
     pub follows_orders: bool,
+    /// Its encoder is checked by a slow turn before the spindle is used; `None`: it is not.
+    pub encoder_check: Option<EncoderCheckControl>,
     /// What is watched.
     pub windows: SpindleWindows,
 }

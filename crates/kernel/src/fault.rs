@@ -47,6 +47,14 @@ pub enum FaultKind {
     SpindleStalls,
     /// An axis has followed a coasting spindle as deep as it may.
     FollowsTooDeep,
+    /// The encoder of a spindle that is told to turn counts nothing.
+    EncoderStandsStill,
+    /// The encoder of a spindle counts against the sense that is ordered.
+    EncoderReversed,
+    /// The encoder of a spindle counts another number of counts a turn than is configured.
+    EncoderScale,
+    /// The index mark of a spindle's encoder does not come.
+    SpindleIndexMissing,
     /// A spindle did not reach its speed in time.
     NotAtSpeed,
     /// A spindle did not come to the ordered angle in time.
@@ -122,7 +130,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 45] = [
+    pub const ALL: [Self; 49] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -138,6 +146,10 @@ impl FaultKind {
         Self::SpindleRunsAway,
         Self::SpindleStalls,
         Self::FollowsTooDeep,
+        Self::EncoderStandsStill,
+        Self::EncoderReversed,
+        Self::EncoderScale,
+        Self::SpindleIndexMissing,
         Self::NotAtSpeed,
         Self::NotOriented,
         Self::NotInPosition,
@@ -241,8 +253,24 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (number, sentence, unit) = (self.kind.number(), self.kind.sentence(), self.unit());
         write!(f, "alarm {number}: {}: {sentence}", self.subject)?;
-        if !unit.is_empty() {
-            write!(f, ": {:.4} {unit}, limit {:.4} {unit}", self.value, self.limit)?;
+        match self.kind {
+            FaultKind::EncoderReversed | FaultKind::EncoderScale => {
+                let (counts, stated) = (self.value, self.limit);
+                write!(
+                    f,
+                    ": it counts {counts:.0} a turn where the machine's file says {stated:.0}: "
+                )?;
+                if self.kind == FaultKind::EncoderScale {
+                    write!(f, "encoder_counts_per_rev = {counts:.0}, and ")?;
+                }
+                write!(f, "{counts:.0} as the scale of the encoder, would fit")?;
+            }
+            FaultKind::EncoderStandsStill => {
+                let (counts, stated) = (self.value, self.limit);
+                write!(f, ": it has counted {counts:.0} in a turn, and {stated:.0} would fit")?;
+            }
+            _ if unit.is_empty() => {}
+            _ => write!(f, ": {:.4} {unit}, limit {:.4} {unit}", self.value, self.limit)?,
         }
         write!(f, " (line {}, {:.4} s)", self.line, self.time.value())
     }

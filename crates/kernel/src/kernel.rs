@@ -8,6 +8,7 @@
 //!
 //! A fault is a state, not a `Result`: the machine is stopped the way the fault asks for, and from then
 //! on the kernel only holds it.
+mod encoder;
 mod exchange;
 mod faults;
 mod guards;
@@ -336,6 +337,10 @@ impl Kernel {
             return Ok(Progress::Busy);
         };
         if !self.begun && self.holds_before(line) {
+            self.break_off_encoder_check();
+            return Ok(Progress::Busy);
+        }
+        if !self.begun && self.checks_encoder_first(feedback)? {
             return Ok(Progress::Busy);
         }
         let Some(step) = self.queue.get(self.chained) else {

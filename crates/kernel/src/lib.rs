@@ -21,6 +21,7 @@ mod chips;
 mod config;
 mod coupled;
 mod drives;
+mod encoder_check;
 mod encoder_plausibility;
 mod event;
 mod execute;
@@ -57,8 +58,9 @@ mod waits;
 mod withdrawing;
 
 pub use config::{
-    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
-    OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
+    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
+    FeedForward, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows,
+    Subject, Waits,
 };
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};

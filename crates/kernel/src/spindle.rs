@@ -18,6 +18,7 @@
 mod surface;
 
 use crate::config::{Config, SpindleControl};
+use crate::encoder_check::EncoderCheck;
 use crate::friction::spindle_friction;
 use crate::servo::{Gains, Input, Servo};
 use bus::{SpindleCommand, SpindleFeedback};
@@ -85,6 +86,8 @@ pub(crate) struct SpindleLoop {
     share: f64,
     /// So long a change of the share may take yet, s.
     changing_s: f64,
+    /// Whether its encoder has been checked.
+    pub(crate) encoder_check: EncoderCheck,
 }
 
 impl SpindleLoop {
@@ -124,6 +127,7 @@ impl SpindleLoop {
             surface: None,
             share: 1.0,
             changing_s: 0.0,
+            encoder_check: EncoderCheck::new(control.encoder_check.is_some()),
             control,
         }
     }
@@ -141,6 +145,7 @@ impl SpindleLoop {
         self.swing = (Swing::default(), Swing::default());
         self.error = 0.0;
         self.blind = false;
+        self.encoder_check.break_off();
         self.servo.reset();
     }
 

@@ -1,7 +1,8 @@
 //! The control's loops, windows and waits.
 use kernel::{
-    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
-    Overrides, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows, Waits,
+    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
+    FeedForward, Overrides, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction,
+    SpindleWindows, Waits,
 };
 use store::machine::{self, Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
 use sync::{Prediction, SyncMode, Windows};
@@ -15,7 +16,11 @@ pub fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: bool) -> C
     let control = &machine.control;
     let mut spindles = [None; bus::SPINDLES];
     for (slot, file) in spindles.iter_mut().zip(&machine.spindles) {
-        *slot = Some(spindle(file, control.synchronisation.observer_bandwidth_hz));
+        // what is simulated is as its file says, and what another process reads need not be
+        let check = (machine.hal.is_some() && file.own_ramps.is_some())
+            .then_some(EncoderCheckControl { index: file.encoder_index });
+        let of = spindle(file, control.synchronisation.observer_bandwidth_hz);
+        *slot = Some(SpindleControl { encoder_check: check, ..of });
     }
     Config {
         period: control.period,
@@ -144,6 +149,7 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
             creep: own.creep_share,
         }),
         follows_orders: true,
+        encoder_check: None,
         windows: SpindleWindows {
             at_speed: file.windows.at_speed_share,
             in_cut: file.windows.in_cut_share,

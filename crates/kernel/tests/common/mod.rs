@@ -162,6 +162,7 @@ pub fn control(machine: &sim::Config) -> Config {
             orient: (Spin::rpm(300.0), SpinAccel::rev_per_s2(100.0)),
             own_ramps: None,
             follows_orders: true,
+            encoder_check: None,
             windows: SpindleWindows {
                 at_speed: 0.02,
                 in_cut: 0.25,

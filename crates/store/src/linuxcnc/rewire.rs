@@ -21,6 +21,7 @@ pub const PINS: [(&str, &str); 39] = [
     ("spindle.N.reverse", "leadscrew.spindle.N.reverse"),
     ("spindle.N.brake", "leadscrew.spindle.N.brake"),
     ("spindle.N.revs", "leadscrew.spindle.N.revs"),
+    ("spindle.N.index-enable", "leadscrew.spindle.N.index-enable"),
     ("spindle.N.amp-fault-in", "leadscrew.spindle.N.fault"),
     ("motion.spindle-speed-out", "leadscrew.spindle.0.speed-cmd"),
     ("motion.spindle-speed-out-rps", "leadscrew.spindle.0.speed-cmd-rps"),
@@ -42,7 +43,6 @@ pub const PINS: [(&str, &str); 39] = [
     ("iocontrol.N.emc-enable-in", "leadscrew.estop-in, inverted"),
     ("motion-command-handler", "leadscrew.update"),
     ("motion-controller", "leadscrew.update"),
-    ("spindle.N.index-enable", "nothing: Leadscrew sets no encoder back"),
     ("spindle.N.at-speed", "nothing: Leadscrew sees it from revs"),
 ];
 

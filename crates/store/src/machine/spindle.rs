@@ -35,6 +35,8 @@ pub struct Spindle {
     pub torque_lag: Time,
     /// Counts of its encoder per revolution.
     pub encoder_counts_per_rev: u32,
+    /// Its encoder has an index mark.
+    pub encoder_index: bool,
     /// Its encoder counts turns while it is without power.
     pub encoder_keeps_turns: bool,
     /// Fraction of the torque and power curve that the planner may use up.
@@ -117,6 +119,7 @@ impl Spindle {
             tapping_max: Spin::rpm(keys.number("tapping_max_rpm", 1.0..=500_000.0)),
             torque_lag: Time::s(keys.number("torque_lag_ms", 0.0..=1000.0) * 1e-3),
             encoder_counts_per_rev: keys.whole("encoder_counts_per_rev", 16..=u32::MAX),
+            encoder_index: keys.has("encoder_index") && keys.flag("encoder_index"),
             encoder_keeps_turns: keys
                 .optional_choice("encoder_turns", &[("multi-turn", true), ("single-turn", false)])
                 .unwrap_or(true),
