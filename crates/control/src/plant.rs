@@ -33,6 +33,11 @@ pub struct HalDrives {
 }
 
 impl HalDrives {
+    /// What the component keeps of a tool in the work.
+    pub(crate) fn retained(&self) -> Option<shm::RetainedMemory> {
+        self.side.as_ref().map(shm::ControlSide::retained)
+    }
+
     /// A period without the component: nothing moves, and nothing is ready.
     fn pass(&mut self) -> Feedback {
         self.feedback.time += self.period;

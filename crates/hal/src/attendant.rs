@@ -13,6 +13,8 @@ use std::time::Duration;
 
 /// It looks so often whether a control asks.
 const LOOK: Duration = Duration::from_millis(10);
+/// HAL's thread calls the component within so long after it was loaded.
+const FIRST_PERIOD: Duration = Duration::from_secs(2);
 /// By so much of itself the period that HAL keeps may differ from the one that the control was set up for.
 const PERIOD_SHARE: f64 = 1e-3;
 /// A control may be silent for so long at most, s.
@@ -83,6 +85,17 @@ impl Desk {
         }
     }
 
+    /// The period that HAL keeps; a component that was loaded just now is given a moment until it is called. 0: it is not.
+    fn first_period(&self) -> u64 {
+        for _ in 0..FIRST_PERIOD.as_millis() / LOOK.as_millis() {
+            match self.period.load(Acquire) {
+                0 => std::thread::sleep(LOOK),
+                period => return period,
+            }
+        }
+        0
+    }
+
     /// A kernel as it was asked for, or why there is none.
     fn session(&self, session: u32, set_up: SetUp) -> Result<Box<ControlSession>, String> {
         let mut wrong = Vec::new();
@@ -90,7 +103,7 @@ impl Desk {
         if !wrong.is_empty() {
             return Err(wrong.join("; "));
         }
-        let (period, asked) = (self.period.load(Acquire), set_up.config.period.value());
+        let (period, asked) = (self.first_period(), set_up.config.period.value());
         if period == 0 {
             return Err(
                 "no thread calls leadscrew.update: addf leadscrew.update servo-thread, and start"
@@ -128,7 +141,8 @@ impl Desk {
             ));
         }
         let most_silent_ns = (silent * 1e9) as i64;
-        let kernel = Box::new(Kernel::new(set_up.config));
+        let mut kernel = Box::new(Kernel::new(set_up.config));
+        kernel.switch_off(); // until its control says otherwise
         let seat = Seat::new(kernel, ServoSide::new(&self.made, session));
         Ok(Box::new(ControlSession { seat, obeys_after: set_up.obeys_after, most_silent_ns }))
     }

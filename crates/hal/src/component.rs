@@ -9,14 +9,23 @@ use crate::attendant::{Attendant, Desk};
 use crate::ffi::{self, Hal, Member};
 use crate::parameters::LoadParameters;
 use crate::pins::Pins;
-use bus::{AXES, Sample};
+use bus::{AXES, Feedback, SPINDLES, Sample};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
 use servo::{Record, Seat};
-use shm::{Made, ServoSide};
+use shm::{Made, RunDownKind, ServoSide, TiedPeriod};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Release};
-use units::Time;
+use units::{Angle, Spin, Time};
+
+/// A spindle that turns slower stands.
+const STANDSTILL: Spin = Spin::rpm(3.0);
+
+/// Time constant of the speeds that are taken from counts, s.
+const SMOOTHED_S: f64 = 0.02;
+
+/// A session is over when everything has stood for so long: a spindle that turns back stands for a moment.
+const STANDS_NS: u64 = 100_000_000;
 
 /// Sessions on their way.
 const SESSIONS: usize = 4;
@@ -42,6 +51,13 @@ pub(crate) struct Component {
     period: Arc<AtomicU64>,
     /// A panic has ended it: nothing is commanded any more.
     is_broken: bool,
+    /// It is to be unloaded: what moves comes to rest, and no session begins.
+    is_leaving: bool,
+    /// The spindles a period ago, by their encoders, and how fast they turn, smoothed.
+    angles: [Angle; SPINDLES],
+    spins: [Spin; SPINDLES],
+    /// For so long everything has stood, by setpoints and by encoders, ns.
+    stood_ns: u64,
     _attendant: Attendant,
     /// Who it is in HAL.
     pub(crate) hal: Member,
@@ -77,6 +93,10 @@ impl Component {
             time_ns: 0,
             period,
             is_broken: false,
+            is_leaving: false,
+            angles: [Angle::ZERO; SPINDLES],
+            spins: [Spin::ZERO; SPINDLES],
+            stood_ns: 0,
             _attendant: attendant,
             hal: hal.member(),
         })
@@ -85,7 +105,18 @@ impl Component {
     /// A panic in a period: from now on everything is off.
     pub(crate) fn break_down(&mut self) {
         self.is_broken = true;
+        self.made.keep(&TiedPeriod { stop: RunDownKind::Coasted, ..TiedPeriod::default() });
         self.pins.off();
+    }
+
+    /// It is to be unloaded.
+    pub(crate) const fn leave(&mut self) {
+        self.is_leaving = true;
+    }
+
+    /// Nothing is commanded any more.
+    pub(crate) const fn is_off(&self) -> bool {
+        self.is_broken || self.session.is_none()
     }
 
     /// One servo period.
@@ -98,18 +129,36 @@ impl Component {
         self.made.period(period_ns);
         self.change_sessions();
         let feedback = self.pins.read(Time::s(self.time_ns as f64 / 1e9));
+        self.follow_spindles(&feedback, period_ns);
         let Some(session) = &mut self.session else {
             return self.pins.off();
         };
-        let lost = session.is_lost();
+        let silent = self.is_leaving.then_some(FaultKind::ControlSilent);
+        let lost = session.is_lost().or(silent);
         if let Some(kind) = lost {
             session.seat.kernel.report_control(kind);
         }
         session.seat.before_tick();
+        let was_off = session.seat.kernel.is_off();
         let mut sample = Sample { feedback, ..Sample::default() };
         sample.command = session.seat.kernel.tick(&feedback);
         sample.report = session.seat.kernel.report();
         let command = sample.command;
+        let turns = self.spins.iter().any(|spin| spin.abs() > STANDSTILL);
+        let stands = session.seat.kernel.is_off() || session.seat.kernel.is_standing() && !turns;
+        self.stood_ns = if stands { self.stood_ns.saturating_add(period_ns) } else { 0 };
+        let goes_off = session.seat.kernel.is_off() && !was_off;
+        self.made.keep(&TiedPeriod {
+            spin: command
+                .coupled
+                .and_then(|coupled| self.spins.get(usize::from(coupled.spindle)).copied()),
+            sync_error: sample.report.sync_error,
+            stop: match (goes_off && turns, lost.is_some() || session.seat.rings.is_ended()) {
+                (true, _) => RunDownKind::Coasted,
+                (false, true) => RunDownKind::Coupled,
+                (false, false) => RunDownKind::None,
+            },
+        });
         session.seat.kernel.in_positions(&mut sample);
         let number = session.seat.after_tick();
         let record = Record {
@@ -124,10 +173,27 @@ impl Component {
         self.pins.write(&command, &sample.report, &session.obeys_after, marks);
     }
 
+    /// How fast spindles turn, by their encoders: a count more or less is no turning.
+    fn follow_spindles(&mut self, feedback: &Feedback, period_ns: u64) {
+        let period = Time::s(period_ns as f64 / 1e9);
+        let share = period.value() / (period.value() + SMOOTHED_S);
+        let seen = self.angles.iter_mut().zip(&mut self.spins).zip(&feedback.spindles);
+        for ((angle, spin), said) in seen {
+            let turned = (said.angle - *angle) / period;
+            if turned.is_finite() {
+                *spin += (turned - *spin) * share;
+            }
+            *angle = said.angle;
+        }
+    }
+
     /// A session that is over and stands makes place for the next one.
     fn change_sessions(&mut self) {
-        if let Some(session) = &self.session
-            && (session.is_over() || !self.begin.is_empty() && session.is_lost_and_stands())
+        if let Some(session) = &mut self.session
+            && self.stood_ns >= STANDS_NS
+            && (session.seat.rings.is_ended()
+                || self.is_leaving
+                || !self.begin.is_empty() && session.is_lost().is_some())
             && !self.over.is_full()
             && let Some(session) = self.session.take()
         {
@@ -135,6 +201,7 @@ impl Component {
             let _ = self.over.push(session); // there is room
         }
         if self.session.is_none()
+            && !self.is_leaving
             && let Ok(session) = self.begin.pop()
         {
             session.seat.rings.begin();
@@ -154,20 +221,5 @@ impl ControlSession {
         } else {
             None
         }
-    }
-
-    fn stands(&self) -> bool {
-        self.seat.kernel.is_off() || self.seat.kernel.is_standing()
-    }
-
-    /// Its control has ended it, and everything stands.
-    fn is_over(&self) -> bool {
-        self.seat.rings.is_ended() && self.stands()
-    }
-
-    /// Its control is gone without having ended it, and everything stands.
-    fn is_lost_and_stands(&self) -> bool {
-        self.stands()
-            && (self.seat.rings.is_damaged() || self.seat.rings.silent_ns() > self.most_silent_ns)
     }
 }

@@ -53,8 +53,7 @@ mod tests {
         for _ in 0..periods {
             let before: f64 = turned;
             turned += way;
-            if is_set && before.floor() < turned.floor() || is_set && before.ceil() > turned.ceil()
-            {
+            if is_set && (before.floor() < turned.floor() || before.ceil() > turned.ceil()) {
                 (from, is_set) = (if way > 0.0 { turned.floor() } else { turned.ceil() }, false);
             }
             let revs = ((turned - from) * counts).floor() / counts;

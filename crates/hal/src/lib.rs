@@ -29,13 +29,27 @@ use ffi::Hal;
 use std::ffi::{c_int, c_long, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
-use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering::SeqCst};
+use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering::SeqCst};
 use std::time::Duration;
 
 /// The component, between load and unload.
 static LOADED: AtomicPtr<Component> = AtomicPtr::new(null_mut());
 /// HAL's thread is within [`update`].
 static IS_WITHIN: AtomicBool = AtomicBool::new(false);
+
+/// It is to be unloaded: what moves comes to rest before its pins are gone.
+static IS_LEAVING: AtomicBool = AtomicBool::new(false);
+/// Nothing is commanded any more.
+static IS_OFF: AtomicBool = AtomicBool::new(true);
+/// How often HAL's thread has called.
+static CALLS: AtomicU64 = AtomicU64::new(0);
+
+/// Coming to rest may take so long before the component is unloaded.
+const COMES_TO_REST: Duration = Duration::from_secs(30);
+/// A thread that has not called for so long does not run.
+const THREAD_STANDS: Duration = Duration::from_secs(2);
+/// Between two looks at it.
+const LOOK: Duration = Duration::from_millis(1);
 
 /// Called by rtapi when the module is loaded; 0, or what is negative where it cannot be.
 #[unsafe(no_mangle)]
@@ -54,6 +68,8 @@ fn load() -> Result<(), String> {
     let parameters = parameters::read()?;
     let hal = Hal::begin("leadscrew")?;
     let component = Component::new(&hal, &parameters)?;
+    IS_LEAVING.store(false, SeqCst);
+    IS_OFF.store(true, SeqCst);
     // from here on it may be called at any time; it does nothing yet
     hal.export(c"leadscrew.update", update)?;
     hal.ready()?;
@@ -62,9 +78,27 @@ fn load() -> Result<(), String> {
     Ok(())
 }
 
+/// A signal keeps the value of a pin that is gone: what moves comes to rest before, coupled axes on their coupling, as long as HAL's
+/// thread calls.
+fn come_to_rest() {
+    IS_LEAVING.store(true, SeqCst);
+    let looks = |time: Duration| time.as_millis() / LOOK.as_millis();
+    let (mut calls, mut idle) = (CALLS.load(SeqCst), 0);
+    for _ in 0..looks(COMES_TO_REST) {
+        if IS_OFF.load(SeqCst) || idle > looks(THREAD_STANDS) {
+            return;
+        }
+        std::thread::sleep(LOOK);
+        let now = CALLS.load(SeqCst);
+        idle = if now == calls { idle + 1 } else { 0 };
+        calls = now;
+    }
+}
+
 /// Called by rtapi when the module is unloaded; HAL's threads may run on meanwhile.
 #[unsafe(no_mangle)]
 pub extern "C" fn rtapi_app_exit() {
+    come_to_rest();
     let component = LOADED.swap(null_mut(), SeqCst);
     while IS_WITHIN.load(SeqCst) {
         std::thread::sleep(Duration::from_micros(100));
@@ -87,9 +121,14 @@ unsafe extern "C" fn update(_: *mut c_void, period: c_long) {
     // thread at a time (it is not exported as reentrant), so that nothing else refers to it meanwhile.
     if let Some(component) = unsafe { LOADED.load(SeqCst).as_mut() } {
         let period = u64::try_from(period).unwrap_or(0);
+        if IS_LEAVING.load(SeqCst) {
+            component.leave();
+        }
         if catch_unwind(AssertUnwindSafe(|| component.update(period))).is_err() {
             component.break_down();
         }
+        IS_OFF.store(component.is_off(), SeqCst);
+        CALLS.fetch_add(1, SeqCst);
     }
     IS_WITHIN.store(false, SeqCst);
 }

@@ -5,6 +5,7 @@ use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::{Execution, Request};
 use control::{Control, ControlOptions};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
@@ -18,8 +19,11 @@ const PERIOD_S: f64 = 1e-3;
 /// HAL's thread, with drives that are where they were told to be a period ago.
 struct Running {
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<f64>>,
+    thread: Option<JoinHandle<Vec<ZAndTurns>>>,
 }
+
+/// Z, mm, and the turns of the spindle, after a period.
+type ZAndTurns = (f64, f64);
 
 impl Running {
     fn start() -> Self {
@@ -27,7 +31,7 @@ impl Running {
         let stop = Arc::new(AtomicBool::new(false));
         let told = Arc::clone(&stop);
         let thread = std::thread::Builder::new().spawn(move || {
-            let (mut speed, mut turned, mut deepest) = (0.0_f64, 0.0, 0.0_f64);
+            let (mut speed, mut turned, mut places) = (0.0_f64, 0.0, Vec::new());
             while !told.load(Relaxed) && fake::call(1_000_000) {
                 fake::with(|hal| {
                     for axis in ["x", "y", "z"] {
@@ -42,30 +46,43 @@ impl Running {
                     turned += speed * PERIOD_S;
                     hal.set_float("spindle.0.revs", (turned * 4096.0).floor() / 4096.0);
                     hal.set_bit("tool-changed", hal.bit("tool-change"));
-                    deepest = deepest.min(hal.float("z.pos-fb"));
+                    places.push((hal.float("z.pos-fb"), turned));
                 });
                 std::thread::sleep(Duration::from_micros(300)); // HAL's time is the count of its calls
             }
-            deepest
+            places
         });
         Self { stop, thread: Some(thread.unwrap()) }
     }
 
-    /// The thread stops, and the component is unloaded; how deep Z has been.
-    fn end(mut self) -> f64 {
+    /// The thread stops, and the component is unloaded; where everything has been.
+    fn end(mut self) -> Vec<ZAndTurns> {
         self.stop.store(true, Relaxed);
-        let deepest = self.thread.take().unwrap().join().unwrap();
+        let places = self.thread.take().unwrap().join().unwrap();
         rtapi_app_exit();
-        deepest
+        places
     }
 }
 
+/// How far Z was off the thread of 1 mm that begins at Z-100, in the material that begins half a millimetre below.
+fn off_thread(places: &[ZAndTurns]) -> f64 {
+    let inside = places.iter().filter(|(z, _)| *z < -100.5).map(|(z, turns)| z + turns);
+    let (low, high) =
+        inside.fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(at), high.max(at)));
+    (high - low) / 2.0
+}
+
 fn control() -> Result<Control, control::Refused> {
+    control_of(None)
+}
+
+/// With its state in a folder.
+fn control_of(state: Option<&Path>) -> Result<Control, control::Refused> {
     let mill = concat!(env!("CARGO_MANIFEST_DIR"), "/../../machines/hal/mill.toml");
     Control::new(ControlOptions {
         program: ProgramOptions::on(mill),
         seed: None,
-        state: None,
+        state: state.map(Path::to_owned),
         simulator: None,
         hal: true,
         clamped: Position::default(),
@@ -88,7 +105,11 @@ fn until(control: &mut Control, mut is_so: impl FnMut(&Control) -> bool) {
 }
 
 fn homed() -> Control {
-    let mut control = control().unwrap();
+    homed_of(None)
+}
+
+fn homed_of(state: Option<&Path>) -> Control {
+    let mut control = control_of(state).unwrap();
     asked(&mut control, &Request::Power(true));
     until(&mut control, |control| control.status().is_ready);
     asked(&mut control, &Request::Home(None));
@@ -134,7 +155,7 @@ fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running()
 
     // another control takes the machine over; its component is unloaded under it, and the control says so
     let mut second = homed();
-    let deepest = running.end();
+    let deepest = running.end().iter().map(|(z, _)| *z).fold(0.0, f64::min);
     assert!(deepest < -99.0 && deepest > -111.0, "{deepest}");
     let end = second.now() + Time::s(30.0);
     while !second.status().alarms.iter().any(|alarm| alarm.contains("412")) {
@@ -152,4 +173,81 @@ fn until_free() {
         std::thread::sleep(Duration::from_millis(5));
     }
     panic!("the component is still led");
+}
+
+const TAP: &str = "T3 M6\nG91 G0 Z-100\nS1000 M3\nG33.1 Z-10 K1";
+
+/// A tap that has come so deep.
+fn tapping(state: Option<&Path>, depth: f64) -> Control {
+    let mut control = homed_of(state);
+    asked(&mut control, &Request::ManualDataInput(TAP.into()));
+    until(&mut control, |_| fake::with(|hal| hal.float("z.pos-fb")) < -depth);
+    control
+}
+
+/// An empty folder, which is gone afterwards.
+struct Folder(std::path::PathBuf);
+
+impl Folder {
+    fn new() -> Self {
+        let path = std::env::temp_dir().join(format!("leadscrew-hal-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_tool_that_a_control_leaves_in_its_thread_is_taken_out_by_the_next_one_that_has_its_record() {
+    let _one = fake::one_at_a_time();
+    let folder = Folder::new();
+    let running = Running::start();
+    drop(tapping(Some(&folder.0), 106.0));
+    until_free();
+    assert!(fake::with(|hal| hal.float("z.pos-fb")) < -105.0);
+
+    // a control that has no record of it moves nothing
+    let mut other = control().unwrap();
+    assert!(other.is_tool_in_work());
+    assert!(other.request(&Request::Power(true)).is_err());
+    let why = other.request(&Request::Recover).err().map(|why| why.to_string());
+    assert!(why.clone().is_some_and(|why| why.contains("no sync record")), "{why:?}");
+    drop(other);
+    until_free();
+
+    let mut next = control_of(Some(&folder.0)).unwrap();
+    assert!(next.is_tool_in_work());
+    asked(&mut next, &Request::Recover);
+    until(&mut next, |control| !control.is_tool_in_work());
+    assert!(fake::with(|hal| hal.float("z.pos-fb")) > -100.1);
+    drop(next);
+    until_free();
+
+    // and no control after that is told of it any more
+    let after = control_of(Some(&folder.0)).unwrap();
+    assert!(!after.is_tool_in_work());
+    drop(after);
+    let off = off_thread(&running.end());
+    assert!(off < 0.02, "{off} mm off its thread");
+}
+
+#[test]
+fn a_component_that_is_unloaded_stops_spindle_and_axis_on_the_thread_before() {
+    let _one = fake::one_at_a_time();
+    for depth in [101.0, 105.0, 109.0] {
+        let running = Running::start();
+        let control = tapping(None, depth);
+        let beside = std::thread::Builder::new().spawn(|| rtapi_app_exit()).unwrap();
+        beside.join().unwrap();
+        let stands = fake::with(|hal| hal.float("z.pos-cmd"));
+        assert!(stands < -100.9 && fake::with(|hal| hal.float("spindle.0.speed-cmd-rps")) == 0.0);
+        drop(control);
+        let off = off_thread(&running.end());
+        assert!(off < 0.02, "{depth}: {off} mm off its thread");
+    }
 }

@@ -1,6 +1,7 @@
 //! The control's side: finds the component, asks for a session, and speaks with its kernel.
 use crate::layout::{self, LONGEST_RECORD, LONGEST_STEP, STEPS_USUAL, head};
 use crate::mapping::Mapping;
+use crate::retained::RetainedMemory;
 use crate::ring::{RingReader, RingWriter};
 use kernel::Request;
 use motion::{Step, Storage};
@@ -88,6 +89,11 @@ impl ControlSide {
 
     fn word(&self, at: usize) -> &AtomicU64 {
         &self.memory.words()[at]
+    }
+
+    /// What the component keeps of a tool in the work.
+    pub fn retained(&self) -> RetainedMemory {
+        RetainedMemory::new(&self.memory)
     }
 
     /// A bit for each axis that it has.

@@ -12,7 +12,7 @@ use crate::ring::{Place, WORD};
 /// First word: `LEADSCRW`.
 pub(crate) const MAGIC: u64 = u64::from_be_bytes(*b"LEADSCRW");
 /// Of this layout and of the messages in it. Both ends come from one build; another one is refused.
-pub(crate) const VERSION: u64 = 2;
+pub(crate) const VERSION: u64 = 3;
 
 /// Words of the header.
 pub(crate) mod head {
@@ -26,12 +26,22 @@ pub(crate) mod head {
     pub(crate) const HAS: usize = 3;
     /// Servo period, ns; 0 until the first one.
     pub(crate) const PERIOD: usize = 4;
+    /// Number of this loading of the component.
+    pub(crate) const LOADED: usize = 5;
     /// Servo periods since the component was loaded: its sign of life.
     pub(crate) const PERIODS: usize = 8;
     /// Records that found no room.
     pub(crate) const UNOBSERVED: usize = 10;
     /// The session whose kernel ticks; 0: none.
     pub(crate) const SESSION: usize = 16;
+    /// The engagement that the next three words are of; the servo thread writes them.
+    pub(crate) const KEPT_OF: usize = 17;
+    /// How the spindle turned last while an axis was tied to it: 1 with growing angle, 2 with falling, 0 not yet.
+    pub(crate) const SENSE: usize = 18;
+    /// How the drives came to rest without a control.
+    pub(crate) const STOP: usize = 19;
+    /// How far the axis was from its coupling at most, mm, as bits of a double.
+    pub(crate) const ERROR_SINCE: usize = 20;
     /// The control's sign of life: its session, and a count in the lower half. One that asks for a session shows signs of life, too:
     /// they are none of a control before it.
     pub(crate) const ALIVE: usize = 24;
@@ -39,6 +49,12 @@ pub(crate) mod head {
     pub(crate) const ENDED: usize = 25;
     /// The session that was asked for last.
     pub(crate) const ASKED: usize = 26;
+    /// Number of the last engagement of a tool; the control writes it, and the two that follow.
+    pub(crate) const ENGAGEMENT: usize = 27;
+    /// The tool that is in the work.
+    pub(crate) const ENGAGED: usize = 28;
+    /// How far the axis was from its coupling at most by the control's account, mm, as bits of a double.
+    pub(crate) const ERROR_BEFORE: usize = 29;
     /// Words.
     pub(crate) const SIZE: usize = 32;
 }
@@ -87,7 +103,16 @@ pub(crate) fn build() -> u64 {
     sum
 }
 
-/// The name of the shared memory of a component.
+/// The name of the shared memory of a component. A HAL session ends at its IPC namespace, and so does the memory: another session on
+/// this computer has another component of the same name.
 pub(crate) fn name(of: &str) -> String {
-    format!("/leadscrew-{of}")
+    let session = std::fs::read_link("/proc/self/ns/ipc").ok();
+    let inode = session.as_deref().and_then(std::path::Path::to_str).and_then(|link| {
+        let digits = link.strip_prefix("ipc:[")?.strip_suffix(']')?;
+        digits.parse::<u64>().ok()
+    });
+    match inode {
+        Some(inode) => format!("/leadscrew-{of}-{inode}"),
+        None => format!("/leadscrew-{of}"),
+    }
 }

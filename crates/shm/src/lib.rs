@@ -12,11 +12,13 @@
 mod control_side;
 mod layout;
 mod mapping;
+mod retained;
 mod ring;
 mod servo_side;
 
 pub use control_side::{ControlSide, Error};
 pub use layout::{STEPS_BEFORE, STEPS_USUAL};
 pub use mapping::Mapping;
+pub use retained::{RetainedMemory, RetainedState, RunDownKind, TiedPeriod, ToolInWork};
 pub use ring::{Damaged, Place, RingReader, RingWriter};
 pub use servo_side::{Made, ServoSide, SetUps, make};

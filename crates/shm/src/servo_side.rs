@@ -2,11 +2,13 @@
 //! a lock or a system call.
 use crate::layout::{self, LONGEST_RECORD, LONGEST_STEP, head};
 use crate::mapping::Mapping;
+use crate::retained::{self, TiedPeriod};
 use crate::ring::{RingReader, RingWriter};
 use kernel::Request;
 use motion::{Inline, Step};
 use rustix::io::Errno;
 use servo::{Record, Replied, Rings, Said, SetUp, check_request, check_step, decode, encode};
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Acquire, Release};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -24,6 +26,7 @@ pub fn make(name: &str, axes: u16, spindles: u8) -> Result<Made, Errno> {
     let words = memory.words();
     words[head::VERSION].store(layout::VERSION, Relaxed);
     words[head::BUILD].store(layout::build(), Relaxed);
+    words[head::LOADED].store(RandomState::new().build_hasher().finish(), Relaxed);
     words[head::HAS].store(u64::from(axes) | u64::from(spindles) << 16, Relaxed);
     words[head::MAGIC].store(layout::MAGIC, Release);
     Ok(Made(Arc::new(memory)))
@@ -162,6 +165,11 @@ impl Made {
     pub fn period(&self, ns: u64) {
         self.0.words()[head::PERIOD].store(ns, Relaxed);
         self.0.words()[head::PERIODS].fetch_add(1, Release);
+    }
+
+    /// What is kept of a tool in the work, of this period.
+    pub fn keep(&self, period: &TiedPeriod) {
+        retained::keep(&self.0, period);
     }
 }
 

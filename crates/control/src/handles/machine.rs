@@ -121,6 +121,14 @@ impl MachineHandle {
         }
     }
 
+    /// What a component of HAL keeps of a tool in the work.
+    pub(crate) fn retained(&self) -> Option<shm::RetainedState> {
+        match self {
+            Self::Here(_) => None,
+            Self::There(link) => link.retained(),
+        }
+    }
+
     /// [`Plant::is_abandoned`], or the servo thread has ended.
     pub fn is_abandoned(&self) -> bool {
         match self {

@@ -94,7 +94,6 @@ pub struct Control {
     /// Which of the machines of this file it is: what is simulated scatters by it.
     pub(super) seed: u64,
     drives_were_ready: bool,
-    pub(super) has_told_lost_drives: bool,
     pub(super) told_features: usize,
 }
 
@@ -178,7 +177,6 @@ impl Control {
             ended: None,
             seed,
             drives_were_ready: false,
-            has_told_lost_drives: false,
             told_features: 0,
             base,
         };
@@ -199,6 +197,7 @@ impl Control {
                 control.events.notice(refused.clone());
             }
         }
+        control.find_left_on_hal();
         Ok(control)
     }
 

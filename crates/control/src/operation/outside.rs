@@ -1,5 +1,5 @@
 //! A machine in another process, which outlives the control: the sync record that is kept of it, and a tool that a control before
-//! this one has left in its work.
+//! this one has left in its work. It is a machine simulator, or a component of LinuxCNC's HAL.
 //!
 //! ```text
 //!   switched on: machine keeps, record says, encoders show ──► nothing is in the work │ left: nothing but recovery moves
@@ -16,12 +16,14 @@ use crate::job::restart::Restart;
 use crate::plant::{self, Plant};
 use crate::recovery::{self, LeftTool, WayOut};
 use crate::services::{RecordWriter, sync_record};
+use bus::Feedback;
+use shm::{RetainedState, RunDownKind};
 use std::path::Path;
 use store::machine::MachineFile;
 use store::sync_record::slots::{Slots, StateFolder};
 use store::sync_record::{Identity, Stage, SyncRecord, Untrusted};
 use units::{Length, Time};
-use wire::{Engagement, Hello, Remote, Welcome};
+use wire::{Engagement, Evidence, Hello, Observed, Remote, Sense, Stop, Welcome};
 
 /// When the machine has certainly been told that a tool is out, the record says so, too.
 const TOLD: Time = Time::s(0.010);
@@ -36,6 +38,14 @@ pub(super) struct Outside {
     /// The tool is out: when the record says so.
     is_out: Option<Time>,
     has_told_loss: bool,
+    kind: OutsideKind,
+}
+
+/// What is in the other process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum OutsideKind {
+    Simulator,
+    Hal,
 }
 
 /// A tool that a control before this one has left in the work: what is known of it, and what is not.
@@ -89,24 +99,93 @@ pub(super) fn connect(
             "this machine simulator keeps real time, and so must its control: --real-time",
         ));
     }
-    let identity = plant::identity(&welcome);
     let engagement = welcome.evidence.in_work;
     remote.engage(engagement);
     let plant = Plant::Outside(Box::new(remote));
-    let mut outside =
-        Outside { welcome, identity, engagement, left: None, is_out: None, has_told_loss: false };
-    let mut said = Vec::new();
-    match outside.read(folder) {
-        Ok(record) => {
-            outside.look(record.clone(), folder.path(), machine);
-            if outside.left.is_none() && record.is_some_and(|record| record.stage.is_in_work()) {
-                outside.is_out = Some(Time::ZERO); // machine or encoders show it
+    let mut outside = Outside::new(welcome, OutsideKind::Simulator);
+    let said = outside.find(Some(folder), machine);
+    Ok((plant, outside, said.into_iter().collect()))
+}
+
+/// What is kept of a machine that a component of HAL leads, which has begun a session; what the operator should know of it.
+pub(super) fn on_hal(
+    machine: &MachineFile,
+    retained: &RetainedState,
+    feedback: &Feedback,
+    kept: &Kept,
+) -> (Outside, Option<String>) {
+    let in_work = retained.in_work.map(|tool| Engagement {
+        number: retained.last,
+        tool: tool.tool,
+        touches: tool.touches,
+        sync_error: tool.sync_error,
+        may_be_broken: tool.may_be_broken,
+    });
+    let sense = match retained.is_positive {
+        None => Sense::Unknown,
+        Some(true) => Sense::Positive,
+        Some(false) => Sense::Negative,
+    };
+    let welcome = Welcome {
+        machine: machine.name.clone(),
+        serial: 0,
+        epoch: retained.loaded,
+        period: machine.control.period,
+        real_time: true,
+        turns_lost: [false; bus::SPINDLES],
+        stop: match retained.stop {
+            RunDownKind::None => Stop::None,
+            RunDownKind::Coupled => Stop::Coupled,
+            RunDownKind::Coasted => Stop::Coasted,
+        },
+        evidence: Evidence { last: retained.last, in_work, sense },
+        observed: Observed { feedback: *feedback, truth: None },
+    };
+    let mut outside = Outside::new(welcome, OutsideKind::Hal);
+    let said = outside.find(kept.folder(), machine);
+    (outside, said)
+}
+
+impl Outside {
+    fn new(welcome: Welcome, kind: OutsideKind) -> Self {
+        Self {
+            identity: plant::identity(&welcome),
+            engagement: welcome.evidence.in_work,
+            welcome,
+            left: None,
+            is_out: None,
+            has_told_loss: false,
+            kind,
+        }
+    }
+
+    /// Whether a control before this one has left a tool in the work, by machine, record and encoders; what is said of it.
+    fn find(
+        &mut self,
+        folder: Option<&store::state::StateFolder>,
+        machine: &MachineFile,
+    ) -> Option<String> {
+        match folder.map(|folder| (folder, self.read(folder))) {
+            Some((folder, Ok(record))) => {
+                self.look(record.clone(), folder.path(), machine);
+                if self.left.is_none() && record.is_some_and(|record| record.stage.is_in_work()) {
+                    self.is_out = Some(Time::ZERO); // machine or encoders show it
+                }
+            }
+            Some((_, Err(why))) => self.left = Some(LeftTool::Unmoved(None, why.to_string())),
+            None => {
+                let why = self.engagement.map(|kept| {
+                    format!(
+                        "the machine keeps that tool {} is in its work (engagement {}), and this control has no sync record of it: name \
+                         the state folder of the control that led it there with --state",
+                        kept.tool, kept.number
+                    )
+                });
+                self.left = why.map(|why| LeftTool::Unmoved(None, why));
             }
         }
-        Err(why) => outside.left = Some(LeftTool::Unmoved(None, why.to_string())),
-    }
-    if let Some(left) = &outside.left {
-        said.push(match left.record() {
+        let left = self.left.as_ref()?;
+        Some(match left.record() {
             Some(record) => {
                 let (tool, place) = (record.stroke.tool, &record.place);
                 format!(
@@ -115,12 +194,9 @@ pub(super) fn connect(
                 )
             }
             None => "a tool may stand in the work".to_owned(),
-        });
+        })
     }
-    Ok((plant, outside, said))
-}
 
-impl Outside {
     fn read(&self, folder: &store::state::StateFolder) -> Result<Option<SyncRecord>, Untrusted> {
         Slots::open(StateFolder::of(folder), &self.identity).map(|(_, kept)| kept.record)
     }
@@ -132,9 +208,27 @@ impl Outside {
 }
 
 impl Control {
+    /// A component of HAL has begun a session: what it, the sync record and its encoders say of a tool in the work.
+    pub(super) fn find_left_on_hal(&mut self) {
+        if !self.options.hal {
+            return;
+        }
+        let Self { executor, workpiece, .. } = self;
+        executor.period(|_, _, sample| workpiece.sample(sample)); // where everything stands
+        let Some(retained) = executor.machine.retained() else { return };
+        let feedback = executor.machine.feedback();
+        let (outside, said) = on_hal(&self.base.machine, &retained, &feedback, &self.kept);
+        self.outside = Some(outside);
+        if let Some(said) = said {
+            self.events.notice(said);
+        }
+    }
+
     /// Of what was kept of the machine's encoders, this holds.
     pub(super) fn epoch(&self) -> u64 {
-        self.outside.as_ref().map_or(self.seed, |outside| outside.identity.epoch)
+        let simulated = |outside: &&Outside| outside.kind == OutsideKind::Simulator;
+        // HAL's component does not know whether an axis has an encoder that keeps its count: the machine's file says so
+        self.outside.as_ref().filter(simulated).map_or(self.seed, |outside| outside.identity.epoch)
     }
 
     /// A control before this one has left a tool in the work, or may have.
@@ -194,13 +288,14 @@ impl Control {
 
     /// How it is taken out, by record and encoders as they are now; `None`: no tool was left.
     pub(super) fn way_out_of_left(&mut self) -> Result<Option<WayOut>, Refusal> {
-        let (Some(outside), Some(folder)) = (&mut self.outside, self.kept.folder()) else {
+        let Some(outside) = self.outside.as_mut().filter(|outside| outside.left.is_some()) else {
             return Ok(None);
         };
-        if outside.left.is_none() {
-            return Ok(None);
-        }
         let machine = &self.base.machine;
+        let Some(folder) = self.kept.folder() else {
+            let why = outside.left.as_ref().map(|left| left.way_out(machine).err());
+            return Err(Refusal::because(why.flatten().unwrap_or_default()));
+        };
         if outside.left.as_ref().is_some_and(|left| left.record().is_some()) {
             // somebody may have turned it meanwhile
             outside.welcome.observed.feedback = self.executor.machine.feedback();
@@ -236,7 +331,9 @@ impl Control {
 
     /// Somebody has seen that no tool is in the work: record and machine forget it.
     pub(super) fn forget_left(&mut self) -> Result<(), Refusal> {
-        let (Some(outside), Some(folder)) = (&mut self.outside, self.kept.folder()) else {
+        let Some(outside) = &mut self.outside else { return Ok(()) };
+        let Some(folder) = self.kept.folder() else {
+            outside.left = None;
             return Ok(());
         };
         Slots::discard(StateFolder::of(folder), &recovery::no_tool(&outside.identity)).map_err(
@@ -248,9 +345,6 @@ impl Control {
 
     /// A period is over: machine and record hear that a tool is out, and the operator that the machine is gone.
     pub(super) fn follow_machine(&mut self) {
-        if self.outside.is_none() {
-            return self.tell_lost_drives();
-        }
         let kernel = &self.executor.kernel;
         let stands = kernel.is_off() || kernel.is_standing();
         let is_out = self.under_way.is_none() && !self.is_recovering && stands;
@@ -264,22 +358,14 @@ impl Control {
         }
         if let Some(why) = lost.filter(|_| !outside.has_told_loss) {
             outside.has_told_loss = true;
-            self.events.notice(format!("the machine simulator is gone: {why}"));
+            self.events.notice(match outside.kind {
+                OutsideKind::Simulator => format!("the machine simulator is gone: {why}"),
+                OutsideKind::Hal => why,
+            });
         }
         if outside.is_out.is_some_and(|due| now >= due) {
             outside.is_out = None;
             self.record_is_out();
-        }
-    }
-
-    /// The HAL component is gone: why is said once.
-    fn tell_lost_drives(&mut self) {
-        if self.options.hal
-            && !self.has_told_lost_drives
-            && let Some(why) = self.executor.machine.lost()
-        {
-            self.has_told_lost_drives = true;
-            self.events.notice(why);
         }
     }
 

@@ -2,6 +2,7 @@
 use bus::{Feedback, Truth};
 use rtrb::Producer;
 use servo::Record;
+use shm::{RetainedState, ToolInWork};
 use sim::Fault;
 use units::Time;
 use wire::Engagement;
@@ -22,6 +23,8 @@ pub struct MachineLink {
     pub(super) feedback: Feedback,
     pub(super) truth: Option<Truth>,
     pub(super) period: Time,
+    /// What a component of HAL keeps of a tool in the work: written and read without the servo thread.
+    pub(super) retained: Option<shm::RetainedMemory>,
     pub(super) lost: Option<String>,
 }
 
@@ -73,7 +76,21 @@ impl MachineLink {
         self.ask(MachineRequest::Mend);
     }
 
+    /// What a component of HAL keeps; a machine of another kind has said it in its welcome.
+    pub(crate) fn retained(&self) -> Option<RetainedState> {
+        self.retained.as_ref().map(shm::RetainedMemory::state)
+    }
+
     pub(crate) fn engage(&mut self, engagement: Option<Engagement>) {
+        if let Some(retained) = &self.retained {
+            let tool = |of: Engagement| ToolInWork {
+                tool: of.tool,
+                touches: of.touches,
+                may_be_broken: of.may_be_broken,
+                sync_error: of.sync_error,
+            };
+            return retained.engage(engagement.map(|of| (of.number, tool(of))));
+        }
         self.ask(MachineRequest::Engage(engagement));
     }
 

@@ -81,8 +81,12 @@ pub(crate) fn prepare(
     let rings = KernelRings { requests, replies: replied, steps, spent: back, said: heard };
     let kernel_link = KernelLink::new(rings, Arc::clone(&is_over), &picture);
     let period = machine.period();
+    let retained = match machine {
+        Plant::Hal(drives) => drives.retained(),
+        Plant::Inside(_) | Plant::Outside(_) => None,
+    };
     let machine_link =
-        MachineLink { requests: machine_requests, feedback, truth, period, lost: None };
+        MachineLink { requests: machine_requests, feedback, truth, period, retained, lost: None };
     let rings =
         ServoRings { requests: asked, replies, steps: sent, spent, said, records, of_machine };
     let prepared = Prepared { rings, records: seen, is_over };

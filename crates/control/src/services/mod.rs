@@ -68,7 +68,7 @@ impl Services {
         sample: &Sample,
     ) {
         if let Some(record_writer) = &mut self.record_writer {
-            machine.engage(record_writer.serve(kernel, &sample.feedback));
+            record_writer.serve(kernel, machine, &sample.feedback);
         }
         self.cams.consult(kernel, planner);
         self.polygons.consult(kernel);

@@ -8,8 +8,8 @@
 //! In lock-step simulated time stands while the disk works, so a fast disk and a slow one would differ: there an
 //! acknowledgement comes [`ALLOWANCE`] after the request, by the machine's time, whenever the disk is done before. In real
 //! time it comes when it comes.
-use crate::KernelHandle;
 use crate::Refused;
+use crate::{KernelHandle, MachineHandle};
 use bus::{Feedback, State};
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
 use kernel::{RecordRequest, WorkRecord};
@@ -188,9 +188,14 @@ impl RecordWriter {
         self.recovered.1
     }
 
-    /// Take the kernel's requests, hand it its acknowledgements. The tool that is in the work from now on, as the machine is told
-    /// with each command: from when the record is on the disk until the tool is out.
-    pub fn serve(&mut self, kernel: &mut KernelHandle, feedback: &Feedback) -> Option<Engagement> {
+    /// Take the kernel's requests, hand it its acknowledgements. The machine is told of the tool that is in the work from now on: from
+    /// when the record is on the disk until the tool is out, and before the kernel may go in.
+    pub fn serve(
+        &mut self,
+        kernel: &mut KernelHandle,
+        machine: &mut MachineHandle,
+        feedback: &Feedback,
+    ) {
         let now = feedback.time;
         let zero = |axis: u8| kernel.zero(canon::Axis::ALL[usize::from(axis)]).of_linear();
         let zeros: [Length; bus::AXES] = std::array::from_fn(|axis| zero(axis as u8));
@@ -202,6 +207,7 @@ impl RecordWriter {
                 }
                 (RecordRequest::Out, Some(last)) => {
                     self.engagement = None;
+                    machine.engage(None);
                     (SyncRecord { stage: Stage::Out, ..last.clone() }, None)
                 }
                 (RecordRequest::Outward(_) | RecordRequest::Out, None) => continue,
@@ -213,7 +219,7 @@ impl RecordWriter {
             // a thread that has ended has said why
             let _ = self.orders.send((as_encoders_read(record, &zeros), number));
         }
-        self.acknowledge(kernel, now);
+        self.acknowledge(kernel, machine, now);
         if let Some(engagement) = &mut self.engagement {
             let report = kernel.report();
             let taps = matches!(report.state, State::TapIn | State::TapBottom | State::TapOut);
@@ -223,10 +229,10 @@ impl RecordWriter {
             let error = report.sync_error.map_or(Length::ZERO, Length::abs);
             engagement.sync_error = engagement.sync_error.max(error);
         }
-        self.engagement
+        machine.engage(self.engagement);
     }
 
-    fn acknowledge(&mut self, kernel: &mut KernelHandle, now: Time) {
+    fn acknowledge(&mut self, kernel: &mut KernelHandle, machine: &mut MachineHandle, now: Time) {
         while let Some((number, due, _)) = self.underway.front() {
             let (number, due) = (*number, *due);
             let answer = if self.real_time {
@@ -245,6 +251,7 @@ impl RecordWriter {
                 Ok((Some(done), Ok(()))) if done == number => {
                     if let Some((.., written)) = self.underway.pop_front() {
                         self.engage(&written);
+                        machine.engage(self.engagement);
                     }
                     kernel.acknowledge(number);
                 }
