@@ -17,6 +17,8 @@ use units::Time;
 const ANSWER: Duration = Duration::from_secs(2);
 /// Between two looks whether it has.
 const LOOK: Duration = Duration::from_micros(20);
+/// Nor is it gone before so many looks: where the computer itself has stood still, the clock says nothing of that thread.
+const LOOKS: u32 = 10_000;
 
 /// The rings' ends on this side.
 pub(super) struct KernelRings {
@@ -31,6 +33,8 @@ pub(super) struct KernelRings {
 pub struct KernelLink {
     rings: KernelRings,
     is_over: Arc<AtomicBool>,
+    /// Requests that have no reply yet: that of one that was given up may still come, before those of the requests after it.
+    owed: usize,
     picture: Picture,
     /// Periods that were over when the picture was taken.
     number: u64,
@@ -52,6 +56,7 @@ impl KernelLink {
         let mut link = Self {
             rings,
             is_over,
+            owed: 0,
             picture: *picture,
             number: 0,
             faults: Vec::new(),
@@ -129,14 +134,20 @@ impl KernelLink {
     /// Ask, and wait for the reply: less than a period.
     pub(crate) fn ask(&mut self, request: Request) -> Option<Reply> {
         self.rings.requests.push(request).ok()?;
-        let end = now() + ANSWER;
+        self.owed += 1;
+        let (end, mut looks) = (now() + ANSWER, 0);
         let replied = loop {
             if let Ok(replied) = self.rings.replies.pop() {
-                break replied;
+                self.owed -= 1;
+                if self.owed == 0 {
+                    break replied;
+                }
+                continue; // of an earlier one
             }
-            if self.is_over.load(Acquire) || now() > end {
+            if self.is_over.load(Acquire) || looks > LOOKS && now() > end {
                 return None;
             }
+            looks += 1;
             std::thread::sleep(LOOK);
         };
         let Replied { reply, number, picture, taken } = replied;
@@ -192,5 +203,35 @@ impl KernelLink {
     pub(crate) fn next_record_request(&mut self) -> Option<RecordRequest> {
         self.hear();
         self.record_requests.pop_front()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config;
+    use kernel::Kernel;
+    use rtrb::RingBuffer;
+    use std::sync::atomic::Ordering::Release;
+
+    #[test]
+    fn the_late_reply_to_a_request_that_was_given_up_is_not_taken_for_that_to_the_next() {
+        let file = config::machine_file::load("tapping-center").expect("a built-in machine");
+        let picture = Kernel::new(config::control(&file, None, false)).picture();
+        let (requests, mut asked) = RingBuffer::new(4);
+        let (mut replies, replied) = RingBuffer::new(4);
+        let (steps, _sent) = RingBuffer::new(4);
+        let (_back, spent) = RingBuffer::new(4);
+        let (_saying, said) = RingBuffer::new(4);
+        let rings = KernelRings { requests, replies: replied, steps, spent, said };
+        let is_over = Arc::new(AtomicBool::new(true));
+        let mut link = KernelLink::new(rings, Arc::clone(&is_over), &picture);
+        assert!(link.ask(Request::ClearOutputs).is_none(), "it has replied to nothing");
+        is_over.store(false, Release);
+        for (number, reply) in [(1, Reply::Done), (2, Reply::Is(true))] {
+            replies.push(Replied { reply, number, picture, taken: 0 }).expect("room for it");
+        }
+        assert!(matches!(link.ask(Request::Clear), Some(Reply::Is(true))));
+        assert_eq!((link.number, std::iter::from_fn(|| asked.pop().ok()).count()), (2, 2));
     }
 }
