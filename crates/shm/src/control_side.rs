@@ -59,7 +59,7 @@ impl ControlSide {
     /// Why it is not to be had.
     pub fn find(name: &str) -> Result<Self, Error> {
         let named = || name.to_owned();
-        let memory = match Mapping::open(&layout::name(name), layout::SIZE) {
+        let memory = match Mapping::open(&layout::memory_name(name), layout::SIZE) {
             Ok(Some(memory)) => Arc::new(memory),
             Ok(None) => return Err(Error::OtherBuild(named())),
             Err(Errno::NOENT) => return Err(Error::NotLoaded(named())),

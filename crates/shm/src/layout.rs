@@ -105,7 +105,7 @@ pub(crate) fn build() -> u64 {
 
 /// The name of the shared memory of a component. A HAL session ends at its IPC namespace, and so does the memory: another session on
 /// this computer has another component of the same name.
-pub(crate) fn name(of: &str) -> String {
+pub fn memory_name(of: &str) -> String {
     let session = std::fs::read_link("/proc/self/ns/ipc").ok();
     let inode = session.as_deref().and_then(std::path::Path::to_str).and_then(|link| {
         let digits = link.strip_prefix("ipc:[")?.strip_suffix(']')?;

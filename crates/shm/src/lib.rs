@@ -17,7 +17,7 @@ mod ring;
 mod servo_side;
 
 pub use control_side::{ControlSide, Error};
-pub use layout::{STEPS_BEFORE, STEPS_USUAL};
+pub use layout::{STEPS_BEFORE, STEPS_USUAL, memory_name};
 pub use mapping::Mapping;
 pub use retained::{RetainedMemory, RetainedState, RunDownKind, TiedPeriod, ToolInWork};
 pub use ring::{Damaged, Place, RingReader, RingWriter};

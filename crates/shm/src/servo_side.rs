@@ -22,7 +22,7 @@ pub struct Made(Arc<Mapping>);
 /// # Errors
 /// The operating system's.
 pub fn make(name: &str, axes: u16, spindles: u8) -> Result<Made, Errno> {
-    let memory = Mapping::create(&layout::name(name), layout::SIZE)?;
+    let memory = Mapping::create(&layout::memory_name(name), layout::SIZE)?;
     let words = memory.words();
     words[head::VERSION].store(layout::VERSION, Relaxed);
     words[head::BUILD].store(layout::build(), Relaxed);

@@ -116,14 +116,9 @@ fn a_control_that_asks_for_a_session_is_no_sign_of_life_of_the_one_before_it() {
     const ALIVE: usize = 24; // of the layout: session in the upper half, a count in the lower one
     let name = format!("test-alive-{}", std::process::id());
     let made = shm::make(&name, 7, 1).unwrap();
-    // a file in memory, named after the HAL session, too: as large as the component has made it
-    let of_session = format!("leadscrew-{name}");
-    let mut files = std::fs::read_dir("/dev/shm").unwrap().map(Result::unwrap);
-    let is_it =
-        |file: &std::fs::DirEntry| file.file_name().to_string_lossy().starts_with(&of_session);
-    let file = files.find(is_it).unwrap();
-    let words = file.metadata().unwrap().len() as usize / 8;
-    let path = format!("/{}", file.file_name().to_string_lossy());
+    // a file in memory: as large as the component has made it
+    let path = shm::memory_name(&name);
+    let words = std::fs::metadata(format!("/dev/shm{path}")).unwrap().len() as usize / 8;
     let control = Mapping::open(&path, words).unwrap().unwrap();
     let mut side = shm::ServoSide::new(&made, 1);
     let mut after = |session: u64, count: u64, now_ns: i64| {
