@@ -13,13 +13,10 @@ use bus::{AXES, Feedback, SPINDLES, Sample};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
 use servo::{Record, Seat};
-use shm::{Made, RunDownKind, ServoSide, TiedPeriod};
+use shm::{Made, RunDownKind, STANDSTILL, ServoSide, TiedPeriod};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Release};
 use units::{Angle, Spin, Time};
-
-/// A spindle that turns slower stands.
-const STANDSTILL: Spin = Spin::rpm(3.0);
 
 /// Time constant of the speeds that are taken from counts, s.
 const SMOOTHED_S: f64 = 0.02;

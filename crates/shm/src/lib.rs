@@ -19,6 +19,8 @@ mod servo_side;
 pub use control_side::{ControlSide, Error};
 pub use layout::{STEPS_BEFORE, STEPS_USUAL, memory_name};
 pub use mapping::Mapping;
-pub use retained::{RetainedMemory, RetainedState, RunDownKind, TiedPeriod, ToolInWork};
+pub use retained::{
+    RetainedMemory, RetainedState, RunDownKind, STANDSTILL, TiedPeriod, ToolInWork,
+};
 pub use ring::{Damaged, Place, RingReader, RingWriter};
 pub use servo_side::{Made, ServoSide, SetUps, make};

@@ -15,7 +15,7 @@ use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 use units::{Length, Spin};
 
 /// A spindle that turns slower stands: its sense is that of before.
-const STANDSTILL: Spin = Spin::rpm(3.0);
+pub const STANDSTILL: Spin = Spin::rpm(3.0);
 
 /// In the word of the engagement: a tool is in the work …
 const IN_WORK: u64 = 1;
