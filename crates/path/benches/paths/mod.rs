@@ -4,7 +4,7 @@ use path::geometry::Segment;
 use std::f64::consts::TAU;
 
 /// A name, and what is programmed.
-pub type Path = (&'static str, Vec<Segment>);
+pub(crate) type Path = (&'static str, Vec<Segment>);
 
 /// Feed, mm/s.
 const FEED: f64 = 100.0;
@@ -12,7 +12,7 @@ const FEED: f64 = 100.0;
 const CHORD_ERROR: f64 = 0.005;
 
 /// A surface in rows, trochoids as chords and as arcs, and corners everywhere; lines of 0.05 mm on, within `p` mm.
-pub fn all(p: f64) -> Vec<Path> {
+pub(crate) fn all(p: f64) -> Vec<Path> {
     vec![
         ("surface", lines(&surface(100_000), p)),
         ("trochoids, chords", lines(&trochoids(50_000), p)),

@@ -104,6 +104,14 @@ impl<const N: usize> Held<N> {
     }
 }
 
+/// A span: the time that it takes, the first of its samples, and how many there are.
+#[derive(Clone, Copy, Debug, Default)]
+struct Span {
+    time: f64,
+    held: usize,
+    count: usize,
+}
+
 /// Memory of the method, for N axes; B = N + 1 unknowns belong together, a control point and one β.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fastest<const N: usize, const B: usize> {
@@ -113,8 +121,9 @@ pub(crate) struct Fastest<const N: usize, const B: usize> {
     /// Where the step began.
     control_before: Vec<[f64; N]>,
     beta_before: Vec<f64>,
-    /// By span: time that it takes, and how many of the samples are in it.
-    spans: Vec<(f64, usize)>,
+    spans: Vec<Span>,
+    /// The span where a limit was found not to be kept.
+    tight: usize,
     matrix: Banded<B, SAY>,
     gradient: Vec<[f64; B]>,
     step: Vec<[f64; B]>,
@@ -200,7 +209,8 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
             counts[sample.first] += 1;
         }
         self.spans.clear();
-        self.spans.resize(counts.len(), (0.0, 0));
+        self.spans.resize(counts.len(), Span::default());
+        self.tight = 0;
         for (index, sample) in samples.iter().enumerate().filter(|(_, s)| s.per_square > 0.0) {
             let Sample { first, basis, tolerance, .. } = *sample;
             let p = core::array::from_fn(|i| sample.p[i]);
@@ -215,8 +225,13 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
             }
             let near = tolerance * NEAR.max(share + ROOM);
             held.square = near * near;
-            self.spans[first].1 += 1;
+            self.spans[first].count += 1;
             self.held.push(held);
+        }
+        let mut begin = 0;
+        for span in &mut self.spans {
+            span.held = begin;
+            begin += span.count;
         }
     }
 
@@ -272,8 +287,8 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
         let mut total = 0.0;
         for (span, places) in self.spans.iter_mut().zip(places.chunks_exact(PLACES)) {
             let time = |place: &LimitPoint| place.weight / libm::sqrt(place.square(&self.beta));
-            span.0 = places.iter().map(time).sum();
-            total += span.0;
+            span.time = places.iter().map(time).sum();
+            total += span.time;
         }
         total
     }
@@ -285,25 +300,35 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
         loads: &Loads<N>,
         mu: f64,
     ) -> f64 {
-        let Self { held, spans, control, beta, matrix, gradient, .. } = self;
+        let Self { held, spans, control, beta, matrix, gradient, tight, .. } = self;
         if SLOPES {
             matrix.clear(control.len());
             gradient.clear();
             gradient.resize(control.len(), [0.0; B]);
         }
-        let (mut goal, mut rest, mut gathered) = (0.0, held.as_slice(), Gathered::<N>::new());
-        for (places, (time, count)) in places.chunks_exact(PLACES).zip(spans.iter()) {
-            let (held, others) = rest.split_at(*count);
-            rest = others;
-            for place in places {
+        let (mut goal, mut gathered) = (0.0, Gathered::<N>::new());
+        let of_span = |span: usize, gathered: &mut Gathered<N>| {
+            let Span { time, held: from, count } = spans[span];
+            let mut goal = 0.0;
+            for place in &places[PLACES * span..][..PLACES] {
                 let at = At::of(place, control, beta);
                 let weight = mu * time * if place.middle { MIDDLE } else { END };
-                goal += moving::<N, SLOPES>(place, &at, loads, weight, &mut gathered);
+                goal += moving::<N, SLOPES>(place, &at, loads, weight, gathered);
             }
-            let weight = mu * time / (*count).max(1) as f64;
-            goal += near::<N, SLOPES>(held, control, weight, &mut gathered);
+            let weight = mu * time / count.max(1) as f64;
+            goal + near::<N, SLOPES>(&held[from..][..count], control, weight, gathered)
+        };
+        // where a step went too far it is likely to do so again
+        if !SLOPES && !of_span(*tight, &mut gathered).is_finite() {
+            return f64::INFINITY;
+        }
+        for span in 0..spans.len() {
+            goal += of_span(span, &mut gathered);
             if SLOPES {
-                gathered.put(places[0].span, matrix, gradient);
+                gathered.put(span, matrix, gradient);
+            } else if !goal.is_finite() {
+                *tight = span;
+                return f64::INFINITY;
             }
         }
         if goal.is_finite() { goal } else { f64::INFINITY }
