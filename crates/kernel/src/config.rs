@@ -223,7 +223,9 @@ pub struct SpindleWindows {
 pub struct OwnRamps {
     /// From an order until it obeys.
     pub delay: Time,
-    /// Its deceleration, as far as it is known.
+    /// Its acceleration and its deceleration, as far as they are known.
+    pub accel: SpinAccel,
+    /// See `accel`.
     pub decel: SpinAccel,
     /// Share by which its stopping angle may be longer.
     pub uncertainty: f64,

@@ -110,7 +110,7 @@ impl Drives {
     }
 
     /// Take the readings as the present place.
-    pub(crate) fn adopt(&mut self, feedback: &Feedback, config: &Config) {
+    pub(crate) fn adopt(&mut self, feedback: &Feedback) {
         self.coupled.reset();
         self.chain = None;
         (self.flowing, self.owed) = (false, None); // a path on which everything was switched off is not gone on along
@@ -121,7 +121,7 @@ impl Drives {
         }
         for (spindle, reading) in self.spindles.iter_mut().zip(&feedback.spindles) {
             if let Some(spindle) = spindle {
-                spindle.adopt(reading, config.period);
+                spindle.adopt(reading);
             }
         }
         self.tool = feedback.tool.unwrap_or(self.tool);

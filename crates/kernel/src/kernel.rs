@@ -254,7 +254,7 @@ impl Kernel {
         if matches!(self.mode, Mode::New) {
             self.begin_rescue();
         }
-        self.drives.adopt(feedback, &self.config);
+        self.drives.adopt(feedback);
         self.setpoints.reset();
         self.spindle_monitor = SpindleMonitor::default();
         self.mode = Mode::Starting(waited);

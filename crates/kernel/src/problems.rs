@@ -185,6 +185,8 @@ impl SpindleControl {
             let (delay, decel) = (own.delay.value(), own.decel.value());
             check("own_ramps.delay", delay, not_negative(delay), NOT_NEGATIVE);
             check("own_ramps.decel", decel, positive(decel), POSITIVE);
+            let accel = own.accel.value();
+            check("own_ramps.accel", accel, positive(accel), POSITIVE);
             let uncertainty = own.uncertainty;
             check("own_ramps.uncertainty", uncertainty, not_negative(uncertainty), NOT_NEGATIVE);
             let (late, longer) = (own.repeats.0.value(), own.repeats.1);

@@ -15,6 +15,7 @@
 //! stays its followers' master.
 //!
 //! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
+mod observers;
 mod surface;
 
 use crate::config::{Config, SpindleControl};
@@ -24,13 +25,12 @@ use crate::servo::{Gains, Input, Servo};
 use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
 use motion::{Profile, SurfaceSpeed};
-use sync::{Blend, Observer, Rotation, Swing, Tracker};
+use observers::Observers;
+use sync::{Blend, Rotation, Swing};
 use units::{Angle, Spin, SpinAccel, Time, Torque};
 
 /// Share of the torque curve that unplanned changes of speed use.
 const UNPLANNED: f64 = 0.75;
-/// Share of the at-rest window that quantisation may cost the observer as noise.
-const REST_NOISE: f64 = 0.25;
 /// A ramp fits if it begins this near to the speed that is ordered, rev/s.
 const RAMP_FITS: f64 = 1e-3;
 
@@ -58,7 +58,7 @@ enum Task {
 pub(crate) struct SpindleLoop {
     pub(crate) control: SpindleControl,
     servo: Servo,
-    observer: Observer,
+    observers: Observers,
     period_s: f64,
     lookahead_s: f64,
     inertia: f64,
@@ -107,7 +107,7 @@ impl SpindleLoop {
                 peak: control.peak_torque.value(),
                 tracker_most_hz: f64::INFINITY,
             }),
-            observer: observer(&control, config.period, Angle::ZERO),
+            observers: Observers::new(&control, (config.period, config.command_delay), Angle::ZERO),
             period_s,
             lookahead_s: (config.command_delay + control.torque_lag).value() + period_s / 2.0,
             inertia,
@@ -133,10 +133,10 @@ impl SpindleLoop {
     }
 
     /// Take the reading as the present place: the drive has just come up, or is off.
-    pub(crate) fn adopt(&mut self, feedback: &SpindleFeedback, period: Time) {
+    pub(crate) fn adopt(&mut self, feedback: &SpindleFeedback) {
         self.reading = feedback.angle.value();
         self.reading_before = self.reading;
-        self.observer = observer(&self.control, period, feedback.angle);
+        self.observers = self.observers.anew(&self.control, feedback.angle);
         let still = Rotation { angle: feedback.angle, ..Rotation::default() };
         (self.ordered, self.before, self.ahead) = (still, still, still);
         self.order = Task::Slew(0.0);
@@ -180,12 +180,17 @@ impl SpindleLoop {
         self.reading = feedback.angle.value();
         self.saturated = feedback.saturated;
         let swung = SpinAccel::rev_per_s2(self.swing.0.accel);
-        self.observer.update(feedback.angle, self.ordered.accel + swung);
+        self.observers.read(feedback.angle, self.ordered.accel + swung);
     }
 
     /// How it turns, by the observer.
     pub(crate) fn now(&self) -> Rotation {
-        self.observer.now()
+        self.observers.now()
+    }
+
+    /// How it turns, for an axis that follows it.
+    pub(crate) fn followed(&self) -> Rotation {
+        self.observers.followed()
     }
 
     /// The last reading.
@@ -200,7 +205,7 @@ impl SpindleLoop {
 
     /// What goes by its turn goes by this: the setpoint where it leads by angle, else how it really turns.
     pub(crate) fn master(&self) -> Rotation {
-        if self.position_controlled() { self.ordered } else { self.now() }
+        if self.position_controlled() { self.ordered } else { self.followed() }
     }
 
     /// Deceleration that a stop which nobody planned may ask of it: rev/s² while torque is the limit, and times
@@ -463,6 +468,7 @@ impl SpindleLoop {
                 position: by_angle,
             })
         };
+        self.observers.tell(ordered.spin);
         SpindleCommand {
             enable: true,
             angle: ordered.angle,
@@ -470,14 +476,6 @@ impl SpindleLoop {
             torque: Torque::n_m(torque),
         }
     }
-}
-
-/// An observer that is as fast as the machine file has it, but not so fast that the encoder's counts
-/// would blur what "at rest" means.
-fn observer(control: &SpindleControl, period: Time, angle: Angle) -> Observer {
-    let noise = control.windows.at_rest.value() * REST_NOISE;
-    let quiet = Tracker::bandwidth_for(period.value(), control.encoder_count.value(), noise);
-    Observer::new(period, control.observer_bandwidth_hz.min(quiet), angle)
 }
 
 /// A setpoint with what is superposed on it.

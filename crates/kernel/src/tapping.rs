@@ -8,6 +8,7 @@
 //!                                       monitor ◄── readings of both
 //! ```
 mod depth;
+mod transport;
 
 use crate::axis::AxisLoop;
 use crate::config::{Config, Subject};
@@ -26,31 +27,11 @@ use crate::track::point;
 use motion::TapPlan;
 use sync::recovery::{Direction, Stored};
 use sync::{
-    Ask, Correction, Coupling, Cycle, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation, Stroke,
-    SyncMode, Tap, Tick, Verdict,
+    Ask, Correction, Coupling, Cycle, Monitor, Phase, Rotation, Stroke, SyncMode, Tap, Tick,
+    Verdict,
 };
+use transport::Transport;
 use units::{Angle, Length, Spin, Time};
-
-/// Readings of the master on their way to the follower.
-#[derive(Clone, Copy, Debug)]
-struct Transport {
-    readings: [Rotation; MAX_TRANSPORT as usize + 1],
-    age: usize,
-}
-
-impl Transport {
-    fn new(first: Rotation, age: u8) -> Self {
-        let age = usize::from(age.min(MAX_TRANSPORT));
-        Self { readings: [first; MAX_TRANSPORT as usize + 1], age }
-    }
-
-    /// Send one off; the one that arrives.
-    fn pass(&mut self, reading: Rotation) -> Rotation {
-        self.readings.rotate_right(1);
-        self.readings[0] = reading;
-        self.readings[self.age]
-    }
-}
 
 /// A tap under way.
 #[derive(Clone, Debug)]
@@ -116,7 +97,7 @@ impl TapRun {
             SyncMode::CommandSynchronised => 0,
             SyncMode::EncoderFollowing { transport, .. } => transport,
         };
-        let transport = Transport::new(spindle.now(), age);
+        let transport = Transport::new(spindle, age);
         stand_at(&point(&plan.start), drives)?;
         drives.learning_records.begin(drives.tool, plan);
         Ok(Self {
@@ -235,10 +216,11 @@ impl TapRun {
             },
             halt: halt(plan, axis, spindle),
         };
-        let master = self.master(mode, spindle, context.config.period);
+        let master = self.transport.master(mode, spindle, context.config.period);
         let tick = Tick {
             elapsed: Time::s(dt),
-            master,
+            master: master.seen,
+            followed: master.followed,
             at_rest: spindle.at_rest(),
             held: spindle.held(),
             rest: context.halted || context.operator.wants_rest(),
@@ -272,7 +254,7 @@ impl TapRun {
         let order = self.lead(&tap, spindle, axis.lookahead_s(), &learnt);
         // what the axis obeys now, and when its force acts
         let (now, ahead) = if following || self.trailing != Trailing::No {
-            (master, master)
+            (master.followed, master.followed)
         } else {
             order.unwrap_or((spindle.ordered(), spindle.ordered()))
         };
@@ -372,20 +354,6 @@ impl TapRun {
             | Cycle::RunDown(_)
             | Cycle::Leave(..)
             | Cycle::Done => None,
-        }
-    }
-
-    /// The master that an encoder-following axis obeys: the reading that has arrived, or what it predicts.
-    fn master(&mut self, mode: SyncMode, spindle: &SpindleLoop, period: Time) -> Rotation {
-        match mode {
-            SyncMode::CommandSynchronised => spindle.now(),
-            SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport } => {
-                self.transport.pass(spindle.now()).after(period * f64::from(transport))
-            }
-            SyncMode::EncoderFollowing { .. } => {
-                let raw = Rotation { angle: spindle.reading(), ..spindle.now() };
-                self.transport.pass(raw)
-            }
         }
     }
 

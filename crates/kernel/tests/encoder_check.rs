@@ -61,7 +61,7 @@ fn mill(index: bool) -> (SimulatedMachine, Config) {
     let delay = Time::s(0.01);
     let repeats = (Time::s(0.7e-3), 0.002);
     spindle.own_ramps =
-        Some(OwnRamps { delay, decel: RAMP, uncertainty: 0.25, repeats, creep: 0.1 });
+        Some(OwnRamps { delay, accel: RAMP, decel: RAMP, uncertainty: 0.25, repeats, creep: 0.1 });
     let drive = PlainDrive {
         delay,
         delay_scatter: Time::ZERO,

@@ -21,6 +21,7 @@ fn mill(share: f64) -> (sim::Config, Config, sim::PlainDrive) {
     let delay = Time::s(0.01);
     spindle.own_ramps = Some(OwnRamps {
         delay,
+        accel: STATED,
         decel: STATED,
         uncertainty: 0.25,
         repeats: (Time::s(0.7e-3), 0.002),

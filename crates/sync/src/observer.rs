@@ -72,6 +72,12 @@ impl Tracker {
         self.disturbance += self.gains[2] * residual;
     }
 
+    /// How much a count at most adds to the acceleration of the place, by its second difference: α·count/h², and as much again
+    /// where the next count takes it back.
+    pub fn count_accel(&self, count: f64) -> f64 {
+        2.0 * self.gains[0] * count / (self.period_s * self.period_s)
+    }
+
     /// Be told the acceleration that is ordered for the period now beginning.
     pub const fn order(&mut self, accel: f64) {
         self.ordered = accel;
@@ -107,6 +113,11 @@ impl Observer {
     pub fn update(&mut self, measured: Angle, ordered: SpinAccel) {
         self.0.read(measured.value());
         self.0.order(ordered.value());
+    }
+
+    /// The acceleration that the counts of its encoder may cost: see [`Tracker::count_accel`].
+    pub fn count_accel(&self, count: Angle) -> SpinAccel {
+        SpinAccel::rev_per_s2(self.0.count_accel(count.value()))
     }
 
     /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from there.

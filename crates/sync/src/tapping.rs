@@ -74,6 +74,8 @@ pub struct Tick {
     pub elapsed: Time,
     /// The measured master, predicted for the moment the setpoint is for.
     pub master: Rotation,
+    /// The same as a follower obeys it: more smoothly, perhaps.
+    pub followed: Rotation,
     /// The spindle stands.
     pub at_rest: bool,
     /// The angle at which the spindle is held, once it is held where it was asked to be.
@@ -158,7 +160,7 @@ impl Cycle {
     pub fn next<S: Stroke>(self, tap: &Tap<S>, tick: &Tick) -> Self {
         match self {
             Self::AwaitRest if !tick.at_rest || tick.rest => self,
-            Self::AwaitRest if tap.encoder_following => step_on(tap, tick.master.angle),
+            Self::AwaitRest if tap.encoder_following => step_on(tap, tick.followed.angle),
             Self::AwaitRest => Self::Orient,
             Self::Orient if tick.rest => self,
             Self::Orient => tick.held.map_or(self, |angle| {
@@ -206,7 +208,7 @@ impl Cycle {
                 tap.spoken.map_or(self, |spoken| told.next(coupling, tap, &spoken, tick))
             }
             Self::RunDown(coupling) if tick.at_rest => {
-                let z = coupling.position(tick.master.angle);
+                let z = coupling.position(tick.followed.angle);
                 Self::Leave(at_approach_speed(tap, z, tap.end), Time::ZERO)
             }
             Self::RunDown(_) | Self::Done => self,

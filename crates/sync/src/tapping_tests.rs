@@ -105,7 +105,15 @@ fn run(tap: &Tap<Trapezoid>, first_angle: f64, factor: f64) -> Run {
         };
         let next = cycle.next(
             tap,
-            &Tick { elapsed: h, master, at_rest: spin.abs() < 1e-6, held, rest: false, out: false },
+            &Tick {
+                elapsed: h,
+                master,
+                followed: master,
+                at_rest: spin.abs() < 1e-6,
+                held,
+                rest: false,
+                out: false,
+            },
         );
         let name = |c: &Cycle| format!("{c:?}").split('(').next().unwrap().to_owned();
         if name(&next) != name(&cycle) {

@@ -121,6 +121,7 @@ fn run_ordered(
         let tick = Tick {
             elapsed: Time::s(PERIOD),
             master,
+            followed: master,
             at_rest: wanted == 0.0 && spin == 0.0,
             held: None,
             rest: holds.contains(&seen.seconds),

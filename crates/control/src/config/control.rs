@@ -143,6 +143,7 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
         orient: (file.orient, file.orient_acceleration),
         own_ramps: file.own_ramps.map(|own| OwnRamps {
             delay: own.delay,
+            accel: own.acceleration,
             decel: own.deceleration,
             uncertainty: own.uncertainty_share,
             repeats: (own.repeats_delay, own.repeats_share),
