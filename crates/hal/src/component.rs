@@ -130,8 +130,8 @@ impl Component {
         let Some(session) = &mut self.session else {
             return self.pins.off();
         };
-        let silent = self.is_leaving.then_some(FaultKind::ControlSilent);
-        let lost = session.is_lost().or(silent);
+        let leaves = self.is_leaving.then_some(FaultKind::ComponentUnloaded);
+        let lost = leaves.or_else(|| session.is_lost());
         if let Some(kind) = lost {
             session.seat.kernel.report_control(kind);
         }

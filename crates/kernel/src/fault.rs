@@ -103,6 +103,8 @@ pub enum FaultKind {
     ControlSilent,
     /// The process that leads the kernel sends what cannot be.
     ControlSenseless,
+    /// What runs the kernel is being unloaded.
+    ComponentUnloaded,
     /// The home switch is not where it is searched.
     HomeSwitchNotFound,
     /// The home switch stays actuated.
@@ -130,7 +132,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 49] = [
+    pub const ALL: [Self; 50] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -173,6 +175,7 @@ impl FaultKind {
         Self::ServoThreadEnded,
         Self::ControlSilent,
         Self::ControlSenseless,
+        Self::ComponentUnloaded,
         Self::HomeSwitchNotFound,
         Self::HomeSwitchNotReleased,
         Self::IndexNotFound,

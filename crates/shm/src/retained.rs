@@ -161,3 +161,7 @@ pub(crate) fn keep(memory: &Mapping, period: &TiedPeriod) {
         word(head::STOP).store(stop, Release);
     }
 }
+
+#[cfg(test)]
+#[path = "retained_tests.rs"]
+mod tests;

@@ -351,6 +351,14 @@ impl FaultKind {
                 cause: "The shared memory was written by something else, or a defect of the control. Nothing that comes from there is done any more.",
                 remedy: "Start the control again; if it comes back, keep the program and report it.",
             },
+            Self::ComponentUnloaded => Text {
+                number: 415,
+                sentence: "the HAL component is being unloaded",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "unloadrt leadscrew was ordered, or HAL ends, while a control led the machine. It comes to rest first, what is coupled on its coupling.",
+                remedy: "Load the component, then start the control. A tool that stands in its thread is taken out by hand: nothing shows that the encoders have counted on.",
+            },
             Self::HomeSwitchNotFound => Text {
                 number: 501,
                 sentence: "the home switch was not found over the whole way",
