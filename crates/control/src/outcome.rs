@@ -59,7 +59,7 @@ pub struct Outcome {
     pub withdrawn: Vec<crate::stops::Withdrawn>,
     /// What the program has left behind, where that was known only when it ran.
     pub left: Option<Left>,
-    /// Why the machine simulator is gone, if it is; why the record is not on the disk, if it is not.
+    /// What is gone of the machine and why, if it is; why the record is not on the disk, if it is not.
     pub broke_off: Vec<String>,
 }
 
@@ -139,7 +139,7 @@ impl EndedRun {
         let Observers { judge, mut timings, trace, .. } = observers;
         let features = timings.judging(|| judge.finish());
         timings.stop(periods, took);
-        let lost = machine.lost().map(|why| format!("the machine simulator is gone: {why}"));
+        let lost = machine.lost().filter(|why| !broke_off.contains(why));
         let recovered = record_writer.as_ref().and_then(RecordWriter::recovered);
         let unwritten = record_writer.and_then(RecordWriter::finish);
         let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));

@@ -148,11 +148,13 @@ impl Plant {
         }
     }
 
-    /// Why the connection is gone, once it is.
+    /// What is gone and why, in a sentence, once it is.
     pub fn lost(&self) -> Option<String> {
         match self {
             Self::Inside(_) | Self::Hal(_) => None,
-            Self::Outside(remote) => remote.lost().map(ToString::to_string),
+            Self::Outside(remote) => {
+                remote.lost().map(|why| format!("the machine simulator is gone: {why}"))
+            }
         }
     }
 }

@@ -179,7 +179,7 @@ impl Control {
         }
         if let Some(why) = self.executor.machine.lost() {
             return Err(Refusal::because(format!(
-                "the machine is gone: {why}; start the control again: it takes the tool out then"
+                "{why}; start the control again: it takes the tool out then"
             )));
         }
         let way_out = self.way_out_of_left()?;

@@ -343,6 +343,14 @@ impl Control {
         Ok(())
     }
 
+    /// The loss of the machine that the operator has been told.
+    pub(super) fn told_loss(&self) -> Option<String> {
+        self.outside
+            .as_ref()
+            .filter(|outside| outside.has_told_loss)
+            .and_then(|_| self.executor.machine.lost())
+    }
+
     /// A period is over: machine and record hear that a tool is out, and the operator that the machine is gone.
     pub(super) fn follow_machine(&mut self) {
         let kernel = &self.executor.kernel;
@@ -358,10 +366,7 @@ impl Control {
         }
         if let Some(why) = lost.filter(|_| !outside.has_told_loss) {
             outside.has_told_loss = true;
-            self.events.notice(match outside.kind {
-                OutsideKind::Simulator => format!("the machine simulator is gone: {why}"),
-                OutsideKind::Hal => why,
-            });
+            self.events.notice(why);
         }
         if outside.is_out.is_some_and(|due| now >= due) {
             outside.is_out = None;

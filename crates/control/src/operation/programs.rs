@@ -276,7 +276,8 @@ impl Control {
         }
         match ended.finish(&mut self.executor) {
             Ok(outcome) => {
-                for why in &outcome.broke_off {
+                let told = self.told_loss();
+                for why in outcome.broke_off.iter().filter(|why| told.as_ref() != Some(*why)) {
                     self.events.notice(why.clone());
                 }
                 let UnderWay { name, path, text, session, proved, first, folder, .. } = under_way;

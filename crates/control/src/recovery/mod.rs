@@ -280,7 +280,7 @@ fn obey(
                 hear(&event.kind);
             }
             if let Some(why) = plant.lost() {
-                return ControlFlow::Break(Err(format!("the machine simulator is gone: {why}")));
+                return ControlFlow::Break(Err(why));
             }
             if let Some(fault) = kernel.faults().first() {
                 return ControlFlow::Break(Err(fault.to_string()));
