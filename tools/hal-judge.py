@@ -3,6 +3,8 @@
 
 hal-judge.py SAMPLES PITCH BOTTOM DEPTH TAPS
 hal-judge.py threads SAMPLES PITCH FROM TO PASSES SLOWEST FASTEST
+hal-judge.py times MHZ NAME TIMES [NAME TIMES...]
+hal-judge.py beside OURS THEIRS PITCH START BOTTOM DEPTH TAPS
 
 It knows nothing of who has commanded them. A tap is where the spindle turns back while Z stands deepest: on its thread
 Z + PITCH * revolutions is a constant (right-hand, Z down), inward and outward the same one.
@@ -12,6 +14,16 @@ It fails unless there are TAPS of them, each within 10 um of its helix, within 2
 A pass of a thread is where Z goes from FROM down to TO while the spindle turns forwards, PITCH a turn. Its phase is the mean of
 Z + PITCH * revolutions there, of which whole pitches are left out. It fails unless there are PASSES of them, from SLOWEST to FASTEST
 rev/min, within 3 um of one another.
+
+Beside: the same program by two controls on the same plant, a row of a table for each tap. Between its arrival at START and its return
+there Z goes down to BOTTOM, and what is judged is the travel within DEPTH of BOTTOM. Chatter is what Z's acceleration changes by from
+one period to the next, as much as 99 of 100 periods stay below. OURS fails unless it has TAPS taps, by twos at the same speed: the
+first of two not beyond BOTTOM (a count of the encoder is no depth), the second not by more than 50 um, each the same in and out
+within 5 um, with a chatter of 20 mm/s2 at most, and no second one slower than the same one of THEIRS where that came out: the first
+of a speed slows down early, and learns how the spindle stops.
+
+Times are those of a function of the servo thread in clocks of the processor, a row a period: it fails where there are fewer than
+1000 of them.
 
 columns of SAMPLES: X Y Z Z-told revolutions rev/s-told state sync-error; a row each millisecond; mm, revolutions
 """
@@ -109,7 +121,103 @@ def threads(path, pitch, first, last, count, slowest, fastest):
     print(f"{count} passes within {apart:.2f} um of one another")
 
 
+COUNT = 1 / 4096  # revolution
+
+
+def chatter(z):
+    """Of Z's acceleration from one period to the next, mm/s2: the value that 99 of 100 stay below."""
+    second = [(z[k + 1] - 2 * z[k] + z[k - 1]) / PERIOD**2 for k in range(1, len(z) - 1)]
+    changes = sorted(abs(b - a) for a, b in zip(second, second[1:]))
+    return changes[int(len(changes) * 0.99)]
+
+
+def beside_taps(path, pitch, start, bottom, depth):
+    """Each time that Z goes from START into the last DEPTH before BOTTOM: what it did there."""
+    table = rows(path)
+    z, turns = [row[2] for row in table], [row[4] for row in table]
+    found, at = [], 0
+    while at < len(z):
+        if z[at] > start + 1e-3:
+            at += 1
+            continue
+        arrived = at
+        while at < len(z) and z[at] <= start + 1e-3:
+            at += 1
+        inside = [k for k in range(arrived, at) if z[k] <= bottom + depth]
+        if not inside:
+            continue
+        turned = max(range(inside[0], inside[-1] + 1), key=lambda k: turns[k])
+        inward = [z[k] + pitch * turns[k] for k in range(inside[0], turned)]
+        outward = [z[k] + pitch * turns[k] for k in range(turned, inside[-1] + 1)]
+        speeds = sorted(abs(turns[k + 50] - turns[k]) / 50 / PERIOD for k in range(inside[0], inside[-1] - 50))
+        came_out = at < len(z) and len(inward) > 0
+        found.append(
+            {
+                "rpm": speeds[int(0.95 * len(speeds))] * 60,
+                "beyond": bottom - min(z[k] for k in inside),
+                "shift": sum(inward) / len(inward) - sum(outward) / len(outward) if came_out else None,
+                "chatter": chatter(z[inside[0] : inside[-1] + 1]) if came_out else None,
+                "seconds": (at - arrived) * PERIOD if came_out else None,
+            }
+        )
+    return found
+
+
+def beside(ours, theirs, pitch, start, bottom, depth, count):
+    tables = [beside_taps(path, pitch, start, bottom, depth) for path in (ours, theirs)]
+    print("                 fastest    beyond the   between in    chatter")
+    print("                 rev/min    bottom, mm   and out, mm   mm/s2     time, s")
+    for number in range(max(map(len, tables))):
+        for name, taps in zip(("Leadscrew", "LinuxCNC"), tables):
+            if number >= len(taps):
+                print(f"{number + 1}  {name:12}  -")
+                continue
+            tap = taps[number]
+            line = f"{number + 1}  {name:12}{tap['rpm']:8.0f}  {tap['beyond']:+12.4f}"
+            if tap["seconds"] is None:
+                print(f"{line}   it does not come out")
+            else:
+                print(f"{line}  {tap['shift']:+12.4f}  {tap['chatter']:8.0f}  {tap['seconds']:10.3f}")
+    mine, other = tables
+    if len(mine) != count:
+        sys.exit(f"{len(mine)} taps in {ours}: expected {count}")
+    wrong = []
+    for number, tap in enumerate(mine):
+        of = f"tap {number + 1}"
+        if tap["seconds"] is None:
+            wrong.append(f"{of} does not come out")
+            continue
+        most = 0.05 if number % 2 else pitch * COUNT
+        if tap["beyond"] > most:
+            wrong.append(f"{of} is {tap['beyond']:.4f} mm beyond the bottom: expected {most:.4f} at most")
+        if abs(tap["shift"]) > 0.005:
+            wrong.append(f"{of} is shifted by {tap['shift']:.4f} mm between in and out: expected 0.005 at most")
+        if tap["chatter"] > 20:
+            wrong.append(f"{of} chatters by {tap['chatter']:.0f} mm/s2: expected 20 at most")
+        theirs_took = other[number]["seconds"] if number < len(other) else None
+        if number % 2 and theirs_took is not None and tap["seconds"] > theirs_took:
+            wrong.append(f"{of} took {tap['seconds']:.3f} s: LinuxCNC took {theirs_took:.3f}")
+    if wrong:
+        sys.exit("\n".join(wrong))
+    print(f"{count} taps are as they should be")
+
+
+def times(clocks_per_us, of):
+    print("                      periods  mean, us  99.9 %, us  worst, us")
+    for name, path in zip(of[::2], of[1::2]):
+        took = sorted(int(line) / clocks_per_us for line in open(path) if line.strip().isdigit())
+        if len(took) < 1000:
+            sys.exit(f"{len(took)} times in {path}: expected 1000 at least")
+        mean = sum(took) / len(took)
+        print(f"{name:20}{len(took):9}{mean:10.2f}{took[int(len(took) * 0.999)]:12.1f}{took[-1]:11.1f}")
+
+
 def main():
+    if sys.argv[1] == "times":
+        return times(float(sys.argv[2]), sys.argv[3:])
+    if sys.argv[1] == "beside":
+        numbers = [float(word) for word in sys.argv[4:]]
+        return beside(sys.argv[2], sys.argv[3], *numbers[:4], int(numbers[4]))
     if sys.argv[1] == "threads":
         numbers = [float(word) for word in sys.argv[3:]]
         return threads(sys.argv[2], *numbers[:3], int(numbers[3]), *numbers[4:])
