@@ -203,13 +203,14 @@ def beside(ours, theirs, pitch, start, bottom, depth, count):
 
 
 def times(clocks_per_us, of):
-    print("                      periods  mean, us  99.9 %, us  worst, us")
+    print("                      periods  mean, us  half, us  99.9 %, us  worst, us")
     for name, path in zip(of[::2], of[1::2]):
         took = sorted(int(line) / clocks_per_us for line in open(path) if line.strip().isdigit())
         if len(took) < 1000:
             sys.exit(f"{len(took)} times in {path}: expected 1000 at least")
         mean = sum(took) / len(took)
-        print(f"{name:20}{len(took):9}{mean:10.2f}{took[int(len(took) * 0.999)]:12.1f}{took[-1]:11.1f}")
+        half = took[len(took) // 2]
+        print(f"{name:20}{len(took):9}{mean:10.2f}{half:10.2f}{took[int(len(took) * 0.999)]:12.1f}{took[-1]:11.1f}")
 
 
 def main():

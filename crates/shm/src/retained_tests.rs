@@ -1,3 +1,4 @@
+//! What the component keeps of a tool in the work: words of shared memory, also damaged ones.
 use super::*;
 
 /// Memory of its own, as a component that was just loaded has it.

@@ -1,3 +1,4 @@
+//! The smooth observer against closed forms, through an encoder and without one.
 use super::*;
 use proptest::prelude::*;
 use std::vec::Vec;
