@@ -81,10 +81,10 @@ impl Cutter {
         }
     }
 
-    /// The path ends here.
-    pub(crate) fn finish(&mut self, ends: &Ends, emit: &mut impl FnMut(Piece)) {
+    /// The path comes to rest here; what follows begins with the move `next`, which may be of the same path.
+    pub(crate) fn finish(&mut self, next: u32, ends: &Ends, emit: &mut impl FnMut(Piece)) {
         if let Some(held) = self.held.take() {
-            cut(&held, core::mem::take(&mut self.done), u32::MAX, ends, emit);
+            cut(&held, core::mem::take(&mut self.done), next, ends, emit);
         }
     }
 

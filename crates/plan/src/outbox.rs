@@ -114,6 +114,11 @@ impl Outbox {
         });
     }
 
+    /// The first move of the run; beyond all moves if there is none.
+    pub(crate) fn next_op(&self) -> u32 {
+        self.run.next_op()
+    }
+
     /// Plan the run anew, with what came back of it; then whatever waits.
     pub(crate) fn repace(
         &mut self,

@@ -52,6 +52,15 @@ pub(crate) struct Row {
     per_revolution: bool,
 }
 
+/// What follows a row.
+#[derive(Clone, Copy)]
+enum Waits<'a> {
+    /// Pieces of the same path.
+    Pieces(&'a [Piece]),
+    /// Rest, and then this move.
+    Rest(u32),
+}
+
 /// A new law of time, from one of the phases on.
 struct Anew {
     from: usize,
@@ -101,7 +110,8 @@ impl Planner {
         };
         let stays = steps.iter().any(swings);
         let mut row: Option<Row> = None;
-        for step in steps {
+        let mut steps = steps.into_iter().peekable();
+        while let Some(step) = steps.next() {
             let Some((new, ends)) = row_of(&step, done.take().unwrap_or(0.0)) else {
                 emit(step); // a run ends at rest before anything else
                 continue;
@@ -114,7 +124,8 @@ impl Planner {
                 if stays {
                     row.as_planned(row.parts.len(), true, emit);
                 } else {
-                    row.again((&self.limits, &self.outbox.ends), settings, emit);
+                    let next = steps.peek().map_or_else(|| self.outbox.next_op(), |step| step.op);
+                    row.again((&self.limits, &self.outbox.ends), settings, next, emit);
                 }
             }
         }
@@ -127,27 +138,33 @@ impl Planner {
 }
 
 impl Row {
-    /// A whole path, to its end.
+    /// To where it comes to rest: at the path's end, or before, at that of a line, where `next` is the first move of what follows.
     fn again(
         self,
         known: (&MachineLimits, &Ends),
         settings: OperatorSettings,
+        next: u32,
         emit: &mut dyn FnMut(Step),
     ) {
-        let Some(Anew { from, mut timing, .. }) = self.anew(known, settings, None) else {
+        let Some(Anew { from, mut timing, .. }) = self.anew(known, settings, Waits::Rest(next))
+        else {
             return self.as_planned(self.parts.len(), true, emit);
         };
         self.as_planned(from, false, emit);
         timing.close(emit);
     }
 
-    /// From the first phase from which a new law of time keeps all limits. `waits`: what follows; `None`: the path ends.
+    /// From the first phase from which a new law of time keeps all limits.
     fn anew(
         &self,
         (limits, ends): (&MachineLimits, &Ends),
         settings: OperatorSettings,
-        waits: Option<&[Piece]>,
+        waits: Waits,
     ) -> Option<Anew> {
+        let (waits, next) = match waits {
+            Waits::Pieces(pieces) => (pieces, None),
+            Waits::Rest(next) => (&[][..], Some(next)),
+        };
         let spin = self.per_revolution.then_some(self.pace.turning);
         // on a curve, from where the first plan looked at its limits, unless that is far and nothing happens until then
         let at_once = self.parts.first().is_none_or(|part| {
@@ -159,11 +176,11 @@ impl Row {
             let Phase { s, v, a, .. } = self.parts[from].phase;
             let timing = Timing::new(limits, spin, settings, Some(State { s, v, a }));
             let mut anew = Anew { from, timing, cutter: Cutter::from(s) };
-            for piece in pieces(&self.parts[from..], waits.unwrap_or_default()) {
+            for piece in pieces(&self.parts[from..], waits) {
                 anew.push(piece, settings, ends);
             }
-            if waits.is_none() {
-                anew.finish(ends);
+            if let Some(next) = next {
+                anew.finish(next, ends);
             }
             if anew.goes_on(ends) {
                 return Some(anew);
@@ -206,7 +223,7 @@ impl Anew {
         if self.cutter.held().is_some() {
             let mut whole =
                 Self { timing: self.timing.clone(), cutter: self.cutter.clone(), ..*self };
-            whole.finish(ends);
+            whole.finish(u32::MAX, ends);
             // without that piece there need be no way to rest yet: it comes before the law is asked
             let _ = self.timing.goes_on();
             return whole.timing.goes_on();
@@ -214,10 +231,10 @@ impl Anew {
         self.timing.goes_on()
     }
 
-    /// The path ends here.
-    fn finish(&mut self, ends: &Ends) {
+    /// The path comes to rest here; what follows begins with the move `next`.
+    fn finish(&mut self, next: u32, ends: &Ends) {
         let Self { timing, cutter, .. } = self;
-        cutter.finish(ends, &mut |piece| timing.push(piece));
+        cutter.finish(next, ends, &mut |piece| timing.push(piece));
     }
 
     /// The next piece.
@@ -246,7 +263,7 @@ impl Run {
         };
         let left: Vec<Piece> = old.left().chain(self.cutter.held().copied()).collect();
         let anew = if let Some(row) = &back {
-            row.anew(known, settings, Some(&left))
+            row.anew(known, settings, Waits::Pieces(&left))
         } else {
             let state = old.begins();
             let timing = Timing::new(known.0, self.spin, settings, state);

@@ -99,6 +99,15 @@ impl Run {
         self.first.as_ref().map(OrderedMove::step)
     }
 
+    /// The first move of what waits here; beyond all moves if nothing does.
+    pub(crate) fn next_op(&self) -> u32 {
+        let alone = self.first.as_ref().map(|first| first.segment.op);
+        let timed = self.timing.as_ref().and_then(|timing| timing.left().next());
+        let piece = timed.as_ref().or_else(|| self.cutter.held()).map(|piece| piece.op);
+        let joined = || self.joiner.as_ref().and_then(Joiner::next_op);
+        alone.or(piece).or_else(joined).unwrap_or(u32::MAX)
+    }
+
     /// Whether a move can go on from the ones before without a stop.
     pub(crate) fn takes(&self, order: &OrderedMove) -> bool {
         let spin = self.first.as_ref().map_or(self.spin, OrderedMove::spin);
@@ -183,7 +192,7 @@ impl Run {
                 }
             });
         }
-        cutter.finish(ends, &mut |piece| timing.push(piece));
+        cutter.finish(u32::MAX, ends, &mut |piece| timing.push(piece));
         timing.close(emit);
         let refusal = self.refusal.take().or_else(|| timing.take_refusal());
         *self = Self { refusal, ..Self::default() };

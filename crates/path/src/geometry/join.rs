@@ -185,6 +185,12 @@ impl Joiner {
         self.waiting.is_empty() && self.line.is_none()
     }
 
+    /// The operation of the first move that waits.
+    pub fn next_op(&self) -> Option<u32> {
+        let waiting = self.waiting.first().map(|one| one.segment.op);
+        waiting.or_else(|| self.line.map(|(segment, _)| segment.op))
+    }
+
     fn append(&mut self, segment: &Segment, emit: &mut impl FnMut(Piece)) {
         let length = segment.curve.length();
         let (start, end) = (segment.curve.at(0.0), segment.curve.at(length));
