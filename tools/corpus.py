@@ -25,6 +25,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 LIST = ROOT / "docs/corpus/list.tsv"
 VERDICTS = ROOT / "docs/corpus/verdicts.tsv"
+REFUSED = ROOT / "docs/corpus/refused.tsv"
+#: Classes of refused.tsv that are no whole program for a machine tool of these controls.
+NO_PROGRAM = ("printer", "other control", "no program", "subprogram", "incomplete")
 #: Programs that are given to the command at once.
 AT_ONCE = 40
 #: Larger programs are not compared: each takes seconds.
@@ -97,7 +100,21 @@ def verdicts(folder: Path, half: str, command: str, write: bool) -> int:
     for kind in sorted(total):
         print(f"{kind:18}{good[kind]:16}{total[kind]:6}")
     print(f"{'all':18}{sum(good.values()):16}{sum(total.values()):6}")
+    shares(rows, found, sum(good.values()))
     return 0
+
+
+def shares(rows: dict[str, dict[str, str]], found: list[dict[str, object]], good: int) -> None:
+    """Of all, and of those that are whole programs for such a machine: refused.tsv says which are not, and why, read by hand."""
+    with REFUSED.open(encoding="utf-8", newline="") as file:
+        table = csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)
+        classes = {(row["repository"], row["path"]): row["class"] for row in table}
+    refused = [rows[str(program["program"])] for program in found if program["errors"] != 0]
+    counts = collections.Counter(classes.get((row["repository"], row["path"]), "not read yet") for row in refused)
+    for kind, count in counts.most_common():
+        print(f"refused, {kind:18}{count:6}")
+    whole = len(found) - sum(counts[kind] for kind in NO_PROGRAM)
+    print(f"of all {good / len(found):.1%}, of whole programs for such machines {good / whole:.1%} ({good} of {whole})")
 
 
 def motion(folder: Path, half: str) -> int:

@@ -12,6 +12,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use store::machine::OwnCodes;
 
+const TOOL: &str = "T";
+const CORNER: &str = ",C and ,R";
+const FLOW: &str = "IF, GOTO, WHILE";
+const OUTPUT: &str = "DPRNT";
+const O_WORDS: &str = "O-words";
+const SET: &str = "variables that are set";
+
 /// What is counted beside G and M: words of macros and of flow.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum CountedWord {
@@ -86,29 +93,32 @@ fn count(uses: &mut Uses, index: usize, path: &Path, text: &[u8], dialect: Diale
                 (b'G' | b'M', Value::Expression(_)) => {
                     add(CountedWord::Other("G or M of a variable"));
                 }
-                (b'T', _) => add(CountedWord::Other("T")),
-                (b'c' | b'r', _) => add(CountedWord::Other(",C and ,R")),
+                (b'T', _) => add(CountedWord::Other(TOOL)),
+                (b'c' | b'r', _) => add(CountedWord::Other(CORNER)),
                 _ => {}
             }
         }
         if block.control.is_some() {
-            add(CountedWord::Other("IF, GOTO, WHILE"));
+            add(CountedWord::Other(FLOW));
         }
         if block.output.is_some() {
-            add(CountedWord::Other("DPRNT"));
+            add(CountedWord::Other(OUTPUT));
         }
         if block.o.is_some_and(|o| o.keyword != gcode::Keyword::Program) {
-            add(CountedWord::Other("O-words"));
+            add(CountedWord::Other(O_WORDS));
         }
         if !block.assignments.is_empty() {
-            add(CountedWord::Other("variables that are set"));
+            add(CountedWord::Other(SET));
         }
     }
 }
 
 /// One word for whether it is executed, and what it means.
 fn known(what: CountedWord, dialect: Dialect, own: &OwnCodes) -> (&'static str, String) {
-    let CountedWord::Code(letter, tenths) = what else { return ("executed", String::new()) };
+    let (letter, tenths) = match what {
+        CountedWord::Code(letter, tenths) => (letter, tenths),
+        CountedWord::Other(word) => return ("executed", meaning(word, dialect).to_owned()),
+    };
     let number = u16::try_from(tenths / 10).ok().filter(|_| tenths % 10 == 0);
     let call = own.calls.iter().find(|call| call.letter == letter && call.number == number);
     if let Some(call) = call.filter(|_| number.is_some()) {
@@ -123,6 +133,20 @@ fn known(what: CountedWord, dialect: Dialect, own: &OwnCodes) -> (&'static str, 
         Some(info) => ("refused", info.name.to_owned()),
         None if letter == 'M' => ("unknown", "the machine builder's".to_owned()),
         None => ("unknown", "no code of this dialect".to_owned()),
+    }
+}
+
+/// What a word does that is neither a G nor an M code.
+fn meaning(word: &str, dialect: Dialect) -> &'static str {
+    match word {
+        TOOL if dialect.has_turret() => "turns the turret to a tool, with its offset",
+        TOOL => "selects the tool that M6 puts into the spindle",
+        CORNER => "chamfer or radius between two moves",
+        FLOW => "jumps, branches and loops of a custom macro",
+        OUTPUT => "writes a line of text to a file",
+        O_WORDS => "subprograms, branches and loops",
+        SET => "variables and parameters are given values",
+        _ => "the code is computed while the program runs",
     }
 }
 

@@ -15,19 +15,20 @@ use interp::Dialect;
 use std::path::Path;
 
 /// Built-in machines that mill, the smallest first; then those for polygons, cams and gears.
-const MILLS: [&str; 7] = [
+const MILLS: [&str; 8] = [
     DEFAULT_MACHINE,
     "machining-center",
     "router",
     "mill-5-axis",
+    "portal-mill",
     "polygon-lathe",
     "cam-grinder",
     "gear-hobber",
 ];
 /// Those for hobby programs.
-const ROUTERS: [&str; 3] = ["router", "machining-center", "mill-5-axis"];
+const ROUTERS: [&str; 4] = ["router", "machining-center", "mill-5-axis", "portal-mill"];
 /// Those that turn.
-const LATHES: [&str; 2] = ["lathe", "turning-center"];
+const LATHES: [&str; 3] = ["lathe", "turning-center", "lathe-chuck-zero"];
 /// Findings that another machine would not have: travel, feed, an axis, the speed of the spindle, taps, the pocket; spindles
 /// for polygons, cams and gears.
 const OF_THE_MACHINE: [&str; 10] =
@@ -92,6 +93,12 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
         }
         _ => first,
     };
+    if args.summary && !is_asked && errors(&best.found) > 0 {
+        let is_turned = interp::is_turned(text);
+        if let Some(other) = without_fault(&asked, dialect, words, is_turned, path, text)? {
+            return Ok(other);
+        }
+    }
     if let Some(reason) = whole_units {
         best.machine += ", numbers without a point in whole units";
         let text = format!("read with --decimal-point calculator: {reason}");
@@ -103,6 +110,45 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
         best.found.insert(0, said);
     }
     Ok(best)
+}
+
+/// A dialect in which nothing is wrong with a program whose words tell none: of a folder that is summed up.
+fn without_fault(
+    asked: &ProgramOptions,
+    tried: Dialect,
+    words: Option<Dialect>,
+    turned: bool,
+    path: &Path,
+    text: &[u8],
+) -> Result<Option<Fitted>, Refused> {
+    let others: &[Dialect] = match words {
+        _ if turned => &[Dialect::FanucLatheA],
+        None => &[Dialect::Grbl, Dialect::Fanuc],
+        Some(_) => &[],
+    };
+    for dialect in others.iter().filter(|dialect| **dialect != tried) {
+        let machines: &[&str] = match dialect {
+            Dialect::FanucLatheA => &LATHES,
+            Dialect::Grbl => &ROUTERS,
+            _ => &MILLS,
+        };
+        let options = |machine: &str| ProgramOptions {
+            machine: machine.into(),
+            dialect: Some(*dialect),
+            without_table: true,
+            ..asked.clone()
+        };
+        let first = on(&options(machines[0]), machines[0].into(), path, text)?;
+        let nearest = nearest(&options, &machines[1..], &first.found, path, text)?;
+        let mut best = nearest.unwrap_or(first);
+        if errors(&best.found) == 0 {
+            let why =
+                format!("nothing is wrong with it so; with --dialect {} there is", tried.name());
+            best.found.insert(0, said(*dialect, &best.machine, Some(&why)));
+            return Ok(Some(best));
+        }
+    }
+    Ok(None)
 }
 
 /// Why the numbers without a point of a program in a folder that is summed up are read as whole units, if nothing else is asked.

@@ -131,3 +131,25 @@ fn codes_of_a_folder_are_counted() {
     let haas = said(&leadscrew(&["codes", "--of", "O1002", "--dialect", "haas"], folder.path()));
     assert!(haas.contains("a circle from its centre, clockwise"), "{haas}");
 }
+
+#[test]
+fn a_program_whose_words_tell_nothing_is_read_as_the_dialect_in_which_nothing_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    // an end of the tape in its middle, as senders skip it: nothing else in it tells who reads it
+    fs::write(folder.path().join("plain.nc"), "G21 G90\nG0 X5\n%X\nG0 X10\nM2\n").unwrap();
+    let text = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
+    assert!(text.contains("1 of 1 program can be executed"), "{text}");
+    assert!(text.contains("grbl on router"), "{text}");
+    // named, it stays what it is named
+    let words = ["check", ".", "--summary", "--dialect", "linuxcnc"];
+    assert!(said(&leadscrew(&words, folder.path())).contains("0 of 1"));
+}
+
+#[test]
+fn a_rotary_axis_and_the_middle_of_a_table_are_found_on_a_built_in_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "G21 G90 G54\nG0 Z50\nG0 X10 A3600\nG53 G0 X120\nM2\n";
+    fs::write(folder.path().join("round.ngc"), text).unwrap();
+    let text = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
+    assert!(text.contains("portal-mill"), "{text}");
+}

@@ -151,6 +151,12 @@ impl Line<'_, '_> {
             b'%' => {
                 self.take();
                 self.block.percent = true;
+                // the beginning of the tape up to the first end of a block is skipped, and so is what follows its end
+                let rest = self.text.get(self.at..).unwrap_or_default().trim_ascii();
+                if !rest.is_empty() && !rest.starts_with(b"(") {
+                    self.leave_out_rest(Problem::BehindPercent);
+                    return Ok(());
+                }
                 return self.only_comments(Problem::PercentNotAlone);
             }
             // `[BILLET X50 Z100`: what a school's simulator is told

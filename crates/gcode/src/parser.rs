@@ -237,6 +237,7 @@ impl<'a> Parser<'a> {
                 | Problem::CommentNotUtf8
                 | Problem::ForTheSender
                 | Problem::BehindSemicolon
+                | Problem::BehindPercent
         );
         let again = once && self.diagnostics.iter().any(|d| d.code == problem.code());
         if self.reported.len() < MAX_DIAGNOSTICS && !again {
@@ -244,7 +245,10 @@ impl<'a> Parser<'a> {
             self.diagnostics.push(problem.diagnostic(text, from, span));
         } else if !matches!(
             problem,
-            Problem::CommentNotUtf8 | Problem::ForTheSender | Problem::BehindSemicolon
+            Problem::CommentNotUtf8
+                | Problem::ForTheSender
+                | Problem::BehindSemicolon
+                | Problem::BehindPercent
         ) {
             self.more += 1;
             self.more_up_to = span.end;

@@ -6,10 +6,11 @@
 use crate::{
     call::{Call, Sink},
     codes::GGroup,
+    compensation::compensation_off,
     executor::Settings,
     fault::{Outcome, refuse},
     frame::{self, Point},
-    modes::Modes,
+    modes::{Modes, compensation::Compensation},
     names::Store,
     out::Out,
     setup::Parameters,
@@ -245,18 +246,29 @@ pub(crate) fn go_to_reference<S: Sink>(
     first: usize,
     out: &mut Out<'_, S>,
 ) -> Outcome {
-    let by = target::destination(words, modes, false)?;
+    let mut by = target::destination(words, modes, false)?;
+    let all = !words.any(crate::codes::AXES);
+    let moved = |modes: &Modes, axis| all || target::axis_word(words, modes, axis).is_some();
+    // the axes that are named end their compensation on the way to the intermediate point; the others stay beside the path
+    let paused = modes.compensation.clone();
+    if paused.is_some() {
+        compensation_off(words, modes, out)?;
+        let place = modes.place();
+        for axis in (0..9).filter(|axis| !moved(modes, *axis)) {
+            by[axis] = place[axis];
+        }
+        modes.left_beside = None;
+    }
     out.say(&Call::Rapid(by));
     let reference = modes.frame.to_program(&read_point(modes, store, first));
     let mut to = by;
-    let all = !words.any(crate::codes::AXES);
-    for axis in 0..9 {
-        if all || target::axis_word(words, modes, axis).is_some() {
-            to[axis] = reference[axis];
-        }
+    for axis in (0..9).filter(|axis| moved(modes, *axis)) {
+        to[axis] = reference[axis];
     }
     modes.at = to;
     out.say(&Call::Rapid(to));
+    // behind it the next move of the plane starts up
+    modes.compensation = paused.map(|paused| Compensation { at: None, last: None, ..paused });
     Ok(())
 }
 

@@ -25,6 +25,8 @@ const DECISIVE: u32 = 4;
 /// Lines and bytes that are looked at.
 pub(crate) const LINES: usize = 4000;
 pub(crate) const BYTES: u32 = 1 << 18;
+/// Bytes of a line that are looked at: a longer one tells nothing more, and is refused.
+const OF_A_LINE: usize = 1 << 12;
 /// Bytes at the end in which a program's end is looked for.
 const TAIL: usize = 4096;
 /// Pieces of evidence that are named.
@@ -165,7 +167,7 @@ fn gather(source: &[u8]) -> Vec<Evidence> {
                 all.push(e);
             }
         });
-        first &= line.code.is_empty() || line.code == "%";
+        first &= line.code.is_empty() || line.code == "%" || line.code.starts_with('[');
     }
     all
 }
@@ -203,6 +205,7 @@ pub(crate) struct Line {
 
 impl Line {
     pub(crate) fn read(text: &[u8], at: Span) -> Self {
+        let text = text.get(..OF_A_LINE).unwrap_or(text);
         let blanks = text.len() - text.trim_ascii_start().len();
         let span = Span {
             start: at.start + blanks as u32,
@@ -367,6 +370,16 @@ impl Line {
                 say(Family::LinuxCnc, 5, "an O-word", &format!("O{} {keyword}", &rest[..label]));
             }
         }
+        if let Some(rest) = code.strip_prefix("%O").filter(|rest| digits(rest) > 0) {
+            let written = format!("%O{}", &rest[..digits(rest)]);
+            say(Family::Fanuc, 4, "a numbered program beside the percent sign", &written);
+        }
+        if first
+            && code.starts_with('[')
+            && code[1..].starts_with(|c: char| c.is_ascii_alphabetic())
+        {
+            say(Family::Fanuc, 4, "a line for a simulator of Fanuc's controls", code);
+        }
         if code.starts_with(':') && digits(&code[1..]) > 0 {
             say(Family::Fanuc, 4, "a numbered program begins, in the ISO way", code);
         }
@@ -459,6 +472,7 @@ impl Line {
                 say(Family::Haas, 3, "a work offset beyond the sixth, by G154");
             }
             1870 if self.has_any("PE") => say(Family::Haas, 4, "how corners are taken, by G187"),
+            1201 if self.has("PQ") => say(Family::Mitsubishi, 4, "how paths are worked, by G120.1"),
             1030 if self.has("P") => say(Family::Haas, 2, "how far the control looks ahead"),
             40 | 810..=830 if tenths % 10 == 0 && self.waits_for_a_fraction() => {
                 say(Family::Haas, 1, "a wait in seconds, with a point");

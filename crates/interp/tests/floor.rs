@@ -346,3 +346,30 @@ fn s_of_a_dwell_is_seconds_to_grbls_kin() {
     assert_eq!(dwell("G4 S2\n"), Some(2.0));
     assert_eq!(dwell("G4 P0.5\n"), Some(0.5));
 }
+
+#[test]
+fn what_stands_beside_the_percent_sign_is_skipped_and_said() {
+    let text = "%O0003( 300-11 FIXTURE)\nG21 G90\nG0 X10.\nM30\n%\n";
+    assert_eq!(places(&ops(text, Dialect::Fanuc)), [[10.0, 0.0, 0.0]]);
+    assert_eq!(found(text, Dialect::Fanuc), ["P0198"]);
+    assert!(found(text, Dialect::LinuxCnc).contains(&"P0110"), "LinuxCNC refuses it");
+}
+
+/// Operator's manual of series 30i, "Reference position return in cutter compensation": the vector is cancelled in the
+/// movement to the intermediate point (CCN of parameter 5003 is 0), and restored by a start-up after the return.
+#[test]
+fn g28_ends_the_compensation_on_its_way_and_starts_it_up_again_behind() {
+    let head = "O1\nG21 G90 G54 G17\nG10 L12 P1 R5.\nG0 X0 Y0\nG1 G41 D1 X10. Y0 F100.\nX40.\n";
+    // X is named: it is at the programmed X50 in the intermediate point, Y stays beside the path
+    let text = format!("{head}G28 X50.\nG1 X60. Y20.\nX80.\nG40 X90.\nM30\n");
+    let found = places(&ops(&text, Dialect::Fanuc));
+    let [.., end, by, home, beside, _, _] = found[..] else { panic!("{found:?}") };
+    assert_eq!(end, [40.0, 5.0, 0.0], "5 mm on the left of the way along X");
+    assert_eq!(by, [50.0, 5.0, 0.0]);
+    assert_eq!(home[1..], [5.0, 0.0]);
+    assert_eq!(beside, [60.0, 25.0, 0.0], "started up, beside the move along X that follows");
+    // without an axis of the plane the tool stays where it is, and Z alone goes home
+    let text = format!("{head}G1 Z-20.\nG0 G91 G28 Z0\nM30\n");
+    let found = places(&ops(&text, Dialect::Fanuc));
+    assert_eq!(found[found.len() - 2..], [[40.0, 5.0, -20.0], [40.0, 5.0, 0.0]]);
+}

@@ -171,3 +171,21 @@ fn no_program_of_the_pages_is_suspected_in_its_own_dialect() {
         assert!(seen > 0, "{} is suspected in every dialect", path.display());
     }
 }
+
+#[test]
+fn numbers_beside_the_percent_sign_and_simulators_lines_are_fanucs() {
+    let guess = |text: &str| interp::looks_like(text.as_bytes(), Dialect::LinuxCnc);
+    assert_eq!(guess("%O0003( FIXTURE)\nG0 X1.\nM30\n%\n"), Some(Dialect::Fanuc));
+    assert_eq!(
+        guess("[BILLET X50 Z80\nO3\nT0101\nG0 X50. Z2.\nG28 U0 W0\nM30\n"),
+        Some(Dialect::FanucLatheA)
+    );
+    assert_eq!(guess("O3\nG120.1 P1 Q1\nG0 X1.\nM30\n"), Some(Dialect::Mitsubishi));
+}
+
+#[test]
+fn a_line_without_an_end_tells_nothing_more_than_its_beginning() {
+    let text = "X1 ".repeat(1 << 22) + "G65 P9000 A1.";
+    assert_eq!(interp::looks_like(text.as_bytes(), Dialect::LinuxCnc), None);
+    assert_eq!(interp::looks_like(b"G65 P9000 A1.\n", Dialect::LinuxCnc), Some(Dialect::Fanuc));
+}

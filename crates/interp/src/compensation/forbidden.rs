@@ -5,6 +5,7 @@
 //! what this block begins or ends.
 use crate::{
     codes::{GGroup, MGroup},
+    dialect::rules::StartUp,
     executor::Settings,
     fault::{Outcome, error},
     modes::Modes,
@@ -23,9 +24,9 @@ pub(crate) fn check_compensated(words: &Words, modes: &Modes, settings: &Setting
         Some(_) => strict,
         None => modes.compensating(),
     };
-    let what = None
-        .or_else(|| forbidden_before(words, modes).filter(|_| before))
-        .or_else(|| forbidden_after(words, modes, strict).filter(|_| after));
+    let what = None.or_else(|| forbidden_before(words, modes).filter(|_| before)).or_else(|| {
+        forbidden_after(words, modes, strict, settings.rules.start_up).filter(|_| after)
+    });
     let Some(what) = what else { return Ok(()) };
     let text = format!("{what} while cutter radius compensation is on");
     let help = "write G40 in a block before it, and G41 or G42 in one after it";
@@ -48,7 +49,12 @@ fn forbidden_before(words: &Words, modes: &Modes) -> Option<&'static str> {
     }
 }
 
-fn forbidden_after(words: &Words, modes: &Modes, strict: bool) -> Option<&'static str> {
+fn forbidden_after(
+    words: &Words,
+    modes: &Modes,
+    strict: bool,
+    start_up: StartUp,
+) -> Option<&'static str> {
     let other = |code| strict || offsets::system_of(code) != modes.system;
     match () {
         () if words.g(GGroup::ToolLength).is_some() => {
@@ -59,6 +65,8 @@ fn forbidden_after(words: &Words, modes: &Modes, strict: bool) -> Option<&'stati
             Some("the work offset cannot be called")
         }
         () => match words.g(GGroup::NonModal)? {
+            // Fanuc's controls end it on the way to the intermediate point, and start it up again behind it
+            280 | 300 if start_up == StartUp::BesideNext => None,
             280 | 281 | 300 | 301 => Some("the reference points cannot be used"),
             520 | 920..=923 => Some("the offsets of G52 and G92 cannot be changed"),
             530 => Some("G53 cannot be used"),

@@ -114,5 +114,12 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nG0 X1. (up to the edge)\nM30",
     )
     .of(crate::Dialect::Fanuc),
+    row(
+        "P0198",
+        "What stands beside the percent sign is not read.",
+        "%O12\nG0 X1.\nM30\n%",
+        "%\nO12\nG0 X1.\nM30\n%",
+    )
+    .of(crate::Dialect::Fanuc),
     row("P0199", "There are more findings than are shown.", "", ""),
 ];

@@ -119,7 +119,7 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 15] = [
+pub const EMBEDDED: [&str; 17] = [
     "tapping-center",
     "polygon-lathe",
     "lathe",
@@ -135,6 +135,8 @@ pub const EMBEDDED: [&str; 15] = [
     "machining-center",
     "router",
     "turning-center",
+    "portal-mill",
+    "lathe-chuck-zero",
 ];
 
 /// The text of an embedded machine's file.
@@ -159,6 +161,8 @@ pub fn embedded(name: &str) -> Option<&'static str> {
         "bench-xyz" => Some(include_str!("../../../../machines/bench-xyz.toml")),
         "bench-xyz-jerk20" => Some(include_str!("../../../../machines/bench-xyz-jerk20.toml")),
         "mill-5-axis" => Some(include_str!("../../../../machines/mill-5-axis.toml")),
+        "portal-mill" => Some(include_str!("../../../../machines/portal-mill.toml")),
+        "lathe-chuck-zero" => Some(include_str!("../../../../machines/lathe-chuck-zero.toml")),
         _ => None,
     }
 }
