@@ -113,8 +113,8 @@ pub use live::{Live, asks};
 pub use ops::{
     Ops, called_files, check, defined_subprograms, files_called_by_word, suspicion, with_dialect,
 };
-pub use other_dialect::{looks_like, other_dialect, telling_words, unended};
-pub use other_machine::is_turned;
+pub use other_dialect::{looks_like, other_dialect, telling_words};
+pub use other_machine::{is_turned, unended};
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use resolve::Resolver;
 pub use setup::{

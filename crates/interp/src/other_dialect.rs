@@ -27,8 +27,6 @@ pub(crate) const LINES: usize = 4000;
 pub(crate) const BYTES: u32 = 1 << 18;
 /// Bytes of a line that are looked at: a longer one tells nothing more, and is refused.
 const OF_A_LINE: usize = 1 << 12;
-/// Bytes at the end in which a program's end is looked for.
-const TAIL: usize = 4096;
 /// Pieces of evidence that are named.
 const NAMED: usize = 4;
 /// Brother's U and E, which a machine's setting gives to all dialects.
@@ -170,21 +168,6 @@ fn gather(source: &[u8]) -> Vec<Evidence> {
         first &= line.code.is_empty() || line.code == "%" || line.code.starts_with('[');
     }
     all
-}
-
-/// The last line of a text that has neither M2 nor M30, M99 nor `%` in its last lines.
-pub fn unended(source: &[u8]) -> Option<u32> {
-    let tail = &source[source.len().saturating_sub(TAIL)..];
-    let ends = tail.split(|byte| *byte == b'\n').any(|text| {
-        let line = Line::read(text, Span::default());
-        let stops = |(letter, number, _): &(char, String, Span)| {
-            *letter == 'M' && matches!(number.parse(), Ok(2.0 | 30.0 | 99.0))
-        };
-        line.code.contains('%') || line.words.iter().any(stops) || line.code.starts_with('O')
-    });
-    let last = source.iter().rposition(|byte| !byte.is_ascii_whitespace())?;
-    let number = memchr::memchr_iter(b'\n', &source[..last]).count() as u32 + 1;
-    (!ends).then_some(number)
 }
 
 /// One line: its letters, without comments and blanks.

@@ -17,6 +17,9 @@ const PRINTERS: [(&str, &str); 8] = [
 /// E of a move.
 const FILAMENT: &str = "filament on a move";
 
+/// Bytes at the end in which a program's end is looked for.
+const TAIL: usize = 4096;
+
 /// A program for a 3D printer: one sentence, in the place of all that would follow.
 pub(crate) fn printer(source: &[u8]) -> Option<Diagnostic> {
     let (mut start, mut seen) = (0_u32, Vec::<(&str, String, Span)>::new());
@@ -73,4 +76,19 @@ pub fn is_turned(source: &[u8]) -> bool {
         });
     }
     turns
+}
+
+/// The last line of a text that has neither M2 nor M30, M99 nor `%` in its last lines.
+pub fn unended(source: &[u8]) -> Option<u32> {
+    let tail = &source[source.len().saturating_sub(TAIL)..];
+    let ends = tail.split(|byte| *byte == b'\n').any(|text| {
+        let line = Line::read(text, Span::default());
+        let stops = |(letter, number, _): &(char, String, Span)| {
+            *letter == 'M' && matches!(number.parse(), Ok(2.0 | 30.0 | 99.0))
+        };
+        line.code.contains('%') || line.words.iter().any(stops) || line.code.starts_with('O')
+    });
+    let last = source.iter().rposition(|byte| !byte.is_ascii_whitespace())?;
+    let number = memchr::memchr_iter(b'\n', &source[..last]).count() as u32 + 1;
+    (!ends).then_some(number)
 }
