@@ -63,8 +63,8 @@ pub enum ToolKind {
         /// Full point angle, 90° as a rule.
         point_angle: Angle,
     },
-    /// Cuts with its side.
-    EndMill,
+    /// Cuts with its side, and mostly with its end.
+    EndMill(Mill),
     /// Cuts an internal thread.
     Tap(TapTool),
     /// Cuts flats beside a turning workpiece.
@@ -75,6 +75,80 @@ pub enum ToolKind {
     Probe(TouchProbe),
     /// Anything else; it makes no feature that is judged.
     Other,
+}
+
+/// An end mill of any form, as far as the table says: what it does not say is not judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mill {
+    /// What its edges sweep in a turn; `None`: not known.
+    pub form: Option<MillForm>,
+    /// Its teeth about the circumference.
+    pub teeth: Option<u32>,
+    /// What its body is made of.
+    pub body: Option<CutterMaterial>,
+    /// What it is not to exceed.
+    pub limits: MillLimits,
+}
+
+/// What the body of a mill is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutterMaterial {
+    /// Cemented carbide of ISO class K.
+    Carbide,
+    /// High-speed steel.
+    HighSpeedSteel,
+}
+
+impl CutterMaterial {
+    /// Its Young's modulus, N/mm² (typical).
+    pub const fn modulus_n_per_mm2(self) -> f64 {
+        match self {
+            Self::Carbide => 600_000.0,
+            Self::HighSpeedSteel => 210_000.0,
+        }
+    }
+}
+
+/// What the edges of a mill sweep in a turn, below its diameter.
+///
+/// ```text
+///   │      │    │      │    │      │    ╲      ╱
+///   │      │    │      │    ╲      ╱     ╲    ╱
+///   └──────┘    ╰──────╯     ╲____╱       ╲__╱
+///    flat         bull        ball       conical
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MillForm {
+    /// A cylinder whose corner is rounded; with 0 a flat end mill or a face mill.
+    Cylindrical {
+        /// Radius of its corner.
+        corner: Length,
+    },
+    /// A hemisphere.
+    Ball,
+    /// Chamfer mills and engraving tools.
+    Conical {
+        /// Full angle of its cone.
+        angle: Angle,
+        /// Diameter of its flat tip.
+        tip: Length,
+    },
+}
+
+impl MillForm {
+    /// A flat end mill or a face mill.
+    pub const FLAT: Self = Self::Cylindrical { corner: Length::ZERO };
+}
+
+/// What a mill is not to exceed; `None`: not stated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MillLimits {
+    /// Thickness of the chip of a tooth.
+    pub chip: Option<Length>,
+    /// Axial depth of the cut.
+    pub depth: Option<Length>,
+    /// Deflection of its tip.
+    pub deflection: Option<Length>,
 }
 
 /// A touch probe.

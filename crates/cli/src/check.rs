@@ -8,6 +8,7 @@ use crate::refusal;
 use crate::render::{self, Source};
 use crate::say;
 use control::Refused;
+use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, add};
 use control::job::{Session, read_program};
 use diag::Diagnostic;
@@ -222,7 +223,9 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
     let setup = session.interp_setup();
     told.tools_from.clone_from(&session.tools_from);
     let options = session.plan_options(session.machine.setup.stock.material);
-    let mut planner = preflight::judging(session, options).only_judging();
+    let head = pieces::head(path, MilledStock::LOOKED_AT)?;
+    let mut planner = preflight::judging(session, &head, options).only_judging();
+    let mut milled = MilledStock::new(&head, session);
     let mut table = preflight::TableNotes::default();
     let mut linter = interp::Linter::new(&setup);
     let (mut rest, mut index, mut first_line) = (None, 0, 1);
@@ -235,6 +238,7 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
             planner.written_in(ops.frame());
             planner.push(index, &op, &mut |_| ());
             table.see(session, &op);
+            milled.see(session, &op);
             index += 1;
         }
         if !piece.more_follows {
@@ -257,6 +261,7 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
         }
     }
     late.extend(linter.finish());
+    late.extend(milled.remark(session));
     drop(progress);
     tell_late(late, path, name, told)
 }

@@ -5,7 +5,9 @@ use crate::tables;
 use control::Outcome;
 use report::Measure;
 use units::{Length, Spin};
-use verify::{Feature, FeatureKind, Gear, GroundCam, Polygon, Thread, TurnedThread};
+use verify::{
+    Feature, FeatureKind, Gear, GroundCam, Largest, Milled, Polygon, Thread, TurnedThread,
+};
 
 /// Heads of a table and what stands in it.
 struct MeasureTable {
@@ -80,6 +82,16 @@ const fn heads(kind: &FeatureKind) -> &'static [&'static str] {
         FeatureKind::Gear(_) => {
             &["feature", "good", "width\nMM", "pitch\nUM", "total\nUM", "helix\nUM", "grade", "rpm"]
         }
+        FeatureKind::Milled(_) => &[
+            "feature",
+            "good",
+            "depth\nMM",
+            "width\nMM",
+            "chip\nUM",
+            "force\nN",
+            "rapids in\nstock",
+            "rpm",
+        ],
     }
 }
 
@@ -118,6 +130,7 @@ fn row(group: &[&Feature], measure: Measure) -> Vec<String> {
         FeatureKind::Polygon(polygon) => figures.polygons(polygon),
         FeatureKind::Cam(cam) => figures.cams(cam),
         FeatureKind::Gear(gear) => figures.gears(gear),
+        FeatureKind::Milled(milled) => figures.milled(milled),
     });
     if let Some(spin) = fastest(&cut) {
         cells.push(format!("{:.0}", spin.in_rpm()));
@@ -134,6 +147,7 @@ fn fastest(cut: &[&Feature]) -> Option<Spin> {
         FeatureKind::Polygon(polygon) => Some(polygon.spin),
         FeatureKind::Cam(cam) => Some(cam.spin),
         FeatureKind::Gear(gear) => Some(gear.spin),
+        FeatureKind::Milled(milled) => Some(milled.spin_max),
     };
     cut.iter().filter_map(spin).reduce(Spin::max)
 }
@@ -231,6 +245,19 @@ impl Figures<'_> {
             self.measure.length(lift),
             self.error(of_kind!(Cam, cam => cam.contour_error_max), 2),
             self.error(of_kind!(Cam, cam => cam.contour_error_rms), 2),
+        ]
+    }
+
+    fn milled(&self, first: &Milled) -> Vec<String> {
+        let largest = |of: Option<Largest<Length>>| {
+            of.map_or_else(String::new, |most| self.measure.length(most.value))
+        };
+        vec![
+            largest(first.depth),
+            largest(first.width),
+            first.chip.map_or_else(String::new, |most| self.measure.small(most.value, 0)),
+            first.force.map_or_else(String::new, |most| format!("{:.0}", most.value.value())),
+            first.rapid_count.to_string(),
         ]
     }
 

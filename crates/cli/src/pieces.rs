@@ -124,6 +124,18 @@ fn unreadable(path: &Path, error: &io::Error) -> Refused {
     Refused::because(format!("cannot read {}: {error}", path.display()))
 }
 
+/// The first bytes of a file.
+///
+/// # Errors
+/// It cannot be read.
+pub(crate) fn head(path: &Path, most: usize) -> Result<Vec<u8>, Refused> {
+    let mut head = Vec::new();
+    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
+    let read = file.take(most as u64).read_to_end(&mut head);
+    read.map_err(|error| unreadable(path, &error))?;
+    Ok(head)
+}
+
 /// Lines of a file by their numbers, which rise: for what is found at its end.
 pub(crate) fn lines(path: &Path, numbers: &[u32]) -> Result<Vec<Vec<u8>>, Refused> {
     let mut found = Vec::new();

@@ -10,7 +10,7 @@ fn setup() -> Setup {
         pocket: 1,
         length: units::Length::mm(100.0),
         diameter: units::Length::mm(20.0),
-        kind: ToolKind::EndMill,
+        kind: ToolKind::EndMill(canon::Mill::default()),
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),

@@ -13,7 +13,7 @@ fn run(dialect: Dialect, program: &str) -> (Vec<Step>, Vec<String>) {
         pocket: 1,
         length: units::Length::ZERO,
         diameter: units::Length::mm(8.0),
-        kind: canon::ToolKind::EndMill,
+        kind: canon::ToolKind::EndMill(canon::Mill::default()),
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),

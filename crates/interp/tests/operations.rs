@@ -25,7 +25,7 @@ fn a_tool_length_offset_lifts_the_axis_by_the_tools_length() {
 
 #[test]
 fn wear_is_part_of_the_tool_length_offset_and_of_the_radius_that_g41_keeps() {
-    let mut worn = tool(1, 80.0, ToolKind::EndMill);
+    let mut worn = tool(1, 80.0, ToolKind::EndMill(canon::Mill::default()));
     worn.wear = canon::ToolWear { length: Length::mm(-0.25), radius: Length::mm(-0.5) };
     let setup = Setup { tools: ToolLibrary::new([worn]), ..Setup::default() };
     near(&ends(&ops_of(&setup, "T1 M6\nG43\nG0 Z5")), &[[0.0, 0.0, 84.75]]);
@@ -37,7 +37,7 @@ fn wear_is_part_of_the_tool_length_offset_and_of_the_radius_that_g41_keeps() {
 
 #[test]
 fn fanucs_variables_show_the_tool_tables_wear_and_geometry_apart() {
-    let mut worn = tool(1, 80.0, ToolKind::EndMill);
+    let mut worn = tool(1, 80.0, ToolKind::EndMill(canon::Mill::default()));
     worn.wear = canon::ToolWear { length: Length::mm(-0.25), radius: Length::mm(-0.5) };
     let tools = ToolLibrary::new([worn]);
     let setup = Setup { tools, dialect: interp::Dialect::Fanuc, ..Setup::default() };
@@ -213,10 +213,11 @@ fn constant_surface_speed_is_in_metres_per_minute_and_keeps_its_limit() {
 
 #[test]
 fn pockets_are_those_of_the_tool_table() {
-    let mut nine = tool(5, 80.0, ToolKind::EndMill);
+    let mut nine = tool(5, 80.0, ToolKind::EndMill(canon::Mill::default()));
     nine.pocket = 9;
     let mut setup = shop();
-    setup.tools = ToolLibrary::new([nine, tool(4, 90.0, ToolKind::EndMill)]);
+    setup.tools =
+        ToolLibrary::new([nine, tool(4, 90.0, ToolKind::EndMill(canon::Mill::default()))]);
     let program =
         "T5\nG0 X#<_selected_pocket>\nM6 T4\nY#<_current_pocket> Z#<_selected_pocket>\nM2";
     let ops = ops_of(&setup, program);

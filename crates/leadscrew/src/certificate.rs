@@ -4,8 +4,8 @@ use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
 use verify::{
-    Feature, FeatureKind, Gear, GroundCam, Hand, Hole, Polygon, Thread, TurnedLimits, TurnedSizes,
-    TurnedThread, Verdict,
+    Feature, FeatureKind, Gear, GroundCam, Hand, Hole, Largest, Milled, Polygon, Thread,
+    TurnedLimits, TurnedSizes, TurnedThread, Verdict,
 };
 
 /// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
@@ -32,6 +32,9 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
             file::Feature::Turned(Box::new(turned(common, found, zero, there)))
         }
         FeatureKind::Gear(found) => file::Feature::Gear(gear(common, found, zero, there)),
+        FeatureKind::Milled(milled) => {
+            file::Feature::Milling(Box::new(milling(common, found.tool, milled)))
+        }
         FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero, there)),
     }
 }
@@ -166,6 +169,40 @@ fn gear(common: Common, found: &Gear, zero: &Position, there: bool) -> file::Gea
         z_from_mm: measured(Measured::mm(found.z_from - zero.linear[2])),
         z_to_mm: measured(Measured::mm(found.z_to - zero.linear[2])),
         rpm: Measured::rpm(found.spin),
+    }
+}
+
+fn milling(common: Common, tool: Option<u32>, found: &Milled) -> file::Milling {
+    let place = |value: Measured, place: &verify::MillingPlace| file::At {
+        value,
+        line: Some(place.line),
+        at_mm: Some(place.at.map(Measured::mm)),
+    };
+    let mm = |of: &Option<Largest<Length>>| {
+        of.as_ref().map_or_else(Default::default, |m| place(Measured::mm(m.value), &m.place))
+    };
+    let number = |of: Option<(f64, verify::MillingPlace)>| {
+        of.map_or_else(Default::default, |(v, at)| place(Measured::number(v), &at))
+    };
+    file::Milling {
+        common,
+        tool,
+        form: found.form_name().to_owned(),
+        diameter_mm: Measured::mm(found.diameter),
+        stock: found.source.map(|source| source.name().to_owned()),
+        cell_mm: found.cell.map_or(Measured::UNKNOWN, Measured::mm),
+        removed_mm3: Measured::number(found.removed_mm3),
+        depth_mm: mm(&found.depth),
+        width_mm: mm(&found.width),
+        engagement_deg: number(found.angle.map(|m| (m.value.in_deg(), m.place))),
+        removal_mm3_per_s: number(found.removal_mm3_per_s.map(|m| (m.value, m.place))),
+        feed_per_tooth_mm: mm(&found.feed_per_tooth),
+        chip_mm: mm(&found.chip),
+        force_n: number(found.force.map(|m| (m.value.value(), m.place))),
+        deflection_mm: mm(&found.deflection),
+        rpm_max: Measured::rpm(found.spin_max),
+        rapids: found.rapid_count,
+        rapids_mm: found.rapids.iter().map(|r| place(Measured::mm(r.depth), &r.place)).collect(),
     }
 }
 

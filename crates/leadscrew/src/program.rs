@@ -2,6 +2,7 @@
 use crate::time::{Times, WithoutJerk};
 use crate::{Finished, RunOptions};
 use canon::Axis;
+use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, Proved};
 use control::job::{Cursor, Operations, ProgramOptions, Session, read_program};
 use control::plant::{self, Plant};
@@ -160,7 +161,10 @@ impl Job {
 
     /// What the workpiece is judged by.
     pub(crate) fn judge(&self) -> verify::Config {
-        self.session.judge(self.material, &self.session.work_zero())
+        let config = self.session.judge(self.material, &self.session.work_zero());
+        let Some(proved) = &self.proved else { return config };
+        let milled = MilledStock::of(&self.program.text, &self.session, proved.operations.all());
+        verify::Config { mill_stock: milled.found(&self.session), ..config }
     }
 
     /// The tools that the judge takes, as they really are on the simulated machine of this seed.

@@ -54,7 +54,7 @@ impl Holes {
         let radius = tool.diameter.value() / 2.0;
         let point = match tool.kind {
             ToolKind::Drill { point_angle } => radius / libm::tan(point_angle.in_rad() / 2.0),
-            ToolKind::EndMill | ToolKind::Other => 0.0,
+            ToolKind::EndMill(_) | ToolKind::Other => 0.0,
             ToolKind::SpotDrill { .. }
             | ToolKind::Tap(_)
             | ToolKind::PolygonCutter(_)

@@ -39,7 +39,7 @@ fn all_tools() -> ToolLibrary {
         body: canon::Body::default(),
         stand_in: false,
     };
-    tools.insert(tool(8, 10.0, ToolKind::EndMill));
+    tools.insert(tool(8, 10.0, ToolKind::EndMill(canon::Mill::default())));
     // 18 mm out of a holder of 30 mm, flutes of 12 mm
     let body = canon::Body {
         flutes: Some(mm(12.0)),
@@ -49,7 +49,7 @@ fn all_tools() -> ToolLibrary {
     };
     let point_angle = Angle::deg(118.0);
     tools.insert(Tool { body, ..tool(11, 5.0, ToolKind::Drill { point_angle }) });
-    tools.insert(Tool { body, ..tool(12, 10.0, ToolKind::EndMill) });
+    tools.insert(Tool { body, ..tool(12, 10.0, ToolKind::EndMill(canon::Mill::default())) });
     tools.insert(tool(9, 10.0, ToolKind::SpotDrill { point_angle: Angle::deg(90.0) }));
     tools.insert(Tool {
         body: canon::Body::default(),

@@ -194,6 +194,7 @@ fn figures_that_are_no_numbers_spoil_no_picture() {
             FeatureKind::Polygon(_)
             | FeatureKind::Cam(_)
             | FeatureKind::Turned(_)
+            | FeatureKind::Milled(_)
             | FeatureKind::Gear(_) => {}
             FeatureKind::Thread(thread) => {
                 (thread.margin, thread.sync_error_max, thread.pitch_diameter_tolerance) =

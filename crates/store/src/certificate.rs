@@ -15,8 +15,12 @@ use std::path::Path;
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
 mod evidence;
+mod gear;
+mod milling;
 mod turned;
 pub use evidence::{Contact, Count, Inputs, Tolerances, sha256};
+pub use gear::Gear;
+pub use milling::{At, Milling};
 pub use turned::{TurnedSizes, TurnedThread};
 
 /// Bytes a certificate may have: a feature takes about 700.
@@ -121,6 +125,8 @@ pub enum Feature {
     Turned(Box<TurnedThread>),
     /// A hobbed gear.
     Gear(Gear),
+    /// The use of a mill.
+    Milling(Box<Milling>),
 }
 
 /// What every feature has.
@@ -161,6 +167,7 @@ impl Feature {
             Self::Thread(thread) => &thread.common,
             Self::Polygon(polygon) => &polygon.common,
             Self::Gear(gear) => &gear.common,
+            Self::Milling(milling) => &milling.common,
             Self::Cam(cam) => &cam.common,
             Self::Turned(thread) => &thread.common,
         }
@@ -310,38 +317,6 @@ pub struct Polygon {
     /// The machine stopped while the cutter was geared to the work.
     #[serde(default)]
     pub broken_off: bool,
-}
-
-/// A hobbed gear.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Gear {
-    /// What every feature has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// How many.
-    pub teeth: u32,
-    /// In the normal section.
-    pub module_mm: Measured,
-    /// Helix angle ordered, positive: right hand.
-    pub helix_deg: Measured,
-    /// Travel in which a tooth winds once around, as cut; null of straight teeth.
-    pub lead_mm: Measured,
-    /// The same as ordered.
-    pub lead_ordered_mm: Measured,
-    /// Single pitch deviation of ISO 1328-1, of the worst pair of teeth.
-    pub pitch_deviation_um: Measured,
-    /// Total cumulative pitch deviation.
-    pub pitch_total_um: Measured,
-    /// Helix slope deviation of the worst tooth.
-    pub helix_deviation_um: Measured,
-    /// Grade of ISO 1328-1 that all three are within.
-    pub grade: Option<u8>,
-    /// Where the face begins.
-    pub z_from_mm: Measured,
-    /// Where it ends.
-    pub z_to_mm: Measured,
-    /// Speed of the work.
-    pub rpm: Measured,
 }
 
 /// A ground cam.

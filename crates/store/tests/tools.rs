@@ -1,7 +1,7 @@
 //! Tool tables: both notations give the same library, and a bad one is refused with all its mistakes.
 #![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 
-use canon::{Flute, Holder, Tool, ToolKind};
+use canon::{Flute, Holder, Mill, MillForm, Tool, ToolKind};
 use diag::Diagnostic;
 use proptest::prelude::*;
 use store::tools::{self, TableUnit, ToolTable};
@@ -73,6 +73,10 @@ fn refused_tbl(text: &str) -> String {
     sentences(&tools::parse_tbl(text, 0, TableUnit::Millimetre).unwrap_err(), text)
 }
 
+fn flat() -> ToolKind {
+    ToolKind::EndMill(Mill { form: Some(MillForm::FLAT), ..Mill::default() })
+}
+
 fn tool(table: &ToolTable, number: u32) -> &Tool {
     table.library.get(number).unwrap()
 }
@@ -85,7 +89,7 @@ fn a_toml_table_says_what_each_tool_is() {
     assert_eq!((tool(&table, 1).pocket, tool(&table, 2).pocket), (1, 7));
     assert_eq!(tool(&table, 2).kind, ToolKind::Drill { point_angle: Angle::deg(140.0) });
     assert_eq!(tool(&table, 2).length, Length::mm(118.5));
-    assert_eq!(tool(&table, 4).kind, ToolKind::EndMill);
+    assert_eq!(tool(&table, 4).kind, flat());
 }
 
 #[test]
@@ -133,7 +137,7 @@ fn a_linuxcnc_table_is_read_in_either_order_of_words() {
     let table =
         tbl("T1 P1 D0.125 Z+0.511 ;1/8 end mill\nT3 P5 Z3.3 D5 ;5mm tap drill\r\nT7 P7 Z7.7 D2.5");
     assert_eq!(tool(&table, 1).length, Length::mm(0.511));
-    assert_eq!(tool(&table, 1).kind, ToolKind::EndMill);
+    assert_eq!(tool(&table, 1).kind, flat());
     assert_eq!((tool(&table, 3).pocket, tool(&table, 3).diameter), (5, Length::mm(5.0)));
     assert_eq!(tool(&table, 3).description, "5mm tap drill");
     assert_eq!(tool(&table, 7).kind, ToolKind::Other);

@@ -1,6 +1,6 @@
 //! What the judge is told beforehand: the tools, what was asked of the workpiece, the material.
-use crate::{Bar, Stock, ThreadClass};
-use canon::{CamLibrary, Flute, ToolLibrary};
+use crate::{Bar, MillStock, Stock, ThreadClass};
+use canon::{CamLibrary, Flute, Tool, ToolLibrary};
 use units::{Angle, Length, Torque};
 
 /// What to judge by.
@@ -20,6 +20,10 @@ pub struct Config {
     /// it what was cut is not known, and holes and threads are not judged. Its zero is that of the work offset G54, in which
     /// messages give places.
     pub stock: Option<Stock>,
+    /// Mills that only the program's comments describe: what they cut is followed, and never found good.
+    pub described_mills: ToolLibrary,
+    /// The stock that is milled; `None`: what mills cut is not judged.
+    pub mill_stock: Option<MillStock>,
     /// Machine coordinates, X and Y, of the axis about which the work turns.
     pub work_axis: [Length; 2],
     /// Radius of the bar that is turned; `None`: nothing limits what is cut.
@@ -36,6 +40,11 @@ pub struct Config {
 }
 
 impl Config {
+    /// The tool by its number, for milling: as the table has it, or as the program's comments describe it.
+    pub(crate) fn mill(&self, number: u32) -> Option<&Tool> {
+        self.described_mills.get(number).or_else(|| self.tools.get(number))
+    }
+
     /// Class 6H, default tolerances, no material, no stock, a tap whose
     /// following teeth are as thick as its leading ones (the strictest assumption).
     pub fn new(tools: ToolLibrary) -> Self {
@@ -46,6 +55,8 @@ impl Config {
             tolerances: Tolerances::default(),
             material: None,
             stock: None,
+            described_mills: ToolLibrary::default(),
+            mill_stock: None,
             work_axis: [Length::ZERO; 2],
             stock_radius: None,
             bar: None,

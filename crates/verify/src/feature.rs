@@ -56,7 +56,7 @@ impl Feature {
         }
     }
 
-    /// `"hole"`, `"thread"`, `"polygon"`, `"cam"` or `"turned thread"`.
+    /// `"hole"`, `"thread"`, `"polygon"`, `"cam"`, `"turned thread"`, `"gear"` or `"milling"`.
     pub const fn kind_name(&self) -> &'static str {
         match self.kind {
             FeatureKind::Hole(_) => FeatureKind::NAMES[0],
@@ -65,6 +65,7 @@ impl Feature {
             FeatureKind::Cam(_) => FeatureKind::NAMES[3],
             FeatureKind::Turned(_) => FeatureKind::NAMES[4],
             FeatureKind::Gear(_) => FeatureKind::NAMES[5],
+            FeatureKind::Milled(_) => FeatureKind::NAMES[6],
         }
     }
 
@@ -82,6 +83,7 @@ impl Feature {
             FeatureKind::Cam(_)
             | FeatureKind::Polygon(_)
             | FeatureKind::Turned(_)
+            | FeatureKind::Milled(_)
             | FeatureKind::Gear(_) => {} // no chips wind around their tools
         }
     }
@@ -95,6 +97,7 @@ impl Feature {
             FeatureKind::Polygon(_)
             | FeatureKind::Cam(_)
             | FeatureKind::Turned(_)
+            | FeatureKind::Milled(_)
             | FeatureKind::Gear(_) => None,
         }
     }
@@ -169,11 +172,14 @@ pub enum FeatureKind {
     Turned(Box<crate::TurnedThread>),
     /// Hobbed teeth.
     Gear(Box<crate::Gear>),
+    /// What a mill has removed while it was in the spindle.
+    Milled(Box<crate::Milled>),
 }
 
 impl FeatureKind {
     /// Names of all kinds, as [`Feature::kind_name`] has them.
-    pub const NAMES: [&str; 6] = ["hole", "thread", "polygon", "cam", "turned thread", "gear"];
+    pub const NAMES: [&str; 7] =
+        ["hole", "thread", "polygon", "cam", "turned thread", "gear", "milling"];
     /// Of these, those that have a sync error.
     pub const SYNCHRONISED: [&str; 2] = [Self::NAMES[1], Self::NAMES[4]];
 }

@@ -63,7 +63,7 @@ impl HoleTrack {
             Some((ToolKind::SpotDrill { point_angle }, d)) => {
                 (d.min(2.0 * depth_mm * half_tangent(*point_angle)), depth_mm)
             }
-            Some((ToolKind::EndMill, d)) => (d, 0.0),
+            Some((ToolKind::EndMill(_), d)) => (d, 0.0),
             Some((ToolKind::Tap(_), d)) => {
                 findings.push("a tap was used as a drill".into());
                 (d, 0.0)
@@ -122,7 +122,7 @@ impl HoleTrack {
             chip_removal: false, // the judge sees that later
         };
         let drilled =
-            tool.1.filter(|t| matches!(t.kind, ToolKind::Drill { .. } | ToolKind::EndMill));
+            tool.1.filter(|t| matches!(t.kind, ToolKind::Drill { .. } | ToolKind::EndMill(_)));
         let drilled = drilled.filter(|_| self.visit.times_s.is_some()).map(|tool| Drilled {
             at: [x, y],
             diameter: hole.diameter,

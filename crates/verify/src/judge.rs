@@ -16,6 +16,7 @@ use crate::chips::Removals;
 use crate::feature::Feature;
 use crate::gear::{self, GearTrack};
 use crate::hole::{Drilled, HoleTrack};
+use crate::milling::Milling;
 use crate::polygon::{Ordered, PolygonTrack};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
@@ -37,6 +38,7 @@ pub struct Judge {
     drilled: Vec<Drilled>,
     /// The bar as it has been turned so far.
     bar: Option<TurnedBar>,
+    milling: Milling,
     features: Vec<Feature>,
     removals: Removals,
     /// Where the ops so far have brought the axes.
@@ -56,6 +58,7 @@ pub struct Judge {
 pub struct Work {
     drilled: Vec<Drilled>,
     bar: Option<TurnedBar>,
+    milling: Milling,
 }
 
 /// One feature that the program orders.
@@ -99,6 +102,7 @@ impl Judge {
             track: None,
             tool_ordered: None,
             drilled: Vec::new(),
+            milling: Milling::default(),
             features: Vec::new(),
             removals: Removals::default(),
             at: Position::default(),
@@ -114,6 +118,7 @@ impl Judge {
     #[must_use]
     pub fn on(mut self, work: Work) -> Self {
         self.drilled = work.drilled;
+        self.milling = work.milling.at_rest();
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
         }
@@ -130,7 +135,7 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        Work { drilled: self.drilled, bar: self.bar }
+        Work { drilled: self.drilled, bar: self.bar, milling: self.milling }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -243,6 +248,8 @@ impl Judge {
         while self.orders.front().is_some_and(|order| order.end.is_some_and(|end| op >= end)) {
             self.close();
         }
+        let milled = self.milling.sample(sample, &self.config, &self.drilled);
+        self.features.extend(milled);
         let config = &self.config;
         let order = self.orders.front().filter(|order| op >= order.first);
         let tool = sample.feedback.tool.and_then(|number| config.tools.get(number));
@@ -294,6 +301,7 @@ impl Judge {
         while self.orders.front().is_some_and(|order| order.end.is_some()) {
             self.close();
         }
+        self.features.extend(self.milling.close(&self.config));
     }
 
     /// The features judged so far, for a progress display.
@@ -303,7 +311,7 @@ impl Judge {
 
     /// Nothing is ordered that was not judged yet: what is there is all that [`Self::finish`] would say.
     pub fn is_settled(&self) -> bool {
-        self.orders.is_empty()
+        self.orders.is_empty() && !self.milling.is_under_way()
     }
 
     /// The features, in the order cut. What was ordered and never cut is there too, failed.
@@ -312,6 +320,7 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
+        self.features.extend(self.milling.close(&self.config));
         self.features
     }
 

@@ -63,6 +63,10 @@ pub enum Criterion {
     Pitch,
     /// Slope of a gear's teeth.
     Helix,
+    /// Thickness of a mill's chip.
+    Chip,
+    /// Deflection of a mill's tip.
+    Deflection,
 }
 
 impl Criterion {
@@ -80,6 +84,8 @@ impl Criterion {
             Self::Contour => "contour",
             Self::Pitch => "pitch",
             Self::Helix => "helix slope",
+            Self::Chip => "chip thickness",
+            Self::Deflection => "deflection",
             Self::Whole => "the whole feature",
         }
     }
@@ -119,6 +125,7 @@ impl Feature {
             FeatureKind::Cam(cam) => of_cam(cam, tolerances),
             FeatureKind::Turned(thread) => of_turned(thread, tolerances),
             FeatureKind::Gear(gear) => of_gear(gear),
+            FeatureKind::Milled(milled) => of_milled(milled),
         };
         let least = measured.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()));
         // a feature that failed for what has no measure must not look good by its measures
@@ -144,6 +151,23 @@ fn of_gear(gear: &crate::Gear) -> Vec<Headroom> {
     let all = found.into_iter().zip(gear.allowed).filter(|(_, most)| *most > Length::ZERO);
     all.map(|((of, found), tolerance)| Headroom { of, left: tolerance - found, tolerance })
         .collect()
+}
+
+/// Against the limits that the tool table states.
+fn of_milled(milled: &crate::Milled) -> Vec<Headroom> {
+    let of = |of, found: Option<crate::Largest<Length>>, most: Option<Length>| {
+        let (found, tolerance) = found.zip(most)?;
+        Some(Headroom { of, left: tolerance - found.value, tolerance })
+    };
+    let limits = milled.limits;
+    [
+        of(Criterion::Chip, milled.chip, limits.chip),
+        of(Criterion::Depth, milled.depth, limits.depth),
+        of(Criterion::Deflection, milled.deflection, limits.deflection),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 fn of_turned(thread: &crate::TurnedThread, tolerances: &Tolerances) -> Vec<Headroom> {
@@ -240,6 +264,8 @@ pub struct Summary {
     pub cams: Count,
     /// Gears.
     pub gears: Count,
+    /// Uses of mills.
+    pub millings: Count,
     /// Index of the feature with the least headroom, and what is left of which tolerance.
     pub worst: Option<(usize, Headroom)>,
     /// Index of the thread with the largest sync error in the material, and that error.
@@ -264,6 +290,7 @@ impl Summary {
                 FeatureKind::Cam(_) => summary.cams.add(verdict),
                 FeatureKind::Turned(_) => summary.threads.add(verdict),
                 FeatureKind::Gear(_) => summary.gears.add(verdict),
+                FeatureKind::Milled(_) => summary.millings.add(verdict),
                 FeatureKind::Thread(thread) => {
                     summary.threads.add(verdict);
                     let (sync, depth) = (thread.sync_error_max, thread.depth_error);
@@ -281,7 +308,7 @@ impl Summary {
 
     /// Every feature is good.
     pub fn passes(&self) -> bool {
-        let all = [self.holes, self.threads, self.polygons, self.cams, self.gears];
+        let all = [self.holes, self.threads, self.polygons, self.cams, self.gears, self.millings];
         all.iter().all(|count| count.failed + count.not_judged == 0)
     }
 }

@@ -82,7 +82,7 @@ fn with_diameter(tool: Tool, machine: &MachineFile, of: (u64, u32)) -> Tool {
         ToolKind::SpotDrill { .. }
         | ToolKind::Insert(_)
         | ToolKind::Probe(_)
-        | ToolKind::EndMill
+        | ToolKind::EndMill(_)
         | ToolKind::PolygonCutter(_)
         | ToolKind::Other => {}
     }

@@ -268,7 +268,7 @@ fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
             pretravel: probe.pretravel,
             lobing: probe.lobing,
         }),
-        ToolKind::EndMill | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
+        ToolKind::EndMill(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.worn_length(), kind }
 }

@@ -35,7 +35,7 @@ pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
 }
 
 /// mm in a unit of the program: what it says first.
-fn unit_of(text: &str) -> f64 {
+pub(super) fn unit_of(text: &str) -> f64 {
     let upper = text.to_ascii_uppercase();
     let first = |code: &str| {
         let followed = |at: usize| {
@@ -50,7 +50,7 @@ fn unit_of(text: &str) -> f64 {
 }
 
 /// What stands in brackets, and behind a semicolon.
-fn comments(text: &str) -> impl Iterator<Item = &str> {
+pub(super) fn comments(text: &str) -> impl Iterator<Item = &str> {
     text.lines().flat_map(|line| {
         let behind = line.split_once(';').map(|(_, comment)| comment);
         let inside = line.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
@@ -68,7 +68,9 @@ fn named(comment: &str, unit: f64) -> Option<Tool> {
     let words = words(rest);
     let known = store::tools::named(&words.join(" "));
     let kind = match known.kind {
-        ToolKind::Other if is_mill(&words) => ToolKind::EndMill,
+        ToolKind::Other | ToolKind::EndMill(_) if is_mill(&words) => {
+            ToolKind::EndMill(store::tools::mill_of_words(&words, unit))
+        }
         kind => kind,
     };
     let stated = diameter(&words, unit).map(Length::mm);

@@ -10,6 +10,7 @@ mod described;
 pub mod dialect;
 mod interruption;
 mod live;
+pub mod mill_stock;
 mod operations;
 pub mod options;
 pub mod preflight;

@@ -9,7 +9,7 @@ use super::live::Live;
 use super::restart::Restart;
 use crate::polygon::cuts;
 use crate::polygon::oscillation::Auto;
-use canon::{Answer, Op, OpKind, ProgramFrame, Tool, ToolKind, ToolLibrary};
+use canon::{Answer, Op, OpKind, ProgramFrame, Tool};
 use diag::Diagnostic;
 use interp::{OpsRest, Parameters, ToolEntry};
 use std::collections::VecDeque;
@@ -239,22 +239,12 @@ impl Operations {
         }
     }
 
-    /// The first `count` of them, less what cannot have left anything in the work: what mills cut is neither simulated nor
-    /// judged, and nothing waits for an operator.
+    /// The first `count` of them, less what cannot have left anything in the work: nothing waits for an operator.
     #[must_use]
-    pub fn that_cut_before(&self, count: usize, tools: &ToolLibrary) -> Self {
+    pub fn that_cut_before(&self, count: usize) -> Self {
         let mut before = Self::default();
-        let (mut mounted, mut hole) = (0, None);
         for (at, op) in self.ops.iter().enumerate().take(count) {
-            match op.kind {
-                OpKind::ChangeTool { number } => mounted = number,
-                OpKind::Hole(_) => hole = Some(op.span),
-                _ => hole = hole.filter(|span| *span == op.span),
-            }
-            let mills = hole.is_none()
-                && tools.get(mounted).is_some_and(|tool| tool.kind == ToolKind::EndMill);
             let leaves = match op.kind {
-                OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Spline { .. } => !mills,
                 OpKind::Dwell { .. }
                 | OpKind::Pause { .. }
                 | OpKind::Message(_)

@@ -11,6 +11,7 @@
 //!   lsp   ─┘                      └─ tool table    which one, and what was not understood of it
 //! ```
 use super::interruption::Interruption;
+use super::mill_stock::MilledStock;
 use super::operations::{Cursor, Operations, Reading, Source};
 use super::restart::Restart;
 use crate::Refused;
@@ -51,7 +52,8 @@ pub struct Proved {
 pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<Diagnostic>) {
     if session.missing_tools == MissingTools::StandIn {
         for tool in super::described::tools(source) {
-            if session.tools.get(tool.number).is_none() {
+            // the built-in table is an example: what the program says of its tools is nearer to the truth
+            if session.table.is_none() || session.tools.get(tool.number).is_none() {
                 session.tools.insert(tool);
             }
         }
@@ -74,7 +76,7 @@ pub fn prove(
     look: &mut impl FnMut(plan::Step),
 ) -> Proved {
     let (operations, assumed) = interpret(session, source);
-    let planner = judging(session, options);
+    let planner = judging(session, source, options);
     let mut cursor = Cursor::new(Arc::clone(&operations), None);
     let known = read(session, source, &mut cursor, planner, assumed, look);
     Proved { operations, known }
@@ -97,7 +99,7 @@ pub fn preflight_with(
         }
         return known;
     }
-    let planner = judging(session, options);
+    let planner = judging(session, source, options);
     let setup = session.interp_setup();
     let mut reading = Reading::new(source, &setup, session.auto());
     let seen = &mut Seen { source: &mut reading, each };
@@ -155,11 +157,11 @@ pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnM
 pub fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diagnostic> {
     if session.depends_on_program() {
         let (operations, assumed) = interpret(session, source);
-        let planner = judging(session, options).only_judging();
+        let planner = judging(session, source, options).only_judging();
         let mut cursor = Cursor::new(operations, None);
         return read(session, source, &mut cursor, planner, assumed, &mut |_| ()).findings;
     }
-    let planner = judging(session, options).only_judging();
+    let planner = judging(session, source, options).only_judging();
     let setup = session.interp_setup();
     let mut reading = Reading::new(source, &setup, session.auto());
     read(session, source, &mut reading, planner, Vec::new(), &mut |_| ()).findings
@@ -193,10 +195,10 @@ pub fn judge_and_tell(
     if session.depends_on_program() {
         let (operations, assumed) = interpret(session, source);
         tell(assumed, 0)?;
-        return telling(session, &mut Cursor::new(operations, None), options, tell);
+        return telling(session, source, &mut Cursor::new(operations, None), options, tell);
     }
     let setup = session.interp_setup();
-    telling(session, &mut Reading::new(source, &setup, session.auto()), options, tell)
+    telling(session, source, &mut Reading::new(source, &setup, session.auto()), options, tell)
 }
 
 /// Who is told what was found, and the furthest byte executed.
@@ -204,17 +206,19 @@ pub type Tell<'a> = &'a mut dyn FnMut(Vec<Diagnostic>, u32) -> Result<(), Refuse
 
 fn telling(
     session: &Session,
+    source: &[u8],
     ops: &mut impl Source,
     options: Options,
     tell: Tell<'_>,
 ) -> Result<(), Refused> {
-    let mut planner = judging(session, options).only_judging();
-    let mut table = TableNotes::default();
+    let mut planner = judging(session, source, options).only_judging();
+    let (mut table, mut milled) = (TableNotes::default(), MilledStock::new(source, session));
     let mut furthest = 0;
     while let Some((index, op)) = ops.next() {
         planner.written_in(ops.frame());
         planner.push(index, &op, &mut |_| ());
         table.see(session, &op);
+        milled.see(session, &op);
         if op.span.file == 0 {
             furthest = furthest.max(op.span.end);
         }
@@ -229,6 +233,7 @@ fn telling(
     let mut found = planner.take_findings();
     found.extend(ops.findings());
     found.extend(table.take());
+    found.extend(milled.remark(session));
     tell(found, furthest)
 }
 
@@ -254,11 +259,12 @@ fn read(
     mut findings: Vec<Diagnostic>,
     look: &mut impl FnMut(plan::Step),
 ) -> Preflight {
-    let mut table = TableNotes::default();
+    let (mut table, mut milled) = (TableNotes::default(), MilledStock::new(source, session));
     while let Some((index, op)) = ops.next() {
         planner.written_in(ops.frame());
         planner.push(index, &op, look);
         table.see(session, &op);
+        milled.see(session, &op);
         if is_looked(index) && session.interruption.came() {
             return Preflight { findings: vec![Interruption::finding()], planned: Time::ZERO };
         }
@@ -267,6 +273,7 @@ fn read(
     findings.extend(ops.findings());
     findings.extend(planner.take_findings());
     findings.extend(table.take());
+    findings.extend(milled.remark(session));
     add(&mut findings, interp::lint(source, &session.interp_setup()));
     if findings.iter().any(|finding| finding.code == OTHER_MACHINE) {
         findings.retain(|finding| finding.code == OTHER_MACHINE);
@@ -362,12 +369,19 @@ fn built_in(tool: &Tool, span: diag::Span) -> Diagnostic {
 }
 
 /// A planner that also knows the workpiece.
-pub fn judging(session: &Session, options: Options) -> Planner {
+pub fn judging(session: &Session, source: &[u8], options: Options) -> Planner {
     let planner = planner(session, options);
     if session.cams.is_wanted() {
         return planner; // cams are ground from blanks of their own
     }
-    let planner = planner.with_stock(session.stock());
+    let own = session.stock();
+    let planner = match MilledStock::stated_in(source, session) {
+        Some(block) => {
+            let stock = plan::Stock { from: block.from, to: block.to, ..own };
+            planner.with_stock(stock).with_stated_stock()
+        }
+        None => planner.with_stock(own),
+    };
     let is_assumed = session.table.is_none() && session.missing_tools == MissingTools::StandIn;
     if is_assumed { planner.with_assumed_tools() } else { planner }
 }
@@ -457,7 +471,7 @@ fn described(tool: &Tool) -> String {
     let kind = match &tool.kind {
         ToolKind::Drill { .. } => "a drill",
         ToolKind::SpotDrill { .. } => "a spot drill",
-        ToolKind::EndMill => "a mill",
+        ToolKind::EndMill(_) => "a mill",
         ToolKind::Tap(_) => "a tap",
         ToolKind::Insert(_) => "an insert",
         _ => "a tool",

@@ -16,6 +16,11 @@ use store::machine::{MachineFile, Material, Ramp};
 use store::tools::{TableUnit, ToolTable};
 use units::Coordinate;
 
+/// A mill that the program's comments describe, and no table has.
+fn is_described(tool: &&canon::Tool) -> bool {
+    tool.stand_in && matches!(tool.kind, canon::ToolKind::EndMill(_))
+}
+
 /// The table that is used when none is named and none lies beside the program.
 const EMBEDDED_TOOLS: &str = include_str!("../../../../programs/tools.toml");
 /// Tool tables looked for beside a program, in this order.
@@ -267,6 +272,8 @@ impl Session {
         verify::Config {
             synchronised: self.taps.method == plan::TapMethod::Synchronised,
             cams: self.cams.library.clone(),
+            described_mills: ToolLibrary::new(self.tools.iter().filter(is_described).cloned()),
+            mill_stock: super::mill_stock::machine_stock(self),
             ..crate::config::judge(&self.machine, &self.tools, material, zero)
         }
     }

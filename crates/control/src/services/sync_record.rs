@@ -409,7 +409,7 @@ const fn holder(kind: &ToolKind) -> Option<Holder> {
         ToolKind::Tap(tap) => Some(tap.holder),
         ToolKind::Drill { .. }
         | ToolKind::SpotDrill { .. }
-        | ToolKind::EndMill
+        | ToolKind::EndMill(_)
         | ToolKind::PolygonCutter(_)
         | ToolKind::Insert(_)
         | ToolKind::Probe(_)
@@ -436,7 +436,7 @@ const fn thread_length(kind: &ToolKind) -> Length {
         ToolKind::Tap(tap) => tap.thread_length,
         ToolKind::Drill { .. }
         | ToolKind::SpotDrill { .. }
-        | ToolKind::EndMill
+        | ToolKind::EndMill(_)
         | ToolKind::PolygonCutter(_)
         | ToolKind::Insert(_)
         | ToolKind::Probe(_)

@@ -70,7 +70,7 @@ pub fn example_setup(dialect: Dialect) -> Setup {
     Setup {
         dialect,
         tools: ToolLibrary::new([
-            tool(1, 100.0, 10.0, ToolKind::EndMill),
+            tool(1, 100.0, 10.0, ToolKind::EndMill(canon::Mill::default())),
             tool(2, 120.0, 6.0, ToolKind::Tap(tap)),
         ]),
         leaves: Leaves {

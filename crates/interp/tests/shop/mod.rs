@@ -32,7 +32,10 @@ pub fn m6() -> ToolKind {
 }
 
 pub fn shop() -> Setup {
-    let tools = ToolLibrary::new([tool(1, 80.0, ToolKind::EndMill), tool(2, 100.0, m6())]);
+    let tools = ToolLibrary::new([
+        tool(1, 80.0, ToolKind::EndMill(canon::Mill::default())),
+        tool(2, 100.0, m6()),
+    ]);
     Setup { tools, ..Setup::default() }
 }
 

@@ -23,8 +23,11 @@ use units::{Angle, Length, Spin};
 
 mod bar;
 mod body;
+mod form;
 mod say;
 mod turned;
+
+use form::{Form, form};
 
 /// A rapid may be so much deeper than what is open, mm: scraping, rounding.
 const SCRAPES: f64 = 0.2;
@@ -61,14 +64,6 @@ pub(super) enum Run {
     Thread(Feed),
 }
 
-/// What a tool can do.
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    Drill(Drill),
-    Tap { diameter: f64 },
-    Mill { radius: f64 },
-}
-
 /// The tool in the spindle and the stock.
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
@@ -87,6 +82,8 @@ pub(super) struct Contact {
     rotary: [Angle; 3],
     /// The tools are not known to be the shop's: nothing is sure to break.
     doubtful: bool,
+    /// The program states its stock: mills that are only described are looked at, too.
+    stated: bool,
     /// It was said that the length offset is not the tool's.
     offset_said: bool,
     /// Code of what the length offset was blamed for: whatever else it causes is no finding of its own.
@@ -122,6 +119,7 @@ impl Contact {
             mounted: 0,
             rotary,
             doubtful: false,
+            stated: false,
             offset_said: false,
             blamed: None,
             crashed: false,
@@ -266,27 +264,6 @@ impl Contact {
     }
 }
 
-/// What a tool can do, as far as its table says.
-fn form(tool: &Tool, pressure: f64) -> Option<Form> {
-    let diameter = tool.diameter.value();
-    if tool.stand_in || tool.number == 0 || diameter <= 0.0 {
-        return None;
-    }
-    match &tool.kind {
-        ToolKind::Drill { point_angle } | ToolKind::SpotDrill { point_angle } => {
-            let half = point_angle.in_rad() / 2.0;
-            let cone = diameter / 2.0 / libm::tan(half);
-            let cone = if cone.is_finite() { cone.max(0.0) } else { 0.0 };
-            Some(Form::Drill(Drill { diameter, cone, sine: libm::sin(half), kc: pressure }))
-        }
-        ToolKind::Tap(_) => Some(Form::Tap { diameter }),
-        ToolKind::EndMill => Some(Form::Mill { radius: diameter / 2.0 }),
-        ToolKind::Insert(_) | ToolKind::Probe(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => {
-            None
-        }
-    }
-}
-
 /// Places along a path between which it hardly bends.
 fn places(path: &Path, length: f64, mut each: impl FnMut(Point)) {
     const PIECE_MM: f64 = 0.5;
@@ -323,6 +300,15 @@ impl Planner {
         self
     }
 
+    /// One whose stock is what the program says that it is.
+    #[must_use]
+    pub const fn with_stated_stock(mut self) -> Self {
+        if let Some(contact) = &mut self.contact {
+            contact.stated = true;
+        }
+        self
+    }
+
     /// Another tool is in the spindle.
     pub(super) const fn tool_mounted(&mut self) {
         if let Some(contact) = &mut self.contact {
@@ -341,7 +327,9 @@ impl Planner {
         }
         self.sweep_body(job, path);
         let Some(tool) = self.tools.get(self.tool) else { return };
-        let Some(form) = form(tool, self.options.cutting_pressure_n_per_mm2) else { return };
+        let stated = self.contact.as_ref().is_some_and(|contact| contact.stated);
+        let pressure = self.options.cutting_pressure_n_per_mm2;
+        let Some(form) = form(tool, pressure, stated) else { return };
         if self.limits.tapping.axis != Axis::Z {
             return;
         }
@@ -443,7 +431,7 @@ impl Planner {
     fn depth_at(&self, z: Length) -> Option<(f64, &Tool, &Contact)> {
         let contact = self.contact.as_ref()?;
         let tool = self.tools.get(self.tool)?;
-        form(tool, 1.0)?;
+        form(tool, 1.0, false)?;
         let depth = contact.stock.top() - (z - tool.worn_length()).value();
         (self.limits.tapping.axis == Axis::Z).then_some((depth, tool, contact))
     }

@@ -471,7 +471,7 @@ pub(super) fn kind_name(tool: &Tool) -> &'static str {
     match tool.kind {
         ToolKind::Drill { .. } => "a drill",
         ToolKind::SpotDrill { .. } => "a spot drill",
-        ToolKind::EndMill => "an end mill",
+        ToolKind::EndMill(_) => "an end mill",
         ToolKind::Tap(_) => "a tap",
         ToolKind::PolygonCutter(_) => "a polygon cutter",
         ToolKind::Insert(_) => "an insert of a lathe",

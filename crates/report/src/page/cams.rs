@@ -123,6 +123,7 @@ pub(super) fn cams(features: &[Feature]) -> String {
         | FeatureKind::Thread(_)
         | FeatureKind::Polygon(_)
         | FeatureKind::Turned(_)
+        | FeatureKind::Milled(_)
         | FeatureKind::Gear(_) => None,
     });
     let pictures: String =

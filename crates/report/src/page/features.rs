@@ -6,7 +6,8 @@ use crate::svg::{Tag, escape, fixed};
 use crate::{Measure, Run, Standing};
 use units::{Length, Torque};
 use verify::{
-    Criterion, Feature, FeatureKind, Gear, GroundCam, Headroom, Hole, Polygon, Thread, TurnedThread,
+    Criterion, Feature, FeatureKind, Gear, GroundCam, Headroom, Hole, Largest, Milled, Polygon,
+    Thread, TurnedThread,
 };
 
 /// The order of badness: what failed first, then by the share of the nearest tolerance that is left.
@@ -57,7 +58,7 @@ impl Writer {
 }
 
 /// Kinds in the order of their tables.
-const KINDS: usize = 6;
+const KINDS: usize = 7;
 
 const fn kind(feature: &Feature) -> usize {
     match feature.kind {
@@ -67,10 +68,12 @@ const fn kind(feature: &Feature) -> usize {
         FeatureKind::Polygon(_) => 3,
         FeatureKind::Cam(_) => 4,
         FeatureKind::Gear(_) => 5,
+        FeatureKind::Milled(_) => 6,
     }
 }
 
-const NAMES: [&str; KINDS] = ["Threads", "Holes", "Turned threads", "Polygons", "Cams", "Gears"];
+const NAMES: [&str; KINDS] =
+    ["Threads", "Holes", "Turned threads", "Polygons", "Cams", "Gears", "Milling"];
 
 /// The tables, or a sentence if there is nothing to put into them.
 pub(super) fn tables(
@@ -215,6 +218,7 @@ impl Page<'_> {
             FeatureKind::Polygon(polygon) => of_polygon(write, polygon),
             FeatureKind::Cam(cam) => of_cam(write, cam),
             FeatureKind::Gear(gear) => of_gear(write, gear),
+            FeatureKind::Milled(milled) => of_milled(write, milled),
         }
     }
 }
@@ -232,6 +236,12 @@ pub fn name(feature: &Feature, measure: Measure) -> String {
         FeatureKind::Polygon(polygon) => polygon.name(),
         FeatureKind::Cam(cam) => format!("cam {}", cam.name),
         FeatureKind::Gear(gear) => gear.name(),
+        FeatureKind::Milled(milled) => {
+            let number = feature.tool.map_or(String::new(), |number| format!("T{number} "));
+            let decimals = if measure == Measure::METRIC { 2 } else { 4 };
+            let diameter = fixed(measure.number(milled.diameter), decimals);
+            format!("{number}{} ⌀{diameter}", milled.form_name())
+        }
     }
 }
 
@@ -288,6 +298,18 @@ fn columns(kind: usize) -> Vec<Column> {
             ("waviness", "µm", false),
             ("speed", "rpm", false),
         ],
+        6 => &[
+            ("axial depth", "mm", false),
+            ("radial width", "mm", false),
+            ("engagement", "°", false),
+            ("feed per tooth", "µm", false),
+            ("chip", "µm", false),
+            ("removal", "cm³/min", false),
+            ("force, estimated", "N", false),
+            ("deflection", "µm", false),
+            ("rapids through stock", "", false),
+            ("speed", "rpm", false),
+        ],
         _ => &[
             ("width", "mm", false),
             ("single pitch", "µm", false),
@@ -322,6 +344,10 @@ const fn explained(kind: usize) -> &'static str {
         }
         4 => {
             "Contour error: distance of the wheel's edge from the profile along X, in the last turns."
+        }
+        6 => {
+            "The largest of each while the mill was in the spindle. Chip: a tooth's largest thickness, thinner than its feed \
+             below 90° of engagement. Force: tangential, at most. Below the table: the stock afterwards."
         }
         _ => "Deviations at the middle of the face, by ISO 1328-1. Speed of the work.",
     }
@@ -400,6 +426,29 @@ fn of_gear(write: Writer, gear: &Gear) -> Vec<Cell> {
         write.small(gear.helix_deviation, 2),
         Cell::plain(gear.grade.map_or("none".into(), |grade| grade.to_string())),
         Cell::plain(fixed(gear.spin.in_rpm(), 1)),
+    ]
+}
+
+fn of_milled(write: Writer, milled: &Milled) -> Vec<Cell> {
+    let small = |of: Option<Largest<Length>>, decimals| {
+        of.map_or_else(Cell::empty, |most| write.small(most.value, decimals))
+    };
+    let length =
+        |of: Option<Largest<Length>>| of.map_or_else(Cell::empty, |most| write.length(most.value));
+    let plain =
+        |of: Option<f64>, decimals| Cell::plain(of.map_or(String::new(), |v| fixed(v, decimals)));
+    let rapids = milled.rapid_count;
+    vec![
+        length(milled.depth),
+        length(milled.width),
+        plain(milled.angle.map(|most| most.value.in_deg()), 0),
+        small(milled.feed_per_tooth, 0),
+        small(milled.chip, 0),
+        plain(milled.removal_mm3_per_s.map(|most| most.value * 0.06), 1),
+        plain(milled.force.map(|most| most.value.value()), 0),
+        small(milled.deflection, 0),
+        Cell::plain(if rapids == 0 { String::new() } else { rapids.to_string() }),
+        rpm(milled.spin_max),
     ]
 }
 

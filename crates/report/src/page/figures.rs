@@ -60,12 +60,13 @@ fn rate(run: &Run, recorder: &Recorder) -> String {
 type CountedKind = (&'static str, fn(&Feature) -> bool);
 
 /// Kinds that are counted.
-const KINDS: [CountedKind; 5] = [
+const KINDS: [CountedKind; 6] = [
     ("Holes", |f| matches!(f.kind, FeatureKind::Hole(_))),
     ("Threads", |f| matches!(f.kind, FeatureKind::Thread(_) | FeatureKind::Turned(_))),
     ("Polygons", |f| matches!(f.kind, FeatureKind::Polygon(_))),
     ("Cams", |f| matches!(f.kind, FeatureKind::Cam(_))),
     ("Gears", |f| matches!(f.kind, FeatureKind::Gear(_))),
+    ("Mills", |f| matches!(f.kind, FeatureKind::Milled(_))),
 ];
 
 fn count(name: &str, all: &[Standing]) -> String {
@@ -93,6 +94,7 @@ fn threads(features: &[Feature]) -> impl Iterator<Item = (usize, &Thread)> {
         | FeatureKind::Polygon(_)
         | FeatureKind::Cam(_)
         | FeatureKind::Turned(_)
+        | FeatureKind::Milled(_)
         | FeatureKind::Gear(_) => None,
     })
 }

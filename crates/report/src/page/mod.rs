@@ -65,6 +65,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
         | FeatureKind::Thread(_)
         | FeatureKind::Cam(_)
         | FeatureKind::Turned(_)
+        | FeatureKind::Milled(_)
         | FeatureKind::Gear(_) => None,
     });
     main += &section("Polygons", &grid(&polygons.collect::<String>()));
@@ -74,6 +75,13 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
         _ => None, // no other feature has teeth
     });
     main += &section("Gears", &grid(&gears.collect::<String>()));
+    let milled = features.iter().enumerate().filter_map(|(i, feature)| match &feature.kind {
+        FeatureKind::Milled(milled) => {
+            Some(pictures::milled(i + 1, feature, milled, run, recorder))
+        }
+        _ => None, // nothing else takes from the block
+    });
+    main += &section("Milling", &grid(&milled.collect::<String>()));
     main += &section("Turned threads", &grid(&turned::pictures(features)));
     main += &section("Taps in holders that give", &grid(&pictures::floating(recorder)));
     main += &threads::threads(run, recorder, features);

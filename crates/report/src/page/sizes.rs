@@ -70,6 +70,7 @@ fn row(size: &str, features: &[&Feature], measure: Measure) -> [String; 5] {
         FeatureKind::Polygon(_)
         | FeatureKind::Turned(_)
         | FeatureKind::Gear(_)
+        | FeatureKind::Milled(_)
         | FeatureKind::Cam(_) => None,
     });
     let of_thread = |value: fn(&Thread) -> Option<units::Length>| {

@@ -108,6 +108,7 @@ fn places(run: &Run, recorder: &Recorder, features: &[Feature], frame: &Frame) -
             FeatureKind::Polygon(_)
             | FeatureKind::Cam(_)
             | FeatureKind::Turned(_)
+            | FeatureKind::Milled(_)
             | FeatureKind::Gear(_) => continue,
         };
         let diameter = frame.measure.number(diameter);

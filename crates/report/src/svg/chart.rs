@@ -183,6 +183,16 @@ impl Chart {
         self.body += &Tag::new("a").with("href", &line.to).around(&path.around(&title));
     }
 
+    /// Filled rectangles of a class of their own, from corner to corner, with one entry in the legend.
+    pub(crate) fn cells(&mut self, class: &'static str, cells: &[[f64; 4]], label: &str) {
+        let mut data = String::new();
+        for [left, low, right, high] in cells {
+            let ((a, b), (c, d)) = (self.place((*left, *high)), self.place((*right, *low)));
+            let _ = write!(data, "M{a:.1} {b:.1}H{c:.1}V{d:.1}H{a:.1}Z");
+        }
+        self.path(class, &data, Some(label));
+    }
+
     fn path(&mut self, class: &'static str, data: &str, label: Option<&str>) {
         if data.is_empty() {
             return;

@@ -159,6 +159,11 @@ impl FeatureBody {
                 body.sync_error_max_um = um(thread.sync_error_max);
                 body.spin_max_rpm = finite(thread.spin_max.in_rpm());
             }
+            FeatureKind::Milled(milled) => {
+                body.depth_mm = milled.depth.and_then(|most| mm(most.value));
+                body.diameter_mm = mm(milled.diameter);
+                body.spin_max_rpm = finite(milled.spin_max.in_rpm());
+            }
             // verdict and reason say what was found; their measures stand in the report
             FeatureKind::Polygon(_) | FeatureKind::Cam(_) | FeatureKind::Gear(_) => {}
         }

@@ -131,7 +131,7 @@ impl ToolBody {
             kind: match tool.kind {
                 ToolKind::Drill { .. } => "drill",
                 ToolKind::SpotDrill { .. } => "spot drill",
-                ToolKind::EndMill => "end mill",
+                ToolKind::EndMill(_) => "end mill",
                 ToolKind::Tap(_) => "tap",
                 ToolKind::PolygonCutter(_) => "polygon cutter",
                 ToolKind::Insert(_) => "insert",

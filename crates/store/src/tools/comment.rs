@@ -107,7 +107,7 @@ pub(super) fn understand(comment: &str) -> Understood {
         }
         (false, true, false, false) => ToolKind::SpotDrill { point_angle: degrees(90.0) },
         (false, false, true, false) => ToolKind::Drill { point_angle: degrees(118.0) },
-        (false, false, false, true) => ToolKind::EndMill,
+        (false, false, false, true) => ToolKind::EndMill(super::mill::of_words(&words, 1.0)),
         _ => ToolKind::Other,
     };
     understood
@@ -190,7 +190,7 @@ mod tests {
         match understand(comment).kind {
             ToolKind::Drill { point_angle } => format!("drill {}", point_angle.in_deg().round()),
             ToolKind::SpotDrill { point_angle } => format!("spot {}", point_angle.in_deg().round()),
-            ToolKind::EndMill => "mill".into(),
+            ToolKind::EndMill(_) => "mill".into(),
             ToolKind::Tap(tap) => format!("tap {} {}", tap.designation, tap.lead.value()),
             ToolKind::PolygonCutter(_) => "polygon cutter".into(),
             ToolKind::Insert(insert) => format!("insert {}", insert.angle.in_deg().round()),

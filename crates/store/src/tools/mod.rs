@@ -23,6 +23,12 @@
 //! | `holder_diameter_mm` | all | else only what is as thick as the tool is judged |
 //! | `shank_diameter_mm` | all | of a boring bar its diameter, of a turning tool the width of its shank: else not judged |
 //! | `flute_length_mm` | drill, spot-drill, end-mill | where the flutes end; else not judged |
+//! | `form` | end-mill | flat (also a face mill), bull, ball, conical (chamfer mills, engraving tools), other: not judged; else flat |
+//! | `corner_radius_mm` | end-mill, bull | radius of its corner |
+//! | `point_angle_deg`, `tip_diameter_mm` | end-mill, conical | full angle of its cone; its flat tip, else 0 |
+//! | `teeth` | end-mill | else chip load, force and deflection are not judged |
+//! | `body_material` | end-mill | carbide, hss: else its deflection is not judged; that also needs `stick_out_mm` |
+//! | `max_chip_mm`, `max_depth_mm`, `max_deflection_mm` | end-mill | thickness of a tooth's chip, axial depth of the cut, deflection of the tip: else not judged |
 //! | `tip_radius_mm` | polygon-cutter | from the spindle's axis to an insert's tip |
 //! | `inserts`, or `insert_angles_deg` | polygon-cutter | how many, equally spaced; or where, `[0, 90]` |
 //! | `nose_radius_mm` | polygon-cutter | else 0.8 |
@@ -34,11 +40,13 @@
 //! | `oversize_um` | tap | else the middle of class ISO 2 |
 //! | `holder` | tap | `{ kind = "rigid", stiffness_n_per_um = 20 }`; soft-synchro and tension-compression also have `travel_mm` |
 mod comment;
+mod mill;
 mod table;
 mod tbl;
 mod write;
 
 pub use comment::{ToolComment, named};
+pub use mill::of_words as mill_of_words;
 pub use tbl::{TableLine, TableUnit, to_tbl};
 pub use write::to_toml;
 

@@ -1,5 +1,5 @@
 //! The table in TOML.
-use super::{LONGEST, MOST_TOOLS, usual_oversize, without_doubles};
+use super::{LONGEST, MOST_TOOLS, mill, usual_oversize, without_doubles};
 use crate::{
     keys::{self, Keys},
     machine::n_per_um,
@@ -56,7 +56,7 @@ fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
     let (kind, nominal) = match keys.choice("kind", &kinds) {
         Kind::Drill => (ToolKind::Drill { point_angle: point_angle(keys, 118.0) }, None),
         Kind::SpotDrill => (ToolKind::SpotDrill { point_angle: point_angle(keys, 90.0) }, None),
-        Kind::EndMill => (ToolKind::EndMill, None),
+        Kind::EndMill => (ToolKind::EndMill(mill::read(keys)), None),
         Kind::Tap => {
             let thread = read_thread(keys);
             (ToolKind::Tap(read_tap(&thread, keys)), Some(thread.nominal))
@@ -138,7 +138,7 @@ fn read_body(keys: &mut Keys<'_>, kind: &ToolKind) -> Body {
     let stick_out = stated(["stick_out_mm", "stick_out_in"]);
     let holder = stated(["holder_diameter_mm", "holder_diameter_in"]);
     let has_flutes =
-        matches!(kind, ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } | ToolKind::EndMill);
+        matches!(kind, ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } | ToolKind::EndMill(_));
     let flutes = if has_flutes { stated(["flute_length_mm", "flute_length_in"]) } else { None };
     if let (Some(flutes), Some(out)) = (flutes, stick_out)
         && flutes > out
@@ -158,7 +158,7 @@ fn length(keys: &mut Keys<'_>, names: [&'static str; 2], bounds: RangeInclusive<
     Length::mm(keys.number(names[0], bounds))
 }
 
-fn optional_length(
+pub(super) fn optional_length(
     keys: &mut Keys<'_>,
     [in_mm, in_inches]: [&'static str; 2],
     bounds: RangeInclusive<f64>,

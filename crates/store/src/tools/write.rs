@@ -5,6 +5,7 @@
 //! ```
 //!
 //! Derived units (degrees, µm) are written as the number whose conversion gives the value again, bit for bit.
+use super::mill;
 use canon::{
     AtLimit, Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind,
     ToolLibrary, ToolLife,
@@ -34,7 +35,7 @@ fn mm(text: &mut String, key: &str, value: Length) {
     line(text, key, &number(value.value()));
 }
 
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
@@ -43,7 +44,7 @@ fn quoted(value: &str) -> String {
 }
 
 /// The number that reads back as `wanted`: the conversion's own answer, or one of its nearest neighbours.
-fn exact(shown: f64, wanted: f64, read: impl Fn(f64) -> f64) -> String {
+pub(super) fn exact(shown: f64, wanted: f64, read: impl Fn(f64) -> f64) -> String {
     let up = [shown.next_up(), shown.next_up().next_up()];
     let down = [shown.next_down(), shown.next_down().next_down()];
     let tenth_digits = format!("{shown:.12}").parse().unwrap_or(shown);
@@ -51,7 +52,7 @@ fn exact(shown: f64, wanted: f64, read: impl Fn(f64) -> f64) -> String {
     number(candidates.into_iter().find(|tried| read(*tried) == wanted).unwrap_or(shown))
 }
 
-fn degrees(angle: Angle) -> String {
+pub(super) fn degrees(angle: Angle) -> String {
     exact(angle.in_deg(), angle.value(), |deg| Angle::deg(deg).value())
 }
 
@@ -106,7 +107,12 @@ fn write_kind(text: &mut String, kind: &ToolKind) {
             kind_of("spot-drill");
             line(text, "point_angle_deg", &degrees(*point_angle));
         }
-        ToolKind::EndMill => kind_of("end-mill"),
+        ToolKind::EndMill(mill) => {
+            kind_of("end-mill");
+            for (key, value) in mill::written(mill) {
+                line(text, key, &value);
+            }
+        }
         ToolKind::Other => kind_of("other"),
         ToolKind::Tap(tap) => {
             kind_of("tap");

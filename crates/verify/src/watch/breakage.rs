@@ -22,7 +22,7 @@ fn name(tool: &Tool) -> String {
         ToolKind::Tap(tap) => format!("tap {}", tap.designation),
         ToolKind::Drill { .. } => format!("drill {} mm", tool.diameter.value()),
         ToolKind::SpotDrill { .. } => format!("spot drill {} mm", tool.diameter.value()),
-        ToolKind::EndMill => format!("end mill {} mm", tool.diameter.value()),
+        ToolKind::EndMill(_) => format!("end mill {} mm", tool.diameter.value()),
         ToolKind::Probe(_) => "touch probe".to_owned(),
         ToolKind::Insert(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => {
             tool.description.clone()

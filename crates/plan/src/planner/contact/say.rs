@@ -29,7 +29,7 @@ impl Planner {
         let sure = Self::sure(is_tilted);
         let (code, by, severity, said, help) = match wrong {
             Wrong::RapidIn { over, open, milled } => {
-                let is_mill = tool.kind == ToolKind::EndMill;
+                let is_mill = matches!(tool.kind, ToolKind::EndMill(_));
                 let severity = if milled || is_mill { Severity::Warning } else { sure };
                 let help = match (milled, is_mill) {
                     (true, _) => Some(MILLED),
