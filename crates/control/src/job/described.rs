@@ -172,6 +172,7 @@ fn diameter(words: &[String], unit: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canon::{Mill, MillForm};
 
     fn one(text: &str) -> (u32, ToolKind, f64) {
         let all = tools(text.as_bytes());
@@ -181,17 +182,16 @@ mod tests {
 
     #[test]
     fn posts_name_their_tools() {
-        assert_eq!(
-            one("(T3  D=6. CR=0. - ZMIN=-12. - flat end mill)"),
-            (3, ToolKind::EndMill, 6.0)
-        );
-        assert_eq!(one("G20\n(T1 | 1/2 FLAT ENDMILL | H1)"), (1, ToolKind::EndMill, 12.7));
-        assert_eq!(one("(TOOL -1- MILL DIA 6.0 R0. MM)"), (1, ToolKind::EndMill, 6.0));
-        assert_eq!(one("(T4 - .5\" 5FL GARR ENDMILL)"), (4, ToolKind::EndMill, 12.7));
-        assert_eq!(one("(T212 |    3. FLAT ENDMILL | H0)"), (212, ToolKind::EndMill, 3.0));
-        assert_eq!(one("(TOOL 4 = 1IN FACE MILL)"), (4, ToolKind::EndMill, 25.4));
-        assert_eq!(one("(T3 1/8\" 3FLUTE .188LOC FLAT ENDMILL)"), (3, ToolKind::EndMill, 3.175));
-        assert_eq!(one("; T2 D=8 - ball end mill"), (2, ToolKind::EndMill, 8.0));
+        let flat = Some(MillForm::FLAT);
+        let mill = |form, teeth| ToolKind::EndMill(Mill { form, teeth, ..Mill::default() });
+        assert_eq!(one("(T3  D=6. CR=0. - ZMIN=-12. - flat end mill)"), (3, mill(flat, None), 6.0));
+        assert_eq!(one("G20\n(T1 | 1/2 FLAT ENDMILL | H1)"), (1, mill(flat, None), 12.7));
+        assert_eq!(one("(TOOL -1- MILL DIA 6.0 R0. MM)"), (1, mill(None, None), 6.0));
+        assert_eq!(one("(T4 - .5\" 5FL GARR ENDMILL)"), (4, mill(flat, Some(5)), 12.7));
+        assert_eq!(one("(T212 |    3. FLAT ENDMILL | H0)"), (212, mill(flat, None), 3.0));
+        assert_eq!(one("(TOOL 4 = 1IN FACE MILL)"), (4, mill(flat, None), 25.4));
+        assert_eq!(one("(T3 1/8\" 3FLUTE .188LOC FLAT ENDMILL)"), (3, mill(flat, Some(3)), 3.175));
+        assert_eq!(one("; T2 D=8 - ball end mill"), (2, mill(Some(MillForm::Ball), None), 8.0));
         let (number, kind, diameter) = one("(T12 5.MM DRILL)");
         assert_eq!((number, matches!(kind, ToolKind::Drill { .. }), diameter), (12, true, 5.0));
         let (number, kind, diameter) = one("(TOOL - 4 M6 TAP)");
