@@ -190,7 +190,9 @@ impl MilledStock {
     /// The same of all operations of a program.
     pub fn of(source: &[u8], session: &Session, ops: &[Op]) -> Self {
         let mut milled = Self::new(source, session);
-        ops.iter().for_each(|op| milled.see(session, op));
+        for op in ops {
+            milled.see(session, op);
+        }
         milled
     }
 

@@ -254,7 +254,9 @@ impl Milling {
             if self.field.is_none() {
                 self.field = Field::new(stock.block, 2.0 * cutter.radius);
                 if let Some(field) = &mut self.field {
-                    drilled.iter().for_each(|hole| field.bore(hole));
+                    for hole in drilled {
+                        field.bore(hole);
+                    }
                 }
             } else if at.window.is_none() {
                 self.field = self.field.take().map(|field| field.refined(2.0 * cutter.radius));
