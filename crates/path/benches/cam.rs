@@ -24,7 +24,9 @@ fn main() {
             let begin = processor_time();
             let mut pieces: Vec<Piece> = Vec::new();
             let mut joiner = Joiner::new(&limits);
-            segments.iter().for_each(|one| joiner.push(*one, &mut |piece| pieces.push(piece)));
+            for one in &segments {
+                joiner.push(*one, &mut |piece| pieces.push(piece));
+            }
             joiner.finish(&mut |piece| pieces.push(piece));
             let joined = processor_time();
             let mut law = Law::new(Config { limits, period: 1e-3 });

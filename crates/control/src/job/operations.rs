@@ -244,17 +244,17 @@ impl Operations {
     pub fn that_cut_before(&self, count: usize) -> Self {
         let mut before = Self::default();
         for (at, op) in self.ops.iter().enumerate().take(count) {
-            let leaves = match op.kind {
+            let leaves = !matches!(
+                op.kind,
                 OpKind::Dwell { .. }
-                | OpKind::Pause { .. }
-                | OpKind::Message(_)
-                | OpKind::Input(_)
-                | OpKind::Probe(_)
-                | OpKind::Output(_)
-                | OpKind::UserCode(_)
-                | OpKind::Coolant { .. } => false,
-                _ => true,
-            };
+                    | OpKind::Pause { .. }
+                    | OpKind::Message(_)
+                    | OpKind::Input(_)
+                    | OpKind::Probe(_)
+                    | OpKind::Output(_)
+                    | OpKind::UserCode(_)
+                    | OpKind::Coolant { .. }
+            );
             if leaves {
                 let frame = self.frame_of(at);
                 if before.frames.last().is_none_or(|(_, last)| *last != frame) {

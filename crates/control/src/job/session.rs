@@ -17,7 +17,7 @@ use store::tools::{TableUnit, ToolTable};
 use units::Coordinate;
 
 /// A mill that the program's comments describe, and no table has.
-fn is_described(tool: &&canon::Tool) -> bool {
+const fn is_described(tool: &canon::Tool) -> bool {
     tool.stand_in && matches!(tool.kind, canon::ToolKind::EndMill(_))
 }
 
@@ -272,7 +272,9 @@ impl Session {
         verify::Config {
             synchronised: self.taps.method == plan::TapMethod::Synchronised,
             cams: self.cams.library.clone(),
-            described_mills: ToolLibrary::new(self.tools.iter().filter(is_described).cloned()),
+            described_mills: ToolLibrary::new(
+                self.tools.iter().filter(|tool| is_described(tool)).cloned(),
+            ),
             mill_stock: super::mill_stock::machine_stock(self),
             ..crate::config::judge(&self.machine, &self.tools, material, zero)
         }

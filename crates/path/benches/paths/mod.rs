@@ -21,10 +21,10 @@ pub(crate) fn all(p: f64) -> Vec<Path> {
     ]
 }
 
-fn segment(curve: Curve, p: f64, line: u32) -> Segment {
+fn segment(curve: &Curve, p: f64, line: u32) -> Segment {
     // as the interpreter has it where no Q is stated
     let (tolerance, merge) = (0.98 * p, 0.02 * p);
-    Segment { curve, feed: FEED, rapid: false, tolerance, merge, op: line, line }
+    Segment { curve: *curve, feed: FEED, rapid: false, tolerance, merge, op: line, line }
 }
 
 fn lines(points: &[Point], p: f64) -> Vec<Segment> {
@@ -32,7 +32,7 @@ fn lines(points: &[Point], p: f64) -> Vec<Segment> {
         let square = |axis: usize| (pair[1][axis] - pair[0][axis]).powi(2);
         let length = (0..AXES).map(square).sum::<f64>().sqrt();
         (length > 0.0)
-            .then(|| segment(Curve::Line(Line { from: pair[0], to: pair[1], length }), p, k))
+            .then(|| segment(&Curve::Line(Line { from: pair[0], to: pair[1], length }), p, k))
     };
     (1..).zip(points.windows(2)).filter_map(line).collect()
 }
@@ -83,7 +83,7 @@ fn arcs(count: u32, p: f64) -> Vec<Segment> {
         let (from, to) = (point(x, 0.0, -2.0), point(x + 2.0 * radius, 0.0, -2.0));
         let (sweep, length) = (TAU / 2.0, radius.abs() * TAU / 2.0);
         let arc = Arc { from, to, plane: [0, 1], centre: [x + radius, 0.0], sweep, length };
-        segments.push(segment(Curve::Arc(arc), p, k + 1));
+        segments.push(segment(&Curve::Arc(arc), p, k + 1));
         x += 2.0 * radius;
     }
     segments

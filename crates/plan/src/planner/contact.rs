@@ -64,6 +64,14 @@ pub(super) enum Run {
     Thread(Feed),
 }
 
+/// Which mills are looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mills {
+    OfTable,
+    /// Those that are only described, too: the program states its stock.
+    All,
+}
+
 /// The tool in the spindle and the stock.
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
@@ -82,8 +90,7 @@ pub(super) struct Contact {
     rotary: [Angle; 3],
     /// The tools are not known to be the shop's: nothing is sure to break.
     doubtful: bool,
-    /// The program states its stock: mills that are only described are looked at, too.
-    stated: bool,
+    mills: Mills,
     /// It was said that the length offset is not the tool's.
     offset_said: bool,
     /// Code of what the length offset was blamed for: whatever else it causes is no finding of its own.
@@ -119,7 +126,7 @@ impl Contact {
             mounted: 0,
             rotary,
             doubtful: false,
-            stated: false,
+            mills: Mills::OfTable,
             offset_said: false,
             blamed: None,
             crashed: false,
@@ -304,7 +311,7 @@ impl Planner {
     #[must_use]
     pub const fn with_stated_stock(mut self) -> Self {
         if let Some(contact) = &mut self.contact {
-            contact.stated = true;
+            contact.mills = Mills::All;
         }
         self
     }
@@ -327,7 +334,7 @@ impl Planner {
         }
         self.sweep_body(job, path);
         let Some(tool) = self.tools.get(self.tool) else { return };
-        let stated = self.contact.as_ref().is_some_and(|contact| contact.stated);
+        let stated = self.contact.as_ref().is_some_and(|contact| contact.mills == Mills::All);
         let pressure = self.options.cutting_pressure_n_per_mm2;
         let Some(form) = form(tool, pressure, stated) else { return };
         if self.limits.tapping.axis != Axis::Z {

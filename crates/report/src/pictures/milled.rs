@@ -36,13 +36,12 @@ pub(crate) fn milled(
     let deepest = map.depths.iter().flatten().copied().fold(0.0, f64::max);
     for (class, cells) in bands(map, deepest, [ends(0), ends(1)]).iter().enumerate() {
         let to = |share: f64| fixed(deepest * share / measure.unit.in_mm(), measure.decimals() - 1);
-        let label = match class {
-            0 => "as it was".to_owned(),
-            _ => {
-                let part = (CLASSES.len() - 1) as f64;
-                let k = class as f64;
-                format!("{} to {} {unit} deep", to((k - 1.0) / part), to(k / part))
-            }
+        let label = if class == 0 {
+            "as it was".to_owned()
+        } else {
+            let part = (CLASSES.len() - 1) as f64;
+            let k = class as f64;
+            format!("{} to {} {unit} deep", to((k - 1.0) / part), to(k / part))
         };
         if !cells.is_empty() {
             chart.cells(CLASSES[class], cells, &label);
