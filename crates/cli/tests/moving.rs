@@ -212,3 +212,70 @@ fn a_b_axis_feeds_as_a_and_c_do() {
     let [speed, accel, jerk] = largest(b, 250e-6);
     assert!(speed < 150.2 && accel < 1010.0 && jerk < 52_500.0, "{speed} {accel} {jerk}");
 }
+
+/// Rows 0.5 mm apart in lines of 0.47 mm: each line's number, where it begins and where it ends.
+fn rows(text: &mut String) -> Vec<(u32, [[f64; 3]; 2])> {
+    text.push_str("G21 G90 G17 G94 G64 P0.01\nG0 X0 Y0 Z0\nF4718\n");
+    let (mut lines, mut from) = (Vec::new(), [0.0; 3]);
+    for (number, k) in (4..).zip(0..256) {
+        let (row, k) = (k / 64, k % 64);
+        let x = 0.4708 * f64::from(if row % 2 == 0 { k } else { 63 - k });
+        let z = (x / 3.0).sin() + 0.3 * (2.1 * x + f64::from(row)).sin();
+        let to = [x, 0.5 * f64::from(row), z];
+        text.push_str(&format!("G1 X{x:.6} Y{:.6} Z{z:.6}\n", to[1]));
+        lines.push((number, [from, to]));
+        from = to;
+    }
+    text.push_str("M2\n");
+    lines
+}
+
+/// How far a place is from a straight way.
+fn off([from, to]: [[f64; 3]; 2], at: [f64; 3]) -> f64 {
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+    let minus = |a: [f64; 3], b: [f64; 3]| core::array::from_fn(|i| a[i] - b[i]);
+    let way: [f64; 3] = minus(to, from);
+    let share = (dot(minus(at, from), way) / dot(way, way).max(1e-12)).clamp(0.0, 1.0);
+    let away = minus(at, core::array::from_fn(|i| from[i] + share * way[i]));
+    dot(away, away).sqrt()
+}
+
+#[test]
+fn whatever_an_operator_does_on_a_surface_the_line_that_is_named_is_the_one_that_is_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("rows.ngc");
+    let mut text = String::new();
+    let lines = rows(&mut text);
+    fs::write(&program, text).unwrap();
+    let orders = [
+        (
+            "bench-xyz",
+            "single-block on at 1s; single-block off at 1.152s; resume at 2s; single-block on at 2.654s; \
+             single-block off at 2.788s; resume at 3.654s; override 130 at 4.727s",
+        ),
+        (
+            "bench-xyz-jerk20",
+            "single-block on at 1s; single-block off at 1.287s; resume at 2s; override 61 at 2.294s; \
+             single-block on at 2.868s; single-block off at 3.27s; resume at 3.868s; override 134 at 6s",
+        ),
+    ];
+    for (machine, orders) in orders {
+        let out = folder.path().join(machine);
+        run(program.to_str().unwrap(), machine, orders, &out);
+        let mut looked_at = 0;
+        for group in store::trace::Reader::open(&out.join("trace.parquet")).unwrap() {
+            let group = group.unwrap();
+            let axis = |name| group.column(&format!("{name}_control_setpoint_mm")).unwrap();
+            let [x, y, z] = ["x", "y", "z"].map(axis);
+            for (at, line) in group.line.iter().enumerate() {
+                let Some((_, ends)) = lines.iter().find(|(number, _)| number == line) else {
+                    continue;
+                };
+                let off = off(*ends, [x[at], y[at], z[at]]);
+                assert!(off < 0.2, "{machine}: line {line} is named {off:.3} mm away from it");
+                looked_at += 1;
+            }
+        }
+        assert!(looked_at > 5_000, "{looked_at}");
+    }
+}

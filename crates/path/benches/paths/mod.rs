@@ -68,7 +68,7 @@ fn surface(count: usize) -> Vec<Point> {
     points
 }
 
-/// Circles of 4 mm that advance by 0.8 mm each, in chords of 0.2 mm.
+/// Circles of 4 mm that advance by 0.8 mm each, in chords of 0.1 mm.
 fn trochoids(count: usize) -> Vec<Point> {
     let angle = |k: usize| k as f64 * 0.05;
     let at = |a: f64| point(2.0 * a.cos() + 0.8 * a / TAU, 2.0 * a.sin(), -2.0);
