@@ -221,7 +221,11 @@ impl TapRun {
             elapsed: Time::s(dt),
             master: master.seen,
             followed: master.followed,
-            at_rest: spindle.at_rest(),
+            at_rest: if following && self.cycle == Cycle::AwaitRest {
+                spindle.stands_for_follower()
+            } else {
+                spindle.at_rest()
+            },
             held: spindle.held(),
             rest: context.halted || context.operator.wants_rest(),
             out: context.operator.wants_out(),

@@ -3,6 +3,7 @@
 //! Decisions, windows and alarms go by the quick one. A follower's setpoint has each count of it as an acceleration of α·q/h²
 //! ([`sync::SmoothObserver`]): where that is much, it goes by the smooth one, which is told what a speed-commanded drive is about to
 //! do.
+use super::SpindleLoop;
 use crate::config::SpindleControl;
 use core::f64::consts::TAU;
 use sync::{DriveRamp, Observer, Rotation, SmoothObserver, Tracker};
@@ -12,6 +13,10 @@ use units::{Angle, Spin, SpinAccel, Time};
 const REST_NOISE: f64 = 0.25;
 /// Share of the spindle's own acceleration that the counts of its encoder may cost a follower.
 const FOLLOWER_NOISE: f64 = 0.2;
+
+/// The smooth estimate has settled where it is this near to the quick one, as a share of a count, and moves no farther in such a time.
+const SETTLED: f64 = 0.25;
+const SETTLING: Time = Time::s(0.02);
 
 /// The observers of one spindle.
 #[derive(Clone, Copy, Debug)]
@@ -80,5 +85,23 @@ impl Observers {
     /// How it turns, for an axis that follows it.
     pub(super) fn followed(&self) -> Rotation {
         self.smooth.map_or_else(|| self.now(), |smooth| smooth.now())
+    }
+
+    /// A spindle that stands is seen to stand by a follower as well, where it stands to a count: the smooth one has learnt what a
+    /// drive with ramps of its own did differently from the model.
+    fn agree(&self, control: &SpindleControl) -> bool {
+        if self.ramp.is_none() {
+            return true; // it obeys what the smooth one is told
+        }
+        let (quick, followed) = (self.now(), self.followed());
+        let near = control.encoder_count * SETTLED;
+        (followed.angle - quick.angle).abs() <= near && followed.spin.abs() * SETTLING <= near
+    }
+}
+
+impl SpindleLoop {
+    /// It stands, also as an axis that follows it has it: that axis may go to where it stands.
+    pub(crate) fn stands_for_follower(&self) -> bool {
+        self.at_rest() && self.observers.agree(&self.control)
     }
 }
