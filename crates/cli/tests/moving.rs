@@ -268,11 +268,14 @@ fn whatever_an_operator_does_on_a_surface_the_line_that_is_named_is_the_one_that
             let axis = |name| group.column(&format!("{name}_control_setpoint_mm")).unwrap();
             let [x, y, z] = ["x", "y", "z"].map(axis);
             for (at, line) in group.line.iter().enumerate() {
-                let Some((_, ends)) = lines.iter().find(|(number, _)| number == line) else {
+                let Some(named) = lines.iter().position(|(number, _)| number == line) else {
                     continue;
                 };
-                let off = off(*ends, [x[at], y[at], z[at]]);
-                assert!(off < 0.2, "{machine}: line {line} is named {off:.3} mm away from it");
+                // a span of the curve that serves two lines has the name of the first
+                let near = &lines[named..lines.len().min(named + 2)];
+                let off = near.iter().map(|(_, ends)| off(*ends, [x[at], y[at], z[at]]));
+                let off = off.fold(f64::INFINITY, f64::min);
+                assert!(off < 0.05, "{machine}: line {line} is named {off:.3} mm away from it");
                 looked_at += 1;
             }
         }
