@@ -16,10 +16,10 @@ Z + PITCH * revolutions there, of which whole pitches are left out. It fails unl
 rev/min, within 3 um of one another.
 
 Beside: the same program by two controls on the same plant, a row of a table for each tap. Between its arrival at START and its return
-there Z goes down to BOTTOM, and what is judged is the travel within DEPTH of BOTTOM. Chatter is what Z's acceleration changes by from
+there Z goes down to BOTTOM, and what is judged is the travel within DEPTH of BOTTOM. Ripple is what Z's acceleration changes by from
 one period to the next, as much as 99 of 100 periods stay below. OURS fails unless it has TAPS taps, by twos at the same speed: the
 first of two not beyond BOTTOM (a count of the encoder is no depth), the second not by more than 50 um, each the same in and out
-within 5 um, with a chatter of 20 mm/s2 at most, and no second one slower than the same one of THEIRS where that came out: the first
+within 5 um, with a ripple of 20 mm/s2 at most, and no second one slower than the same one of THEIRS where that came out: the first
 of a speed slows down early, and learns how the spindle stops.
 
 Times are those of a function of the servo thread in clocks of the processor, a row a period: it fails where there are fewer than
@@ -124,7 +124,7 @@ def threads(path, pitch, first, last, count, slowest, fastest):
 COUNT = 1 / 4096  # revolution
 
 
-def chatter(z):
+def ripple(z):
     """Of Z's acceleration from one period to the next, mm/s2: the value that 99 of 100 stay below."""
     second = [(z[k + 1] - 2 * z[k] + z[k - 1]) / PERIOD**2 for k in range(1, len(z) - 1)]
     changes = sorted(abs(b - a) for a, b in zip(second, second[1:]))
@@ -156,7 +156,7 @@ def beside_taps(path, pitch, start, bottom, depth):
                 "rpm": speeds[int(0.95 * len(speeds))] * 60,
                 "beyond": bottom - min(z[k] for k in inside),
                 "shift": sum(inward) / len(inward) - sum(outward) / len(outward) if came_out else None,
-                "chatter": chatter(z[inside[0] : inside[-1] + 1]) if came_out else None,
+                "ripple": ripple(z[inside[0] : inside[-1] + 1]) if came_out else None,
                 "seconds": (at - arrived) * PERIOD if came_out else None,
             }
         )
@@ -165,7 +165,7 @@ def beside_taps(path, pitch, start, bottom, depth):
 
 def beside(ours, theirs, pitch, start, bottom, depth, count):
     tables = [beside_taps(path, pitch, start, bottom, depth) for path in (ours, theirs)]
-    print("                 fastest    beyond the   between in    chatter")
+    print("                 fastest    beyond the   between in     ripple")
     print("                 rev/min    bottom, mm   and out, mm   mm/s2     time, s")
     for number in range(max(map(len, tables))):
         for name, taps in zip(("Leadscrew", "LinuxCNC"), tables):
@@ -177,7 +177,7 @@ def beside(ours, theirs, pitch, start, bottom, depth, count):
             if tap["seconds"] is None:
                 print(f"{line}   it does not come out")
             else:
-                print(f"{line}  {tap['shift']:+12.4f}  {tap['chatter']:8.0f}  {tap['seconds']:10.3f}")
+                print(f"{line}  {tap['shift']:+12.4f}  {tap['ripple']:8.0f}  {tap['seconds']:10.3f}")
     mine, other = tables
     if len(mine) != count:
         sys.exit(f"{len(mine)} taps in {ours}: expected {count}")
@@ -192,8 +192,8 @@ def beside(ours, theirs, pitch, start, bottom, depth, count):
             wrong.append(f"{of} is {tap['beyond']:.4f} mm beyond the bottom: expected {most:.4f} at most")
         if abs(tap["shift"]) > 0.005:
             wrong.append(f"{of} is shifted by {tap['shift']:.4f} mm between in and out: expected 0.005 at most")
-        if tap["chatter"] > 20:
-            wrong.append(f"{of} chatters by {tap['chatter']:.0f} mm/s2: expected 20 at most")
+        if tap["ripple"] > 20:
+            wrong.append(f"{of} has a ripple of {tap['ripple']:.0f} mm/s2: expected 20 at most")
         theirs_took = other[number]["seconds"] if number < len(other) else None
         if number % 2 and theirs_took is not None and tap["seconds"] > theirs_took:
             wrong.append(f"{of} took {tap['seconds']:.3f} s: LinuxCNC took {theirs_took:.3f}")
