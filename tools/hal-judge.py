@@ -66,13 +66,11 @@ def judge(z, turns, bottom, pitch, depth):
     line = [z[k] + pitch * turns[k] for k in range(first, last + 1)]
     inward, outward = line[: bottom - first], line[bottom - first :]
     middle = (max(line) + min(line)) / 2
-    jumps = [(z[k + 1] - 2 * z[k] + z[k - 1]) / PERIOD**2 for k in range(first + 1, last)]
-    ripple = [abs(a - b) for a, b in zip(jumps, jumps[1:])]
     return {
         "deepest": min(z[first : last + 1]),
         "error_um": max(abs(value - middle) for value in line) * 1e3,
         "shift_um": (sum(inward) / len(inward) - sum(outward) / len(outward)) * 1e3,
-        "ripple": sorted(ripple)[int(len(ripple) * 0.99)],
+        "ripple": ripple(z[first : last + 1]),
         "seconds": (last - first) * PERIOD,
     }
 

@@ -43,10 +43,20 @@ const RESPONSE: f64 = 6.0;
 /// Largest w·h for which it holds.
 const FASTEST: f64 = 0.3;
 
+/// A master stands where readings are no farther off than so many counts, and the speed is below one count in 1/w, for so many 1/w:
+/// what it does then is learnt.
+const OFF: f64 = 1.5;
+const LEARNT: f64 = 5.0;
+
 /// Estimates how a master turns, with a bound on what the encoder's counts do to the acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothObserver {
     period_s: f64,
+    /// Of a master that stands: how far off its readings may be, rev, and how fast it may seem, rev/s.
+    standing: (f64, f64),
+    /// For how long it has stood, and must stand, s.
+    stood_s: f64,
+    learning_s: f64,
     /// m₀, m₁, m₂.
     upper: [f64; 3],
     /// q₀, q₁.
@@ -71,6 +81,9 @@ impl SmoothObserver {
         let m2 = 10.0 * g * g * g - m1 / 2.0;
         Self {
             period_s: h,
+            standing: (OFF * count.value(), w * count.value()),
+            stood_s: 0.0,
+            learning_s: LEARNT / w,
             upper: [m0, m1, m2],
             lower: [10.0 * g * g - m2 / 2.0, 5.0 * g],
             filter: [0.0; 3],
@@ -89,9 +102,18 @@ impl SmoothObserver {
         let [p0, p1, p2] = self.filter;
         self.learnt = (self.upper[0] * p0 + self.upper[1] * p1 + self.upper[2] * p2) / (h * h);
         let residual = measured.value() - self.angle;
+        let (near, slow) = self.standing;
+        // what is ordered still, or not yet, is learnt to be so too
+        let stands = residual.abs() <= near && self.spin.abs() <= slow && ordered.value() == 0.0;
+        self.stood_s = if stands { self.stood_s + h } else { 0.0 };
         let p3 = residual - self.lower[1] * p2 - self.lower[0] * p1;
         self.filter = [p0 + p1, p1 + p2, p2 + p3];
         self.ordered = ordered.value();
+    }
+
+    /// Whether the master stands, and has stood for as long as learning takes: it is known where.
+    pub fn stands(&self) -> bool {
+        self.stood_s >= self.learning_s
     }
 
     /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from there.

@@ -101,3 +101,70 @@ proptest! {
         }
     }
 }
+
+/// A drive that brakes slower than it was told, to rest: what the observer still goes when it says that it stands, in counts, and how
+/// long after the drive has come to rest it says so, s. `flickers`: by how much the reading at rest is off, in counts.
+fn after_a_stop(
+    from: f64,
+    announced: f64,
+    brakes: f64,
+    mut flickers: impl FnMut() -> f64,
+) -> (f64, f64) {
+    let h = 250e-6;
+    let mut observer = SmoothObserver::new(
+        Time::s(h),
+        Angle::rev(COUNT),
+        SpinAccel::rev_per_s2(13.3),
+        Angle::ZERO,
+    );
+    let (begins, rest) = (0.5, 0.5 + from / brakes);
+    let (mut said, mut most) = (None, 0.0_f64);
+    for k in 0..((rest + 1.0) / h) as u32 {
+        let t = f64::from(k) * h;
+        let braked = (t.min(rest) - begins).max(0.0);
+        let angle = from * t.min(rest) - 0.5 * brakes * braked * braked;
+        let off = if t > rest { flickers() } else { 0.0 };
+        let measured = Angle::rev(((angle / COUNT).floor() + off) * COUNT);
+        let is_announced = t >= begins && t < begins + from / announced;
+        let ordered = if is_announced { -announced } else { 0.0 };
+        observer.update(measured, SpinAccel::rev_per_s2(ordered));
+        if t > rest && said.is_none() && observer.stands() {
+            said = Some((t, observer.angle));
+        }
+        if let Some((_, angle)) = said {
+            most = most.max((observer.angle - angle).abs() / COUNT);
+        }
+    }
+    (most, said.expect("it never said that it stands").0 - rest)
+}
+
+proptest! {
+    #[test]
+    fn an_observer_that_says_that_it_stands_goes_no_farther_than_a_count(
+        from in 2.0..60.0_f64,
+        announced in 20.0..100.0_f64,
+        share in 0.7..1.2_f64,
+    ) {
+        let (most, later) = after_a_stop(from, announced, announced * share, || 0.0);
+        prop_assert!(most < 1.0, "{most} counts");
+        prop_assert!(later < 0.15 + (from / announced - from / (announced * share)).max(0.0));
+    }
+
+    /// An encoder that stands on an edge reads one count or the other.
+    #[test]
+    fn a_reading_that_flickers_does_not_keep_it_from_saying_so(
+        from in 2.0..60.0_f64,
+        seed in 1..u64::MAX,
+    ) {
+        let mut state = seed;
+        let flicker = || {
+            // Marsaglia's xorshift
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state & 1) as f64
+        };
+        let (_, later) = after_a_stop(from, 60.0, 51.0, flicker);
+        prop_assert!(later < 0.5, "{later} s after it");
+    }
+}

@@ -14,10 +14,6 @@ const REST_NOISE: f64 = 0.25;
 /// Share of the spindle's own acceleration that the counts of its encoder may cost a follower.
 const FOLLOWER_NOISE: f64 = 0.2;
 
-/// The smooth estimate has settled where it is this near to the quick one, as a share of a count, and moves no farther in such a time.
-const SETTLED: f64 = 0.25;
-const SETTLING: Time = Time::s(0.02);
-
 /// The observers of one spindle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observers {
@@ -87,21 +83,17 @@ impl Observers {
         self.smooth.map_or_else(|| self.now(), |smooth| smooth.now())
     }
 
-    /// A spindle that stands is seen to stand by a follower as well, where it stands to a count: the smooth one has learnt what a
-    /// drive with ramps of its own did differently from the model.
-    fn agree(&self, control: &SpindleControl) -> bool {
-        if self.ramp.is_none() {
-            return true; // it obeys what the smooth one is told
-        }
-        let (quick, followed) = (self.now(), self.followed());
-        let near = control.encoder_count * SETTLED;
-        (followed.angle - quick.angle).abs() <= near && followed.spin.abs() * SETTLING <= near
+    /// A spindle that stands is seen to stand by a follower as well: the smooth one has learnt what a drive with ramps of its own did
+    /// differently from the model. One that obeys does what the smooth one is told.
+    fn agree(&self) -> bool {
+        let learns = self.smooth.filter(|_| self.ramp.is_some());
+        learns.is_none_or(|smooth| smooth.stands())
     }
 }
 
 impl SpindleLoop {
     /// It stands, also as an axis that follows it has it: that axis may go to where it stands.
     pub(crate) fn stands_for_follower(&self) -> bool {
-        self.at_rest() && self.observers.agree(&self.control)
+        self.at_rest() && self.observers.agree()
     }
 }
