@@ -2,9 +2,9 @@
 use crate::tables::table;
 use canon::ToolLibrary;
 use control::config;
-use sim::{AxisModel, Distribution, Per, Scatter};
+use sim::AxisModel;
 use store::machine::MachineFile;
-use units::{Angle, AxisKind, Coordinate};
+use units::{Angle, AxisKind, Coordinate, Distribution, Per, Spread};
 
 /// Radians of the 1000° that stand for a metre on a rotary axis.
 const RAD_PER_M: f64 = 1000.0 * std::f64::consts::PI / 180.0;
@@ -18,7 +18,7 @@ struct Around {
     unit: &'static str,
     believed: f64,
     /// In the value's unit.
-    scatter: Scatter,
+    scatter: Spread,
     drawn: f64,
 }
 
@@ -39,7 +39,7 @@ impl Around {
 }
 
 /// From what to what it varies, where that is not from machine to machine.
-fn of_what(scatter: &Scatter) -> &'static str {
+fn of_what(scatter: &Spread) -> &'static str {
     match scatter.per {
         _ if scatter.by == 0.0 => "",
         Per::Machine => "",
@@ -49,7 +49,7 @@ fn of_what(scatter: &Scatter) -> &'static str {
 }
 
 /// The same about nothing: to either side.
-fn either_side(scatter: &Scatter, scale: f64, unit: &str) -> String {
+fn either_side(scatter: &Spread, scale: f64, unit: &str) -> String {
     let by = tidy(scatter.by * scale);
     let range = match scatter.distribution {
         Distribution::Normal => format!("1σ {by} {unit}"),
@@ -60,8 +60,8 @@ fn either_side(scatter: &Scatter, scale: f64, unit: &str) -> String {
 }
 
 /// A share of what the value is.
-fn share(scatter: &Scatter, believed: f64) -> Scatter {
-    Scatter { by: scatter.by * believed, ..*scatter }
+fn share(scatter: &Spread, believed: f64) -> Spread {
+    Spread { by: scatter.by * believed, ..*scatter }
 }
 
 /// Four digits.
@@ -138,14 +138,14 @@ pub(crate) fn lines(file: &MachineFile, seed: Option<u64>, part: u32) -> String 
 }
 
 /// In another unit.
-fn in_unit(scatter: &Scatter, scale: f64) -> Scatter {
-    Scatter { by: scatter.by * scale, ..*scatter }
+fn in_unit(scatter: &Spread, scale: f64) -> Spread {
+    Spread { by: scatter.by * scale, ..*scatter }
 }
 
 /// What is cut, with what, and how it is clamped.
 fn cut_rows(file: &MachineFile, config: &sim::Config, rows: &mut Vec<Row>) {
     let force = file.setup.stock.material.cutting_force_n_per_mm2;
-    let mut material = |of: &str, what, by: &Scatter, drawn: String| {
+    let mut material = |of: &str, what, by: &Spread, drawn: String| {
         let (unit, scatter) = ("N/mm²", share(by, force));
         let mut row = Around { what, unit, believed: force, scatter, drawn: 0.0 }.row(of);
         row[4] = drawn;
@@ -164,7 +164,7 @@ fn cut_rows(file: &MachineFile, config: &sim::Config, rows: &mut Vec<Row>) {
         ("work", "clamped off in X, Y, Z", declared.alignment, 1e3, "µm"),
     ];
     for (of, what, spread, scale, unit) in all.into_iter().filter(|row| row.2.by > 0.0) {
-        let range = either_side(&config::scatter(&spread), scale, unit);
+        let range = either_side(&spread, scale, unit);
         let drawn =
             if of == "work" { clamped_off(file, config) } else { "each its own".to_owned() };
         rows.push([of.to_owned(), what.to_owned(), "none".to_owned(), range, drawn]);
@@ -184,7 +184,7 @@ fn once(
     what: &'static str,
     unit: &str,
     stated: Option<f64>,
-    most: &Scatter,
+    most: &Spread,
     drawn: f64,
 ) -> Row {
     let range = stated.map_or_else(
@@ -215,7 +215,7 @@ fn axis_rows(
     } else {
         (("µm", 1e3), ("N", 1.0), ("N/µm", 1e-3))
     };
-    let around = |what, (unit, scale): (&'static str, f64), by: Scatter, believed, drawn: f64| {
+    let around = |what, (unit, scale): (&'static str, f64), by: Spread, believed, drawn: f64| {
         let believed: f64 = believed * scale;
         let scatter = share(&by, believed);
         Around { what, unit, believed, scatter, drawn: drawn * scale }.row(of)
@@ -229,7 +229,7 @@ fn axis_rows(
     let rubs = (believed.friction.coulomb.value(), drawn.friction.coulomb.value());
     rows.push(around("friction", force, scatter.friction, rubs.0, rubs.1));
     let (stated, errors) = (believed.errors, drawn.errors);
-    let grows = |what: &str, stated: Option<f64>, by: Scatter, drawn: Option<f64>| {
+    let grows = |what: &str, stated: Option<f64>, by: Spread, drawn: Option<f64>| {
         let um_per_m = |rate: f64| tidy(rate * 1e6);
         let range = stated.map_or_else(
             || either_side(&by, 1e6, "µm per m"),

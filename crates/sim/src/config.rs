@@ -6,10 +6,10 @@
 use crate::cutting::ForceScatter;
 use crate::oracle::free_mode;
 use crate::rng::Rng;
-use crate::scatter::{Draws, Per, of_part};
-use crate::{AxisEncoder, AxisModel, PowerOn, Scatter, SpindleModel, Stock, Tool, ToolKind};
+use crate::scatter::{Draws, drawn, of_part};
+use crate::{AxisEncoder, AxisModel, PowerOn, SpindleModel, Stock, Tool, ToolKind};
 use core::f64::consts::TAU;
-use units::{Length, Time};
+use units::{Length, Per, Spread, Time};
 
 /// Coarsest step, in radians of the fastest mode.
 const COARSEST_STEP_RAD: f64 = 0.5;
@@ -42,9 +42,9 @@ pub struct Config {
     pub stock: Option<Stock>,
     /// How the cutting force differs from its nominal value, as a share, and from what to what. What axes and spindles
     /// scatter by stands in their models.
-    pub scatter: Scatter,
+    pub scatter: Spread,
     /// How the strength of the material does, as a share.
-    pub material: Scatter,
+    pub material: Spread,
     /// Number of the workpiece on this machine, from 1.
     pub part: u32,
     /// Seed of all chance.
@@ -63,7 +63,7 @@ impl Config {
     pub fn strength(&self) -> f64 {
         /// The stream of the material.
         const MATERIAL: u64 = 0x4D41_5445_5249_414C;
-        1.0 + self.material.drawn(self.seed, MATERIAL, self.part)
+        1.0 + drawn(&self.material, self.seed, MATERIAL, self.part)
     }
 
     /// How the force of the cut scatters from hole to hole of this workpiece.
@@ -72,7 +72,7 @@ impl Config {
         const COMMON: u64 = 0x4355_5454_494E_4721;
         let scatter = self.scatter;
         let common =
-            (scatter.per != Per::Hole).then(|| 1.0 + scatter.drawn(self.seed, COMMON, self.part));
+            (scatter.per != Per::Hole).then(|| 1.0 + drawn(&scatter, self.seed, COMMON, self.part));
         ForceScatter { scatter, common, holes: Draws::new(of_part(stream, self.part), 1) }
     }
 

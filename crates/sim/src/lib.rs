@@ -54,7 +54,7 @@ pub use machine::SimulatedMachine;
 pub use plain_drive::PlainDrive;
 pub use plant::{AxisErrors, AxisScatter, ScrewGrowth, SpindleScatter};
 pub use run_down::{Bus, RunDown};
-pub use scatter::{Distribution, FARTHEST_DEVIATIONS, Per, Scatter};
+pub use scatter::drawn;
 pub use signals::{Input, InputSource};
 pub use spindle::SpindleModel;
 pub use tool::{CLUTCH_RUN_OUT, Clutch, HOLDER_STOP, Holder, Tap, Tool, ToolKind};

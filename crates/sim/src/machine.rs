@@ -138,7 +138,7 @@ impl SimulatedMachine {
             return Err(found);
         }
         let mut draws = Draws::new(self.rng.branch(), self.config.part);
-        let energy = self.config.scatter.factor(&mut draws) * self.config.strength();
+        let energy = draws.factor(&self.config.scatter) * self.config.strength();
         self.grinder = Some(Grinder::new(grinding, energy));
         self.cutting = None;
         Ok(())
@@ -150,7 +150,7 @@ impl SimulatedMachine {
         /// The bar's own chance: that of the rest stays as it is without one.
         const BAR: u64 = 0x0BA5;
         let mut draws = Draws::new(Rng::new(self.config.seed ^ BAR), self.config.part);
-        let scale = self.config.scatter.factor(&mut draws) * self.config.strength();
+        let scale = draws.factor(&self.config.scatter) * self.config.strength();
         self.turning = Some(Turning::new(bar, scale));
         self
     }

@@ -21,9 +21,9 @@
 //! the eccentricity: 2·(eccentricity)/(diameter of the graduation) in radians.
 use crate::rng::Rng;
 use crate::scatter::Draws;
-use crate::{AxisEncoder, AxisModel, Config, Scatter, SpindleModel};
+use crate::{AxisEncoder, AxisModel, Config, SpindleModel};
 use core::f64::consts::TAU;
-use units::{Angle, Coordinate, Force, Time};
+use units::{Angle, Coordinate, Force, Spread, Time};
 
 /// The stream of a plant is another one than that of the process.
 const OF_PLANT: u64 = 0x504C_414E_5453_4545;
@@ -32,21 +32,21 @@ const OF_PLANT: u64 = 0x504C_414E_5453_4545;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisScatter {
     /// Play, as a share: 0.2 is ±20 %.
-    pub backlash: Scatter,
+    pub backlash: Spread,
     /// Stiffness, as a share.
-    pub stiffness: Scatter,
+    pub stiffness: Spread,
     /// Friction, as a share.
-    pub friction: Scatter,
+    pub friction: Spread,
     /// Cumulative lead error of the screw: 20 µm a metre is 2·10⁻⁵.
-    pub lead_error: Scatter,
+    pub lead_error: Spread,
     /// Amplitude of the screw's error once per revolution, mm or degrees.
-    pub wobble: Scatter,
+    pub wobble: Spread,
     /// Amplitude of the motor encoder's error once per revolution, rev.
-    pub eccentricity: Scatter,
+    pub eccentricity: Spread,
     /// Error of the linear scale.
-    pub scale_error: Scatter,
+    pub scale_error: Spread,
     /// Growth of the warm screw, as a share.
-    pub growth: Scatter,
+    pub growth: Spread,
 }
 
 /// How a screw grows while it gets warm: by s·(1 − e^(−(r + t)/T)) of the distance from its fixed bearing.
@@ -73,9 +73,9 @@ impl ScrewGrowth {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleScatter {
     /// Friction, as a share.
-    pub friction: Scatter,
+    pub friction: Spread,
     /// Amplitude of the encoder's error once per revolution, rev.
-    pub eccentricity: Scatter,
+    pub eccentricity: Spread,
 }
 
 /// What is wrong with a real axis. [`None`] in a model: drawn within its scatter.
@@ -96,14 +96,14 @@ pub struct AxisErrors {
 impl AxisScatter {
     /// As its model says.
     pub const NONE: Self = Self {
-        backlash: Scatter::NONE,
-        stiffness: Scatter::NONE,
-        friction: Scatter::NONE,
-        lead_error: Scatter::NONE,
-        wobble: Scatter::NONE,
-        eccentricity: Scatter::NONE,
-        scale_error: Scatter::NONE,
-        growth: Scatter::NONE,
+        backlash: Spread::NONE,
+        stiffness: Spread::NONE,
+        friction: Spread::NONE,
+        lead_error: Spread::NONE,
+        wobble: Spread::NONE,
+        eccentricity: Spread::NONE,
+        scale_error: Spread::NONE,
+        growth: Spread::NONE,
     };
 
     /// Everything that is wrong with it.
@@ -122,7 +122,7 @@ impl AxisScatter {
 
 impl SpindleScatter {
     /// As its model says.
-    pub const NONE: Self = Self { friction: Scatter::NONE, eccentricity: Scatter::NONE };
+    pub const NONE: Self = Self { friction: Spread::NONE, eccentricity: Spread::NONE };
 }
 
 impl AxisErrors {
@@ -136,18 +136,18 @@ impl AxisModel {
     fn drawn(&self, draws: &mut Draws) -> Self {
         let scatter = &self.scatter;
         let mut axis = *self;
-        axis.backlash = self.backlash * scatter.backlash.factor(draws);
-        axis.stiffness = self.stiffness * scatter.stiffness.factor(draws);
-        let scale = scatter.friction.factor(draws);
+        axis.backlash = self.backlash * draws.factor(&scatter.backlash);
+        axis.stiffness = self.stiffness * draws.factor(&scatter.stiffness);
+        let scale = draws.factor(&scatter.friction);
         axis.friction.coulomb = self.friction.coulomb * scale;
         axis.friction.breakaway = self.friction.breakaway * scale;
         axis.friction.viscous_n_s_per_m *= scale;
-        let lead = scatter.lead_error.signed(draws);
-        let wobble = Coordinate::new(scatter.wobble.amplitude(draws));
+        let lead = draws.signed(&scatter.lead_error);
+        let wobble = Coordinate::new(draws.amplitude(&scatter.wobble));
         let waves = (wobble, Angle::rev(draws.unit()));
-        let disk = Angle::rev(scatter.eccentricity.amplitude(draws));
+        let disk = Angle::rev(draws.amplitude(&scatter.eccentricity));
         let disk = (disk, Angle::rev(draws.unit()));
-        let scale = scatter.scale_error.signed(draws);
+        let scale = draws.signed(&scatter.scale_error);
         let stated = self.errors;
         axis.errors = AxisErrors {
             lead: stated.lead.or(Some(lead)),
@@ -156,7 +156,7 @@ impl AxisModel {
             scale: stated.scale.or(Some(scale)),
             zero: stated.zero,
         };
-        let warmer = scatter.growth.factor(draws);
+        let warmer = draws.factor(&scatter.growth);
         axis.growth =
             self.growth.map(|growth| ScrewGrowth { warm: growth.warm * warmer, ..growth });
         axis.scatter = AxisScatter::NONE;
@@ -181,10 +181,10 @@ impl AxisModel {
 impl SpindleModel {
     fn drawn(&self, draws: &mut Draws) -> Self {
         let mut spindle = *self;
-        let scale = self.scatter.friction.factor(draws);
+        let scale = draws.factor(&self.scatter.friction);
         spindle.coulomb = self.coulomb * scale;
         spindle.viscous_n_m_s_per_rad *= scale;
-        let disk = Angle::rev(self.scatter.eccentricity.amplitude(draws));
+        let disk = Angle::rev(draws.amplitude(&self.scatter.eccentricity));
         let disk = (disk, Angle::rev(draws.unit()));
         if self.scatter.eccentricity.by != 0.0 && self.encoder.eccentricity == Angle::ZERO {
             (spindle.encoder.eccentricity, spindle.encoder.eccentric_at) = disk;
@@ -353,14 +353,14 @@ mod tests {
 
     fn scatter() -> AxisScatter {
         AxisScatter {
-            backlash: Scatter::uniform(0.2),
-            stiffness: Scatter::uniform(0.15),
-            friction: Scatter::uniform(0.2),
-            lead_error: Scatter::uniform(2e-5),
-            wobble: Scatter::uniform(3e-3),
-            eccentricity: Scatter::uniform(2e-5),
-            scale_error: Scatter::uniform(5e-6),
-            growth: Scatter::uniform(0.3),
+            backlash: Spread::uniform(0.2),
+            stiffness: Spread::uniform(0.15),
+            friction: Spread::uniform(0.2),
+            lead_error: Spread::uniform(2e-5),
+            wobble: Spread::uniform(3e-3),
+            eccentricity: Spread::uniform(2e-5),
+            scale_error: Spread::uniform(5e-6),
+            growth: Spread::uniform(0.3),
         }
     }
 
@@ -459,7 +459,7 @@ mod tests {
     fn a_part_has_its_own_friction_where_that_is_declared_and_the_machine_its_play() {
         let of = |part| {
             let mut config = Config { part, ..config(11) };
-            config.axes[2].1.scatter.friction.per = crate::Per::Part;
+            config.axes[2].1.scatter.friction.per = units::Per::Part;
             config.plant().0[2].1
         };
         let (first, second) = (of(1), of(2));

@@ -1,111 +1,17 @@
-//! How one value of a machine varies: between machines, between workpieces, between holes.
-//!
-//! ```text
-//!   uniform      ┌────────────┐          triangular     ╱╲              normal     _╱‾╲_       cut off at ±3·d
-//!               −d            d                       −d  d                      −d    d
-//! ```
+//! Draws of values that vary: between machines, between workpieces, between holes.
 //!
 //! Each value takes one draw of its stream, whatever its distribution: another value keeps its own draw when this one is
 //! declared otherwise. An amplitude is drawn without its sign: evenly up to d, as the size of a triangular draw, or, where
 //! both components of an offset are normal, by the distribution of Rayleigh.
 use crate::rng::Rng;
+use units::{Distribution, FARTHEST_DEVIATIONS, Per, Spread};
 
-/// Farthest normal draw, in standard deviations.
-pub const FARTHEST_DEVIATIONS: f64 = 3.0;
 /// The stream of a part is another one than that of the machine that makes it.
 const OF_PART: u64 = 0x5041_5254_0000_0000;
 
-/// How values are spread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Distribution {
-    /// Evenly, to either side.
-    Uniform,
-    /// From the middle, where it is likeliest, down to nothing on either side.
-    Triangular,
-    /// Of Gauss, cut off at [`FARTHEST_DEVIATIONS`].
-    Normal,
-}
-
-/// From what to what a value varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Per {
-    /// Each machine has its own.
-    Machine,
-    /// Each workpiece: with it the machine's state, its tools and the material.
-    Part,
-    /// Each hole.
-    Hole,
-}
-
-/// How a value varies about what its model says.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scatter {
-    /// To either side; of a normal distribution one standard deviation. In the value's own unit, or as a share of it.
-    pub by: f64,
-    /// How.
-    pub distribution: Distribution,
-    /// From what to what.
-    pub per: Per,
-}
-
-impl Scatter {
-    /// As its model says.
-    pub const NONE: Self = Self::uniform(0.0);
-
-    /// Evenly to either side, from machine to machine.
-    pub const fn uniform(by: f64) -> Self {
-        Self { by, distribution: Distribution::Uniform, per: Per::Machine }
-    }
-
-    /// Farthest to either side.
-    pub fn most(&self) -> f64 {
-        match self.distribution {
-            Distribution::Uniform | Distribution::Triangular => self.by,
-            Distribution::Normal => self.by * FARTHEST_DEVIATIONS,
-        }
-    }
-
-    /// The value itself for this seed and part, in a stream of its own.
-    pub fn drawn(&self, seed: u64, stream: u64, part: u32) -> f64 {
-        self.signed(&mut Draws::new(Rng::new(seed ^ stream), part))
-    }
-
-    /// To either side of zero.
-    pub(crate) fn signed(&self, draws: &mut Draws) -> f64 {
-        let mut rng = draws.next(self.per);
-        self.by
-            * match self.distribution {
-                Distribution::Uniform => rng.signed(),
-                Distribution::Triangular => rng.unit() + rng.unit() - 1.0,
-                Distribution::Normal => loop {
-                    let drawn = rng.normal();
-                    if drawn.abs() <= FARTHEST_DEVIATIONS {
-                        break drawn;
-                    }
-                },
-            }
-    }
-
-    /// A factor near one.
-    pub(crate) fn factor(&self, draws: &mut Draws) -> f64 {
-        1.0 + self.signed(draws)
-    }
-
-    /// An amplitude: 0 or more.
-    pub(crate) fn amplitude(&self, draws: &mut Draws) -> f64 {
-        let mut rng = draws.next(self.per);
-        self.by
-            * match self.distribution {
-                Distribution::Uniform => rng.unit(),
-                Distribution::Triangular => (rng.unit() + rng.unit() - 1.0).abs(),
-                Distribution::Normal => loop {
-                    let drawn = rng.normal().hypot(rng.normal());
-                    if drawn <= FARTHEST_DEVIATIONS {
-                        break drawn;
-                    }
-                },
-            }
-    }
+/// The value of this seed and part, about zero, in a stream of its own.
+pub fn drawn(spread: &Spread, seed: u64, stream: u64, part: u32) -> f64 {
+    Draws::new(Rng::new(seed ^ stream), part).signed(spread)
 }
 
 /// A stream of draws for one workpiece on one machine. The first workpiece has the machine's own draws.
@@ -130,6 +36,43 @@ impl Draws {
         }
     }
 
+    /// To either side of zero.
+    pub(crate) fn signed(&mut self, spread: &Spread) -> f64 {
+        let mut rng = self.next(spread.per);
+        spread.by
+            * match spread.distribution {
+                Distribution::Uniform => rng.signed(),
+                Distribution::Triangular => rng.unit() + rng.unit() - 1.0,
+                Distribution::Normal => loop {
+                    let drawn = rng.normal();
+                    if drawn.abs() <= FARTHEST_DEVIATIONS {
+                        break drawn;
+                    }
+                },
+            }
+    }
+
+    /// A factor near one.
+    pub(crate) fn factor(&mut self, spread: &Spread) -> f64 {
+        1.0 + self.signed(spread)
+    }
+
+    /// An amplitude: 0 or more.
+    pub(crate) fn amplitude(&mut self, spread: &Spread) -> f64 {
+        let mut rng = self.next(spread.per);
+        spread.by
+            * match spread.distribution {
+                Distribution::Uniform => rng.unit(),
+                Distribution::Triangular => (rng.unit() + rng.unit() - 1.0).abs(),
+                Distribution::Normal => loop {
+                    let drawn = rng.normal().hypot(rng.normal());
+                    if drawn <= FARTHEST_DEVIATIONS {
+                        break drawn;
+                    }
+                },
+            }
+    }
+
     /// What follows in the stream, of this machine.
     pub(crate) fn unit(&mut self) -> f64 {
         self.rng.unit()
@@ -148,8 +91,8 @@ mod tests {
     const ALL: [Distribution; 3] =
         [Distribution::Uniform, Distribution::Triangular, Distribution::Normal];
 
-    fn scatter(distribution: Distribution, per: Per) -> Scatter {
-        Scatter { by: 2.0, distribution, per }
+    fn spread(distribution: Distribution, per: Per) -> Spread {
+        Spread { by: 2.0, distribution, per }
     }
 
     /// Mean and standard deviation of many machines.
@@ -165,8 +108,8 @@ mod tests {
     fn deviations_are_those_of_the_distributions() {
         // 1/√3, 1/√6; a normal one cut at 3: √(1 − 6·φ(3)/(2·Φ(3) − 1)) = 0.98658
         for (distribution, expected) in ALL.into_iter().zip([1.154_70, 0.816_50, 1.973_16]) {
-            let one = scatter(distribution, Per::Machine);
-            let (mean, deviation) = moments(|draws| one.signed(draws));
+            let one = spread(distribution, Per::Machine);
+            let (mean, deviation) = moments(|draws| draws.signed(&one));
             assert!(mean.abs() < 0.05, "{distribution:?}: mean {mean}");
             assert!((deviation / expected - 1.0).abs() < 0.02, "{distribution:?}: {deviation}");
         }
@@ -177,8 +120,8 @@ mod tests {
         // means of d = 2: d/2, d/3, and d·√(π/2) less what is cut off beyond 3·d:
         // (√(π/2)·erf(3/√2) − 3·e^−4.5)/(1 − e^−4.5) = 1.2335
         for (distribution, expected) in ALL.into_iter().zip([1.0, 2.0 / 3.0, 2.467]) {
-            let one = scatter(distribution, Per::Machine);
-            let (mean, _) = moments(|draws| one.amplitude(draws));
+            let one = spread(distribution, Per::Machine);
+            let (mean, _) = moments(|draws| draws.amplitude(&one));
             assert!((mean / expected - 1.0).abs() < 0.02, "{distribution:?}: {mean}");
         }
     }
@@ -186,11 +129,11 @@ mod tests {
     #[test]
     fn no_draw_is_farther_than_the_most() {
         for distribution in ALL {
-            let one = scatter(distribution, Per::Part);
+            let one = spread(distribution, Per::Part);
             for part in 0..5000 {
                 let draws = || Draws::new(Rng::new(9), part);
-                assert!(one.signed(&mut draws()).abs() <= one.most(), "{distribution:?}, {part}");
-                let amplitude = one.amplitude(&mut draws());
+                assert!(draws().signed(&one).abs() <= one.most(), "{distribution:?}, {part}");
+                let amplitude = draws().amplitude(&one);
                 assert!((0.0..=one.most()).contains(&amplitude), "{distribution:?}, {part}");
             }
         }
@@ -199,7 +142,7 @@ mod tests {
     #[test]
     fn a_machine_keeps_its_value_from_part_to_part_and_a_part_has_its_own() {
         for distribution in ALL {
-            let of = |per, part| scatter(distribution, per).drawn(3, 7, part);
+            let of = |per, part| drawn(&spread(distribution, per), 3, 7, part);
             assert_eq!(of(Per::Machine, 1), of(Per::Machine, 2));
             assert_eq!(of(Per::Part, 1), of(Per::Machine, 1), "the first part is the machine's");
             assert!(of(Per::Part, 2) != of(Per::Part, 1) && of(Per::Part, 3) != of(Per::Part, 2));
@@ -211,8 +154,8 @@ mod tests {
     fn what_follows_in_a_stream_does_not_depend_on_how_a_value_is_spread() {
         let after = |distribution, per, part| {
             let mut draws = Draws::new(Rng::new(5), part);
-            scatter(distribution, per).signed(&mut draws);
-            scatter(distribution, per).amplitude(&mut draws);
+            draws.signed(&spread(distribution, per));
+            draws.amplitude(&spread(distribution, per));
             draws.unit()
         };
         for distribution in ALL {

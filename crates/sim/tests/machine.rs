@@ -3,16 +3,16 @@ mod fixtures;
 use bus::{Command, Machine};
 use fixtures::{spindle, tapping_center};
 use proptest::{prop_assert, prop_assert_eq, proptest};
-use sim::{Config, Per, Scatter, SimulatedMachine};
-use units::{Coordinate, Force, Length, Spin, Time, Torque};
+use sim::{Config, SimulatedMachine};
+use units::{Coordinate, Force, Length, Per, Spin, Spread, Time, Torque};
 
 fn machine(config: Config) -> SimulatedMachine {
     SimulatedMachine::new(config).expect("the fixture is a machine")
 }
 
 /// The cutting force of each hole is off by up to this share.
-fn of_holes(share: f64) -> Scatter {
-    Scatter { per: Per::Hole, ..Scatter::uniform(share) }
+fn of_holes(share: f64) -> Spread {
+    Spread { per: Per::Hole, ..Spread::uniform(share) }
 }
 
 /// All drives on, with these references.
@@ -67,7 +67,7 @@ fn another_seed_is_another_machine() {
     let coasts_to = |seed| {
         let mut config = Config { seed, ..tapping_center() };
         for (_, axis) in &mut config.axes {
-            axis.scatter.friction = Scatter::uniform(0.03);
+            axis.scatter.friction = Spread::uniform(0.03);
         }
         let mut machine = machine(config);
         for _ in 0..1000 {

@@ -22,12 +22,14 @@
 mod axes;
 mod coordinate;
 mod quantity;
+mod spread;
 
 pub use axes::{Arc, Axis, Plane, Position, Ratio};
 pub use coordinate::{
     AxisKind, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Reading, SpeedReading,
 };
 use quantity::{product, quantity};
+pub use spread::{Distribution, FARTHEST_DEVIATIONS, Per, Spread};
 
 quantity!(/// Time.
     Time, s, "s");

@@ -19,7 +19,7 @@ pub use control::{control, encoder};
 pub use homing::{AxisHoming, homing};
 pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};
-pub use scatter::{alignment, judged_tools, real_tools, scatter};
+pub use scatter::{alignment, judged_tools, real_tools};
 pub use simulator::{
     bar, inputs, left_alone, plain_drive, simulator, simulator_of_part, start, touched,
 };

@@ -3,8 +3,8 @@
 //! The judge measures what was cut, so that it goes by the tools as they are. It keeps to the lead that was asked: a tap of
 //! another lead cuts a thread of another lead, which its gauge feels over the length of engagement.
 use canon::{Tool, ToolKind, ToolLibrary};
-use store::machine::{self, MachineFile, Spread};
-use units::Length;
+use store::machine::MachineFile;
+use units::{Length, Spread};
 
 /// Streams of their own: a tool keeps its errors when another one is added.
 const OF_DIAMETER: u64 = 0x4449_414D_4554_4552;
@@ -13,26 +13,8 @@ const OF_ALIGNMENT: u64 = 0x414C_4947_4E4D_454E;
 /// From the stream of one to that of the next.
 const NEXT: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// As the simulator has it.
-pub fn scatter(spread: &Spread) -> sim::Scatter {
-    sim::Scatter {
-        by: spread.by,
-        distribution: match spread.distribution {
-            machine::Distribution::Uniform => sim::Distribution::Uniform,
-            machine::Distribution::Triangular => sim::Distribution::Triangular,
-            machine::Distribution::Normal => sim::Distribution::Normal,
-        },
-        per: match spread.per {
-            machine::Per::Machine => sim::Per::Machine,
-            machine::Per::Part => sim::Per::Part,
-            machine::Per::Hole => sim::Per::Hole,
-        },
-    }
-}
-
 fn drawn(spread: &Spread, (seed, part): (u64, u32), of: u64, number: u32) -> f64 {
-    let stream = of.wrapping_add(NEXT.wrapping_mul(u64::from(number)));
-    scatter(spread).drawn(seed, stream, part)
+    sim::drawn(spread, seed, of.wrapping_add(NEXT.wrapping_mul(u64::from(number))), part)
 }
 
 /// The tools as they really are at a workpiece: their diameters and leads.

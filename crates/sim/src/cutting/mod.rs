@@ -13,13 +13,13 @@
 //! known by its place: what comes down within [`SAME_HOLE`] of it is in it.
 use crate::drilling::{self, Drilling};
 use crate::rng::Rng;
-use crate::scatter::{Draws, Scatter};
+use crate::scatter::Draws;
 use crate::tapping::{self, Load, Pose, Tapping, is_too_wide};
 use crate::wear::{TapWear, Worn};
 use crate::work::{Bore, ENTERED_MM, Hole, SAME_HOLE, Stock};
 use crate::{Tap, Tool, ToolKind};
 use bus::ToolBreak;
-use units::{Angle, Length};
+use units::{Angle, Length, Spread};
 
 /// A tip that is deeper than this when it is first seen below the surface has not come from above: at 100 m/min
 /// a step of 25 µs brings it 0.04 mm down.
@@ -46,7 +46,7 @@ enum Engagement {
 /// How the force of the cut scatters on a workpiece.
 #[derive(Clone, Debug)]
 pub(crate) struct ForceScatter {
-    pub(crate) scatter: Scatter,
+    pub(crate) scatter: Spread,
     /// Where all holes have it in common.
     pub(crate) common: Option<f64>,
     /// What each hole's own is drawn from.
@@ -58,12 +58,12 @@ impl ForceScatter {
     #[cfg(test)]
     pub(crate) fn even() -> Self {
         let holes = Draws::new(Rng::new(1), 1);
-        Self { scatter: Scatter::NONE, common: None, holes }
+        Self { scatter: Spread::NONE, common: None, holes }
     }
 
     /// On the force of the next hole.
     fn factor(&mut self) -> f64 {
-        self.common.unwrap_or_else(|| self.scatter.factor(&mut self.holes))
+        self.common.unwrap_or_else(|| self.holes.factor(&self.scatter))
     }
 }
 

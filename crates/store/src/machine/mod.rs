@@ -64,7 +64,7 @@ pub use grinding::{Grinding, Wheel};
 pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
-pub use scatter::{Distribution, Per, Scatter, Spread};
+pub use scatter::Scatter;
 pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};

@@ -25,52 +25,11 @@
 use crate::keys::Keys;
 use std::ops::RangeInclusive;
 use toml::de::DeTable;
+use units::{Distribution, FARTHEST_DEVIATIONS, Per, Spread};
 
-/// Farthest draw of a normal distribution, in standard deviations.
-const FARTHEST_DEVIATIONS: f64 = 3.0;
-
-/// How values are spread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Distribution {
-    /// Evenly, to either side.
-    Uniform,
-    /// From the middle, where it is likeliest, down to nothing on either side.
-    Triangular,
-    /// Of Gauss, cut off at three standard deviations.
-    Normal,
-}
-
-/// From what to what a value varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Per {
-    /// Each machine has its own.
-    Machine,
-    /// Each workpiece.
-    Part,
-    /// Each hole.
-    Hole,
-}
-
-/// How a value varies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    /// To either side; of a normal distribution one standard deviation. As a share, in mm, degrees, or length over length.
-    pub by: f64,
-    /// How.
-    pub distribution: Distribution,
-    /// From what to what.
-    pub per: Per,
-}
-
-impl Spread {
-    /// Evenly to either side, from machine to machine.
-    const fn uniform(by: f64) -> Self {
-        Self { by, distribution: Distribution::Uniform, per: Per::Machine }
-    }
-
-    const fn none(per: Per) -> Self {
-        Self { by: 0.0, distribution: Distribution::Normal, per }
-    }
+/// A value that is as the file says, where `[scatter]` does not name it.
+const fn none(per: Per) -> Spread {
+    Spread { by: 0.0, distribution: Distribution::Normal, per }
 }
 
 /// How the values of a plant vary.
@@ -206,12 +165,12 @@ impl Scatter {
         gear_wobble: Spread::uniform(5.0 / 3600.0),
         encoder_eccentricity: Spread::uniform(3e-3),
         scale_error: Spread::uniform(3e-6),
-        screw_growth: Spread::none(Per::Machine),
+        screw_growth: none(Per::Machine),
         cutting_force: Spread { by: 0.05, distribution: Distribution::Uniform, per: Per::Hole },
-        material_strength: Spread::none(Per::Part),
-        tool_diameter: Spread::none(Per::Part),
-        tool_lead: Spread::none(Per::Part),
-        alignment: Spread::none(Per::Part),
+        material_strength: none(Per::Part),
+        tool_diameter: none(Per::Part),
+        tool_lead: none(Per::Part),
+        alignment: none(Per::Part),
     };
 
     /// The machine's `[scatter]`.
