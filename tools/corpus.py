@@ -115,6 +115,8 @@ def shares(rows: dict[str, dict[str, str]], found: list[dict[str, object]], good
         print(f"refused, {kind:18}{count:6}")
     whole = len(found) - sum(counts[kind] for kind in NO_PROGRAM)
     print(f"of all {good / len(found):.1%}, of whole programs for such machines {good / whole:.1%} ({good} of {whole})")
+    taken = whole - counts["program"]
+    print(f"of those that their own control takes {good / taken:.1%} ({good} of {taken})")
 
 
 def motion(folder: Path, half: str) -> int:

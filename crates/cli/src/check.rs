@@ -94,7 +94,7 @@ struct Told {
     codes: Vec<&'static str>,
     /// Dialect and machine.
     read_as: Option<(&'static str, String)>,
-    /// A machine that would be large enough.
+    /// A machine that would be large enough, or a reading in which nothing is wrong.
     hint: Option<String>,
     results: Vec<serde_json::Value>,
     errors: usize,

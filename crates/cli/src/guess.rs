@@ -34,6 +34,9 @@ const LATHES: [&str; 3] = ["lathe", "turning-center", "lathe-chuck-zero"];
 const OF_THE_MACHINE: [&str; 10] =
     ["M0301", "M0303", "M0305", "M0308", "M0317", "M0321", "M0401", "M0411", "M0431", "A0403"];
 
+/// What is added to the name of a machine where numbers without a point are read so.
+const WHOLE_UNITS: &str = ", numbers without a point in whole units";
+
 /// A program on the machine that was found for it.
 pub(crate) struct Fitted {
     /// It.
@@ -42,7 +45,7 @@ pub(crate) struct Fitted {
     pub(crate) found: Vec<Diagnostic>,
     /// The machine.
     pub(crate) machine: String,
-    /// A machine that would be large enough.
+    /// A machine that would be large enough, or a reading in which nothing is wrong.
     pub(crate) hint: Option<String>,
 }
 
@@ -93,14 +96,20 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
         }
         _ => first,
     };
-    if args.summary && !is_asked && errors(&best.found) > 0 {
-        let is_turned = interp::is_turned(text);
-        if let Some(other) = without_fault(&asked, dialect, words, is_turned, path, text)? {
-            return Ok(other);
+    if !is_asked && best.hint.is_none() && errors(&best.found) > 0 {
+        let others = other_readings(&asked, dialect, words, interp::is_turned(text));
+        let other = without_fault(&asked, dialect, &others, path, text)?;
+        match other {
+            Some(other) if args.summary => return Ok(other.fitted),
+            // what is checked is what is run: it is said how nothing would be wrong
+            Some(other) if is_free || !is_sound_without_table(&asked, dialect, path, text)? => {
+                best.hint = Some(other.hint());
+            }
+            _ => {}
         }
     }
     if let Some(reason) = whole_units {
-        best.machine += ", numbers without a point in whole units";
+        best.machine += WHOLE_UNITS;
         let text = format!("read with --decimal-point calculator: {reason}");
         let help = "as increments they would be a thousandth of that; --decimal-point increments reads them so";
         best.found.insert(0, Diagnostic::note("A0107", Span::default(), text).with_help(help));
@@ -112,43 +121,99 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
     Ok(best)
 }
 
-/// A dialect in which nothing is wrong with a program whose words tell none: of a folder that is summed up.
-fn without_fault(
+/// A way to read a program.
+type Reading = (Dialect, Option<DecimalPoint>);
+
+/// How else a program may be meant, whose words tell nothing, or which is one of Fanuc's with numbers without a point.
+fn other_readings(
     asked: &ProgramOptions,
     tried: Dialect,
     words: Option<Dialect>,
     turned: bool,
+) -> Vec<Reading> {
+    let (plain, whole) = (asked.decimal_point, Some(DecimalPoint::Calculator));
+    let mut others = match words {
+        _ if turned => vec![(Dialect::FanucLatheA, plain), (Dialect::FanucLatheA, whole)],
+        None => vec![(Dialect::Grbl, plain), (Dialect::Fanuc, plain), (Dialect::Fanuc, whole)],
+        Some(told) if told.grammar() == gcode::Grammar::Fanuc => vec![(told, whole)],
+        Some(_) => Vec::new(),
+    };
+    others.retain(|reading| {
+        *reading != (tried, plain) && (reading.1 == plain || asked.decimal_point.is_none())
+    });
+    others
+}
+
+/// A reading in which nothing is wrong with a program.
+struct WithoutFault {
+    fitted: Fitted,
+    reading: Reading,
+}
+
+impl WithoutFault {
+    fn hint(&self) -> String {
+        let (dialect, point) = self.reading;
+        let point = if point.is_some() { " --decimal-point calculator" } else { "" };
+        format!(
+            "nothing is wrong with it with --dialect {}{point} --machine {}",
+            dialect.name(),
+            self.fitted.machine.split(',').next().unwrap_or_default()
+        )
+    }
+}
+
+/// The first of these readings in which nothing is wrong with a program.
+fn without_fault(
+    asked: &ProgramOptions,
+    tried: Dialect,
+    readings: &[Reading],
     path: &Path,
     text: &[u8],
-) -> Result<Option<Fitted>, Refused> {
-    let others: &[Dialect] = match words {
-        _ if turned => &[Dialect::FanucLatheA],
-        None => &[Dialect::Grbl, Dialect::Fanuc],
-        Some(_) => &[],
-    };
-    for dialect in others.iter().filter(|dialect| **dialect != tried) {
+) -> Result<Option<WithoutFault>, Refused> {
+    for &(dialect, decimal_point) in readings {
         let machines: &[&str] = match dialect {
-            Dialect::FanucLatheA => &LATHES,
+            dialect if dialect.has_turret() => &LATHES,
             Dialect::Grbl => &ROUTERS,
             _ => &MILLS,
         };
         let options = |machine: &str| ProgramOptions {
             machine: machine.into(),
-            dialect: Some(*dialect),
+            dialect: Some(dialect),
+            decimal_point,
             without_table: true,
             ..asked.clone()
         };
         let first = on(&options(machines[0]), machines[0].into(), path, text)?;
         let nearest = nearest(&options, &machines[1..], &first.found, path, text)?;
-        let mut best = nearest.unwrap_or(first);
-        if errors(&best.found) == 0 {
+        let mut fitted = nearest.unwrap_or(first);
+        if errors(&fitted.found) == 0 {
             let why =
                 format!("nothing is wrong with it so; with --dialect {} there is", tried.name());
-            best.found.insert(0, said(*dialect, &best.machine, Some(&why)));
-            return Ok(Some(best));
+            fitted.found.insert(0, said(dialect, &fitted.machine, Some(&why)));
+            if decimal_point.is_some() && asked.decimal_point.is_none() {
+                fitted.machine += WHOLE_UNITS;
+            }
+            return Ok(Some(WithoutFault { fitted, reading: (dialect, decimal_point) }));
         }
     }
     Ok(None)
+}
+
+/// Whether nothing but the built-in tool table is against a program as it is read.
+fn is_sound_without_table(
+    asked: &ProgramOptions,
+    dialect: Dialect,
+    path: &Path,
+    text: &[u8],
+) -> Result<bool, Refused> {
+    let machine = if dialect.has_turret() { LATHES[0] } else { DEFAULT_MACHINE };
+    let options = ProgramOptions {
+        machine: machine.into(),
+        dialect: Some(dialect),
+        without_table: true,
+        ..asked.clone()
+    };
+    Ok(errors(&on(&options, machine.into(), path, text)?.found) == 0)
 }
 
 /// Why the numbers without a point of a program in a folder that is summed up are read as whole units, if nothing else is asked.

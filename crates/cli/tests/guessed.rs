@@ -1,5 +1,4 @@
 //! Programs for which no machine is named, folders of them, and what they may leave to the machine.
-#![allow(clippy::unwrap_used)] // a test may panic
 use std::{
     fs,
     path::Path,
@@ -141,9 +140,34 @@ fn a_program_whose_words_tell_nothing_is_read_as_the_dialect_in_which_nothing_is
     let text = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
     assert!(text.contains("1 of 1 program can be executed"), "{text}");
     assert!(text.contains("grbl on router"), "{text}");
+    // alone it is read as a run would read it, and told how nothing is wrong
+    let alone = leadscrew(&["check", "plain.nc"], folder.path());
+    let hint = "nothing is wrong with it with --dialect grbl --machine router";
+    assert!(!alone.status.success() && said(&alone).contains(hint), "{}", said(&alone));
     // named, it stays what it is named
     let words = ["check", ".", "--summary", "--dialect", "linuxcnc"];
     assert!(said(&leadscrew(&words, folder.path())).contains("0 of 1"));
+}
+
+/// A quarter turn whose ends fit only if 50 is 50 mm; other numbers have their points.
+const MIXED: &str = "%\nO0001\nT1 M6 (T1 6 FLAT ENDMILL)\nG90 G54\nS1000 M3\nG43 H1 Z20.\nG0 X0. Y50\nG1 Z0. F200.\nG17 G2 X50. Y0. I0. J-50. F500.\nG0 Z100.\nM30\n%\n";
+
+#[test]
+fn a_program_that_fits_together_in_whole_units_only_is_read_so_in_a_folder_and_alone_told_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mixed.nc"), MIXED).unwrap();
+    let alone = leadscrew(&["check", "mixed.nc"], folder.path());
+    let hint = "nothing is wrong with it with --dialect fanuc --decimal-point calculator";
+    assert!(!alone.status.success() && said(&alone).contains(hint), "{}", said(&alone));
+    let summed = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
+    assert!(summed.contains("1 of 1 program can be executed"), "{summed}");
+    assert!(summed.contains("whole"), "{summed}");
+    // as told, nothing is wrong
+    let words = ["check", "mixed.nc", "--dialect", "fanuc", "--decimal-point", "calculator"];
+    let told = leadscrew(&[&words[..], &["--missing-tools", "stand-in"]].concat(), folder.path());
+    assert!(told.status.success(), "{}", said(&told));
+    let named = ["check", ".", "--summary", "--decimal-point", "increments"];
+    assert!(said(&leadscrew(&named, folder.path())).contains("0 of 1"));
 }
 
 #[test]

@@ -17,8 +17,9 @@ use std::{
 
 /// Bytes a machine file, tool table or parameter file may have.
 pub const SMALL_FILE_LIMIT: u64 = 1 << 20;
-/// Bytes a part program may have.
-pub const PROGRAM_LIMIT: u64 = 2 << 30;
+/// Bytes of a part program that is held in memory: a run keeps up to twelve times as much of its meaning. What only reads, as
+/// `check` does, takes longer ones piece by piece.
+pub const PROGRAM_LIMIT: u64 = 256 << 20;
 
 /// The bytes of a file, `what` it is (for the sentence), and how many it may have.
 ///

@@ -336,7 +336,7 @@ fn taps(options: &ProgramOptions, machine: &MachineFile) -> plan::Unsynchronised
 /// A file that cannot be read, or is too large.
 pub fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
     if path != Path::new("-") {
-        let mut text = store::read_bytes(path, "a program", store::PROGRAM_LIMIT)?;
+        let mut text = store::read_bytes(path, "a program in memory", store::PROGRAM_LIMIT)?;
         gcode::end_lines_with_lf(&mut text);
         return Ok(text);
     }
