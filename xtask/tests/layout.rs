@@ -60,3 +60,27 @@ fn name(folder: &Path) -> String {
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
+
+/// A crate whose tests are linked into one program names them in its manifest and in `tests/all.rs`: what is named in neither
+/// would never run.
+#[test]
+fn every_file_of_tests_is_run() {
+    let mut forgotten = Vec::new();
+    for folder in crates() {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        if !manifest.contains("autotests = false") {
+            continue;
+        }
+        let all = fs::read_to_string(folder.join("tests/all.rs")).unwrap();
+        for entry in fs::read_dir(folder.join("tests")).unwrap() {
+            let file = entry.unwrap().path();
+            let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+            let is_run = manifest.contains(&format!("[[test]]\nname = \"{name}\""))
+                || all.contains(&format!("\nmod {name};"));
+            if file.extension().is_some_and(|ending| ending == "rs") && !is_run {
+                forgotten.push(file);
+            }
+        }
+    }
+    assert!(forgotten.is_empty(), "in neither Cargo.toml nor tests/all.rs: {forgotten:?}");
+}

@@ -1,7 +1,5 @@
 //! Whatever is thrown at it: one clear sentence, exit code 2, nothing half-written.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, root, said};
+use crate::common::{complained, leadscrew, root, said};
 use std::{
     fs,
     io::{BufRead, BufReader},

@@ -5,9 +5,7 @@
 //!   run part             features  1 … n
 //!   run part --from …    features      k … n     the same verdicts, the same sizes
 //! ```
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, root, said};
+use crate::common::{complained, leadscrew, root, said};
 use serde_json::Value;
 
 /// Exit code, and each feature: its line and whether it is good.

@@ -1,7 +1,5 @@
 //! Cams: the document's programs, what each compensation leaves, work speeds that vary, wheels and tables that are refused.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, root, said};
+use crate::common::{complained, leadscrew, root, said};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::path::Path;

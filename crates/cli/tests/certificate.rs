@@ -1,8 +1,5 @@
 //! What the certificate says: the same as the report and the trace, and nothing of what was not cut.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-use common::leadscrew;
+use crate::common::leadscrew;
 use serde_json::Value;
 use std::path::Path;
 

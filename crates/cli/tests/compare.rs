@@ -1,5 +1,4 @@
 //! The claim that clutch holders are made for: their depth does not scatter with the spindle.
-#![allow(clippy::unwrap_used)] // a test may panic
 use proptest::prelude::*;
 use std::process::Command;
 

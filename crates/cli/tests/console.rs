@@ -1,5 +1,4 @@
 //! `leadscrew control` as a user leads it: what is refused moves nothing and says why; a script that fails comes to rest.
-#![allow(clippy::unwrap_used)] // a test may panic
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

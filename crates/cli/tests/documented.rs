@@ -4,10 +4,7 @@
 //!
 //! A block that takes a network, a release build or minutes begins with a comment that a reader sees too:
 //! `# not run by the tests: WHY`. The real command line reads its options all the same (`args/documented.rs`).
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // commands are typed in a folder of their own here
-mod common;
-use common::{complained, root, said};
+use crate::common::{complained, root, said};
 use std::{collections::BTreeSet, fs, os::unix::fs::symlink, path::Path, process::Command};
 
 /// What each shipped program has to be run with.

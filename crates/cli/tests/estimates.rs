@@ -1,8 +1,5 @@
 //! `leadscrew time` is the planner that would run it: its figure beside the run's own.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-use common::{leadscrew, root, said};
+use crate::common::{leadscrew, root, said};
 use serde_json::Value;
 
 const PLATE: &str = "programs/plate-12xM6.ngc";

@@ -1,8 +1,7 @@
 //! Fanuc's programs from the command line: files of the search path, kept variables, the machine's own counting.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
+use crate::common;
 
-use common::{complained, said};
+use crate::common::{complained, said};
 use std::fs;
 
 fn leadscrew(arguments: &[&str]) -> (Option<i32>, String) {

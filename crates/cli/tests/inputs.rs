@@ -1,13 +1,7 @@
 //! What a program waits for comes from the machine, from a script, or from the operator; in this process and over a socket.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-#[allow(dead_code)]
-#[path = "common/simulator.rs"]
-mod simulator;
 
-use common::{complained, said};
-use simulator::Simulator;
+use crate::common::{complained, said};
+use crate::simulator::Simulator;
 use std::{
     io::Write,
     path::Path,

@@ -1,8 +1,6 @@
 //! A program is judged alike whether it is run once or by a control that stays on.
-#![allow(clippy::unwrap_used, clippy::expect_used)] // a test may panic
-mod common;
 
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use std::path::Path;
 
 /// Features that are good, out of tolerance, and not judged.

@@ -2,7 +2,6 @@
 //! had acknowledged is there when it is switched on again, and nothing half-written is believed.
 //!
 //! `STATE_KILLS` says how often: `cargo xtask state-kills` 500 times.
-#![allow(clippy::unwrap_used)] // a test may panic
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Write as _};
 use std::path::Path;

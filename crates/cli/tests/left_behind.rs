@@ -1,7 +1,5 @@
 //! What a program leaves behind, written to LinuxCNC's files and read back from them.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use std::fs;
 use std::path::Path;
 

@@ -2,10 +2,7 @@
 //!
 //! Where LinuxCNC is installed, all its sample configurations are imported; what an INI file says is compared with LinuxCNC's own
 //! reader, `inivar`.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-use common::{complained, root, said};
+use crate::common::{complained, root, said};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use store::machine::{self, HomingMethod};

@@ -1,8 +1,5 @@
 //! The language server, spoken to as an editor speaks: JSON-RPC over the program's standard input and output.
-#![allow(clippy::unwrap_used, clippy::needless_pass_by_value)] // a test may panic
-#[path = "common/editor.rs"]
-mod editor;
-use editor::Editor;
+use crate::editor::Editor;
 use serde_json::{Value, json};
 
 const URI: &str = "file:///tmp/part.ngc";

@@ -1,8 +1,5 @@
 //! What an editor offers while a program is written: completion, quick fixes, the time that it takes.
-#![allow(clippy::unwrap_used, clippy::needless_pass_by_value, dead_code)] // a test may panic; the editor is shared
-#[path = "common/editor.rs"]
-mod editor;
-use editor::Editor;
+use crate::editor::Editor;
 use serde_json::{Value, json};
 
 const URI: &str = "file:///tmp/part.ngc";

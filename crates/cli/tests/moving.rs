@@ -1,7 +1,5 @@
 //! Motion from the command line: rotary axes and their feeds, orders of the operator, programs at the edge of sense.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, root, said};
+use crate::common::{complained, leadscrew, root, said};
 use serde_json::Value;
 use std::{fs, path::Path};
 

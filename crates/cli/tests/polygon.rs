@@ -1,7 +1,5 @@
 //! Polygons from the command line: whole runs with all the machine's physics, and what becomes of one that fails.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use serde_json::Value;
 
 /// More cutters: T91 one insert, T92 two at a right angle.

@@ -1,7 +1,5 @@
 //! What `leadscrew polygon` claims of a block, and what the block cuts when it is run as it was printed.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use serde_json::Value;
 use std::path::Path;
 

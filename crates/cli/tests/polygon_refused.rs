@@ -1,7 +1,5 @@
 //! Polygons that cannot be turned are refused before anything moves, by `check` and by `run`, with what would work.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 
 /// T21 as in the shop, T23 larger than X can take off the bar, T91 one insert.
 const TOOLS: [(u32, f64, u32); 3] = [(21, 50.0, 3), (23, 130.0, 3), (91, 50.0, 1)];

@@ -1,10 +1,6 @@
 //! One preflight behind check, time, run and the editor; and what it calls clean breaks nothing when it is run.
-#![allow(clippy::unwrap_used, clippy::needless_pass_by_value)] // a test may panic
-mod common;
-#[path = "common/editor.rs"]
-mod editor;
-use common::{complained, leadscrew, root, said};
-use editor::Editor;
+use crate::common::{complained, leadscrew, root, said};
+use crate::editor::Editor;
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -1,7 +1,5 @@
 //! Whole runs of the shipped programs: what is judged, and that it is good.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, root, said};
+use crate::common::{complained, leadscrew, root, said};
 use serde_json::Value;
 
 /// Every feature of a run in a line of figures that a person can check: rounded so that a change of tuning below the

@@ -1,13 +1,8 @@
 //! Controls that are killed in a tap, simulators whose power fails, and the way out: over processes, as a user has it.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-#[allow(dead_code)]
-#[path = "common/simulator.rs"]
-mod simulator;
-use common::{complained, said};
+use crate::common;
+use crate::common::{complained, said};
+use crate::simulator::{Simulator, number, one_tap};
 use serde_json::Value;
-use simulator::{Simulator, number, one_tap};
 
 /// Machine time at which the tap of [`one_tap`] begins to go in, and at which it is out, s.
 fn stroke(hand: &str, tool: u32) -> (f64, f64) {

@@ -1,7 +1,5 @@
 //! Axes that turn, from the command line: they read in degrees wherever a person reads.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use std::fs;
 
 fn program(folder: &tempfile::TempDir, text: &str) -> String {

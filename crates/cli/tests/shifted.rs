@@ -4,7 +4,6 @@
 //!   hole or thread, units, dialect, place ─┬─ as it should be ──────────────► PASS, exit 0
 //!                                          └─ H, G43, G54, G92, G52, X Y off ► never exit 0
 //! ```
-#![allow(clippy::unwrap_used)] // a test may panic
 use proptest::prelude::*;
 use std::process::Command;
 

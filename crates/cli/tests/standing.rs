@@ -1,13 +1,7 @@
 //! A program begins where the machine stands: also on rotary axes, on a machine that another program has left there.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-#[allow(dead_code)]
-#[path = "common/simulator.rs"]
-mod simulator;
 
-use common::{complained, said};
-use simulator::Simulator;
+use crate::common::{complained, said};
+use crate::simulator::Simulator;
 
 #[test]
 fn a_program_begins_where_the_last_one_has_left_a_rotary_axis() {

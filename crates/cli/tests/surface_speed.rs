@@ -1,8 +1,7 @@
 //! Constant surface speed (G96) from the command line, on a lathe and elsewhere.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
+use crate::common;
 
-use common::{complained, said};
+use crate::common::{complained, said};
 use std::fs;
 
 /// What a command says of a program with these words: exit code and text.

@@ -1,7 +1,5 @@
 //! What rigid tapping must hold on the tapping centre, run as a user runs it.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,7 +1,5 @@
 //! What a command says where: widths, silence, JSON, faults that did not come.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use serde_json::Value;
 
 const PLATE: &str = "programs/plate-12xM6.ngc";

@@ -1,8 +1,5 @@
 //! `leadscrew trace`: the same values in other formats, and one sentence for what is no recording.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-use common::{complained, leadscrew, said};
+use crate::common::{complained, leadscrew, said};
 use std::fs;
 use std::path::{Path, PathBuf};
 use store::trace::Reader;

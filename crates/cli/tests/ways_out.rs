@@ -1,14 +1,9 @@
 //! Tools that are tied to a spindle and not screwed to the work: threads, cams and polygons that are stopped in the middle, and the
 //! way off the work. Over processes, as a user has it.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-#[allow(dead_code)]
-#[path = "common/simulator.rs"]
-mod simulator;
-use common::{complained, leadscrew, root, said};
+use crate::common::{complained, leadscrew, root, said};
+use crate::simulator;
+use crate::simulator::{Simulator, Stop, number};
 use serde_json::Value;
-use simulator::{Simulator, Stop, number};
 
 fn program(name: &str) -> String {
     std::fs::read_to_string(root().join("programs").join(name)).unwrap()

@@ -1,5 +1,4 @@
 //! What the crate's parts must not know of one another, read from its sources.
-#![allow(clippy::unwrap_used)] // a test may fail by it
 use std::{fs, path::Path};
 
 /// Rust files below a folder, with their text before their tests.

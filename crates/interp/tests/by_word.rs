@@ -1,5 +1,4 @@
 //! M, G and T that call programs, as a machine's file has set them: Fanuc's parameters 6050 to 6059, 6071 to 6089 and 6001#5.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::OpKind;
 use interp::{Dialect, MacroCall, MissingTools, Ops, Setup, UserAction, UserCode};
 

@@ -1,5 +1,4 @@
 //! Cam grinding in programs: the document's blocks, the neutral ones, and what is refused.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{CamOrder, OpKind};
 use interp::{Dialect, Ops, Setup};
 

@@ -1,5 +1,4 @@
 //! Chip removal in programs: which repetitions throw chips off, at which levels, and what is refused.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{OpKind, SpindleOrder};
 use interp::{Chips, Cycles, DepthFrom, Dialect, Ops, Setup};
 

@@ -1,5 +1,4 @@
 //! Fanuc's dialect: programs as its manuals describe them, and what they come to by arithmetic.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Feed, OpKind, SpindleOrder};
 use interp::{Dialect, Limits, MissingTools, Ops, Setup};
 

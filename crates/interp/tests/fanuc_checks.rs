@@ -1,6 +1,5 @@
 //! Fanuc's checks of where the axes go (G22, G27), ways that an offset makes longer (G45 to G48), programs in files
 //! (M198), and lathes of system C: what the manual's rules come to by hand.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{OpKind, Tool, ToolKind, ToolLibrary};
 use interp::{Call, Dialect, Interpreter, Ops, Parameters, Place, Setup, Sink, Subprogram};
 

@@ -1,5 +1,4 @@
 //! Fanuc's `,C` and `,R`: where a corner begins and ends, by the geometry of the drawing.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::OpKind;
 use interp::{Dialect, MissingTools, Ops, Setup};
 

@@ -1,5 +1,4 @@
 //! Fanuc's custom macro B: variables, calls and jumps, with what they come to by the manual's rules.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::OpKind;
 use interp::{Dialect, Increments, Limits, MissingTools, Ops, Setup, Subprogram};
 

@@ -1,5 +1,4 @@
 //! Fanuc's G7.1 and G12.1: where a linear axis and a turning one go together, and how long they take, by trigonometry.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Feed, OpKind};
 use core::f64::consts::PI;
 use interp::{Dialect, Ops, Setup};

@@ -1,5 +1,4 @@
 //! The multiple cycles of Fanuc's lathes: each stroke by hand, from the drawing of the manual.
-#![allow(clippy::unwrap_used)] // helpers of tests
 use interp::{Call, Dialect, Interpreter, Place, Setup, Sink};
 
 /// Strokes as text: R rapid, F feed (X as a radius), @ lead.

@@ -1,5 +1,4 @@
 //! What programs of the shop floor write, and what must not be read as something else without a word.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Hole, OpKind};
 use interp::{Dialect, MissingTools, Ops, Setup};
 

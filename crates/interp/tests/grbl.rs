@@ -1,5 +1,4 @@
 //! Programs as hobby CAM posts make them and senders stream them to Grbl.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::OpKind;
 use diag::Diagnostic;
 use interp::{Dialect, Leaves, MissingTools, Ops, Setup, UserAction, UserCode, looks_like};

@@ -1,5 +1,4 @@
 //! One mistake in a program is told once, where it is: nothing that follows it is condemned on its behalf.
-#![allow(clippy::unwrap_used)] // a test may panic
 use interp::{Dialect, check, example_setup};
 use proptest::prelude::*;
 

@@ -1,9 +1,8 @@
 //! What programs come to as operations. Expected values follow from the definitions of the codes.
-mod shop;
 
+use crate::shop::{ends, near, ops_of, refused, shop, tool};
 use canon::{Axis, Feed, Op, OpKind, PathMode, Plane, SpindleOrder, ToolKind, ToolLibrary};
 use interp::{Ops, Setup};
-use shop::{ends, near, ops_of, refused, shop, tool};
 use units::{Angle, Length, Spin, Time};
 
 #[test]

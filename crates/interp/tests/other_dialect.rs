@@ -1,5 +1,4 @@
 //! A wrong dialect is suspected and named, with its evidence; and never of a program that is read as it was written.
-#![allow(clippy::unwrap_used)] // a test may panic
 
 use diag::Diagnostic;
 use interp::{Dialect, Setup, other_dialect};

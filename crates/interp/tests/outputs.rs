@@ -1,5 +1,4 @@
 //! Outputs, inputs, the machine's own codes, and the boring cycles that stop the spindle.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Await, OpKind, Signal};
 use interp::{Ops, Setup, UserCode, check};
 

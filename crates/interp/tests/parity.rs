@@ -1,5 +1,4 @@
 //! The listing against what LinuxCNC 2.9 printed for the same programs (`parity/README.md`).
-#![allow(clippy::unwrap_used)] // helpers of tests
 use interp::{Interpreter, Listing, Progress, Setup};
 use std::{fs, path::PathBuf};
 

@@ -2,7 +2,6 @@
 //!
 //! A part is a list of moves in the plane's own axes. It is written out in several ways (inches,
 //! increments, another plane, another offset), and each text must come to the same operations.
-#![allow(clippy::unwrap_used)] // helpers of tests
 use canon::{Feed, Op, OpKind, Plane, Position};
 use interp::{Limits, Ops, Setup};
 use proptest::prelude::*;

@@ -1,8 +1,7 @@
 //! Which block comes next: branches, loops and subprograms, their limits, and errors that all come at once.
-mod shop;
 
+use crate::shop::{ends, near, ops_of, refused, shop};
 use interp::{Setup, Subprogram};
-use shop::{ends, near, ops_of, refused, shop};
 
 #[test]
 fn all_errors_come_at_once_each_with_its_line() {

@@ -1,9 +1,8 @@
 //! Tapping cycles as operations: leads, senses, waits, and what they are refused for.
-mod shop;
 
+use crate::shop::{ends, ops_of, refused, shop, the_tap};
 use canon::{OpKind, ReturnAcceleration};
 use interp::Setup;
-use shop::{ends, ops_of, refused, shop, the_tap};
 use units::{Angle, Lead, Length, Spin, SpinAccel, Time};
 
 #[test]

@@ -3,13 +3,12 @@
 //! The machine is ideal: it does what it is told at once. Axes have no limit of jerk, the spindle a constant
 //! acceleration A. Then speed over time is made of straight lines, and with S the speed of the cut and U that of
 //! the removal the closed forms are (S+U)/A until −U, t = 2(S+U)/A in all after drilling, 2U/A after a tap.
-mod common;
+use crate::common::*;
 use bus::{Command, Feedback, Machine, Sample, State};
 use canon::{
     Axis, ChipRemoval, Feed, Flute, Holder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap,
     TapTool, ToolKind, ToolLibrary,
 };
-use common::*;
 use kernel::{Event, EventKind, FaultKind};
 use motion::{ChipThrow, Path};
 use plan::{

@@ -1,6 +1,5 @@
 //! What cannot be meant is found before the first tick, all at once.
-mod common;
-use common::{control, machine};
+use crate::common::{control, machine};
 use kernel::{Config, Prediction, SyncMode};
 use units::{Coordinate, Force, Inertia, Time};
 

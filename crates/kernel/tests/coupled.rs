@@ -1,9 +1,7 @@
 //! Spindles that follow one another, and what is superposed on axes, on simulated machines with all their physics.
-#![allow(clippy::large_stack_arrays)] // a program of a few steps, in a test
-mod common;
+use crate::common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use bus::Machine;
 use canon::{Axis, Position, Ratio};
-use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use core::f64::consts::TAU;
 use kernel::{FaultKind, Kernel, Periodic, PhaseLoss};
 use motion::{GearStep, Superpose, Superposed, TableId};

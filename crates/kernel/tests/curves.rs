@@ -6,11 +6,9 @@
 //!   from the programmed path           of X, Y, Z: P at most; with G61 two nanometres
 //!   at the end                         exact
 //! ```
-mod common;
-mod operated;
+use crate::operated::{C, loads, order, run, run_replanning};
 use bus::AXES;
 use canon::{Arc, Axis, Feed, Op, OpKind, PathMode, Plane, Position, Span, Spline};
-use operated::{C, loads, order, run, run_replanning};
 use proptest::prelude::*;
 use units::{Angle, Length, Speed, Time};
 

@@ -1,8 +1,6 @@
 //! The encoder of a spindle that is told a speed is checked by a slow turn before the spindle is used.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
+use crate::common::*;
 use bus::{Command, Feedback, Machine, State};
-use common::*;
 use kernel::{Config, EncoderCheckControl, Fault, FaultKind, OwnRamps, Prediction, SyncMode};
 use proptest::prelude::*;
 use sim::{PlainDrive, SimulatedMachine};

@@ -1,8 +1,7 @@
 //! What goes wrong on a machine, and what the kernel makes of it.
-mod common;
+use crate::common::*;
 use bus::{Command, Feedback, Machine, State, Truth};
 use canon::{Axis, Position};
-use common::*;
 use kernel::{Config, EventKind, FaultKind, Subject};
 use plan::StepKind;
 use sim::SimulatedMachine;

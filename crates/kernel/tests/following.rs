@@ -1,7 +1,6 @@
 //! Encoder-following taps: the lags are those of the closed forms, and prediction removes them.
-mod common;
+use crate::common::*;
 use bus::State;
-use common::*;
 use kernel::{Config, MAX_TRANSPORT, Prediction, SyncMode};
 use plan::StepKind;
 use units::{Angle, Length, Speed, Time};

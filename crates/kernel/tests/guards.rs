@@ -1,10 +1,9 @@
 //! What the kernel looks at itself in each period, each provoked: a plan with a defect, a machine that lies, a spindle that
 //! does not obey. The alarm comes within a period, the refused setpoint is never sent, and everything comes to rest.
-mod common;
-mod operated;
+use crate::common::*;
+use crate::operated;
 use bus::{Command, Feedback, Machine, State, Truth};
 use canon::{Axis, Feed, Op, OpKind, PathMode, Position, Span};
-use common::*;
 use kernel::{Config, FaultKind, Kernel, Subject};
 use motion::{Bounds, Limits, Move, Path, Phase, Profile};
 use plan::{Step, StepKind};

@@ -1,9 +1,8 @@
 //! Homing on a simulated machine that is switched on somewhere: references to a count, limits kept, and every switch, mark,
 //! stop or wire that is not where it should be an alarm.
-mod common;
+use crate::common::*;
 use bus::{Feedback, Machine, State};
 use canon::{Axis, Position};
-use common::*;
 use kernel::{
     EventKind, FaultKind, HomingMethod, HomingOrder, Kernel, ManualOrder, ManualRefusal, Order,
     Reaction,

@@ -1,6 +1,6 @@
 //! Learning over holes: repeated taps of one kind converge, whatever the machine really is.
-mod common;
-use common::*;
+use crate::common;
+use crate::common::*;
 use kernel::{Config, Learning, Prediction, SyncMode};
 use plan::StepKind;
 use units::{Coordinate, Length, Torque};

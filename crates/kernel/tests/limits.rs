@@ -3,13 +3,11 @@
 //! ```text
 //!   v = Δx/T     a = Δ²x/T²     j = Δ³x/T³      T servo period; each is a mean of what happens in between
 //! ```
-#![allow(clippy::large_stack_arrays)] // a program of a few steps, in a test
-mod common;
+use crate::common::{PERIOD, Run, control, machine, run_ordered};
 use canon::{
     Arc, Axis, Feed, Harmonic, Op, OpKind, Oscillating, Oscillation, Plane, Polygon, Position,
     Ratio, Span, SpindleOrder, ToolLibrary,
 };
-use common::{PERIOD, Run, control, machine, run_ordered};
 use core::f64::consts::TAU;
 use kernel::{Kernel, Order, Periodic};
 use plan::{

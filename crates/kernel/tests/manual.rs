@@ -1,8 +1,7 @@
 //! Axes moved by hand: a lease that ends, ends of travel, drives off and on; seen on a simulated machine.
-mod common;
+use crate::common::*;
 use bus::{Machine, State};
 use canon::{Axis, Position};
-use common::*;
 use kernel::{Kernel, ManualOrder, ManualRefusal};
 use motion::{Goal, OnlineLimits, Step, StepKind};
 use sim::SimulatedMachine;

@@ -1,11 +1,9 @@
 //! Holds, overrides from 0 to 200 % and single block, at any instant of random paths: what the axes are told keeps speed,
 //! acceleration, jerk and the path, by differences of the setpoints at the servo period. Overrides of feeds and rapids, hold,
 //! resume, single block and abort come at any instant.
-mod common;
-mod operated;
+use crate::operated::{ACCEL, PERIOD, Seen, distance, loads, order, run, run_replanning, xyz};
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
-use operated::{ACCEL, PERIOD, Seen, distance, loads, order, run, run_replanning, xyz};
 use proptest::prelude::*;
 use units::{Length, Speed};
 

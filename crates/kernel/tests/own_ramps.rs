@@ -1,7 +1,6 @@
 //! A spindle on a frequency converter that is only told a speed, and brakes slower than its control was told.
-mod common;
+use crate::common::*;
 use bus::State;
-use common::*;
 use kernel::{Config, Learning, OwnRamps, Prediction, SyncMode};
 use plan::StepKind;
 use units::{Angle, SpinAccel, Time};

@@ -1,8 +1,7 @@
 //! A plant that is not what its control was told: what play, stretch and errors of encoders cost then, by closed forms.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
+use crate::common;
+use crate::common::{control, line, machine, run};
 use canon::Position;
-use common::{control, line, machine, run};
 use units::{Angle, Coordinate, Length};
 
 /// Where X really is against its setpoint while it goes 6 mm forth and back at 20 mm/s: mean over the middle of either way, µm.
@@ -63,7 +62,7 @@ fn over_seeds_thirty_micrometres_of_play_cost_up_to_six() {
     for seed in 1..=6 {
         let (mut machine, told) = with_play(30.0, 30.0);
         machine.seed = seed;
-        machine.axes[0].1.scatter.backlash = sim::Scatter::uniform(0.2);
+        machine.axes[0].1.scatter.backlash = units::Spread::uniform(0.2);
         let real = machine.plant().0[0].1.backlash.of_linear().in_um();
         let [forth, back] = forth_and_back(&machine, &told);
         let lost = back - forth - compensated;

@@ -1,11 +1,10 @@
 //! A plate as the planner orders it: tool changes, rapids over three axes, drilling, rigid taps.
-mod common;
+use crate::common::*;
 use bus::{Machine, State};
 use canon::{
     Axis, Feed, Flute, Holder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, TapTool,
     ToolKind, ToolLibrary,
 };
-use common::*;
 use kernel::{EventKind, Kernel, TapFigures};
 use plan::Step;
 use plan::{AxisLimits, MachineLimits, Options, Planner, Start, Tapping, ToolChange};

@@ -1,9 +1,7 @@
 //! Steps one after the other: moves, waits, spindle, tool, stops.
-#![allow(clippy::large_stack_arrays)] // a program of a few steps, in a test
-mod common;
+use crate::common::*;
 use bus::State;
 use canon::{Arc, Plane, Position};
-use common::*;
 use kernel::{EventKind, Full, Kernel, Pause, QUEUE};
 use motion::{Move, Path, Phase, Profile};
 use plan::{SpindleStep, Step, StepKind};

@@ -1,7 +1,6 @@
 //! What holds for whatever a machine may say.
-mod common;
+use crate::common::*;
 use bus::{AxisFeedback, Feedback, SpindleFeedback};
-use common::*;
 use kernel::{Kernel, Prediction, SyncMode};
 use plan::Step;
 use proptest::prelude::*;

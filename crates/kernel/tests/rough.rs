@@ -1,11 +1,9 @@
 //! Rough paths, as worn digitisers and careless posts write them: zigzags below and above P, noise on smooth curves, dust, lengths
 //! of all scales, spikes, changes of mode, with P from 0.1 µm to 10 mm. What the axes are told keeps speed, acceleration, jerk and P,
 //! by differences of the setpoints at the servo period, whatever the operator does.
-mod common;
-mod operated;
+use crate::operated::{Seen, distance, loads, order, run, run_replanning, xyz};
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
-use operated::{Seen, distance, loads, order, run, run_replanning, xyz};
 use proptest::prelude::*;
 use units::{Length, Speed};
 

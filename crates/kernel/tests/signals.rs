@@ -1,9 +1,7 @@
 //! Inputs are waited for, outputs are switched, a probe ends a move, a person confirms.
-#![allow(clippy::large_stack_arrays)] // a program of a few steps, in a test
-mod common;
+use crate::common::*;
 use bus::{Feedback, Machine, State};
 use canon::Position;
-use common::*;
 use kernel::{Answer, Answered, FaultKind, Kernel, Order, Pause, WaitFor};
 use motion::{Await, InputWait, Output, ProbeEnd, Signal};
 use plan::{Step, StepKind};

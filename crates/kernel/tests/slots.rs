@@ -1,7 +1,6 @@
 //! Whatever happens to the steps of a program, the kernel can take as many plans afterwards as a new one.
-mod common;
+use crate::common::{M6, TapOrder, await_speed, control, line, machine, turn};
 use bus::Machine;
-use common::{M6, TapOrder, await_speed, control, line, machine, turn};
 use kernel::{CHIP_REMOVALS, Full, Kernel, MOVES, Order, RAMPS, TAPS, WithdrawalPlan};
 use motion::{ChipThrow, Profile};
 use plan::{SpindleStep, Step, StepKind};

@@ -1,10 +1,7 @@
 //! The operator's spindle override: within its limits, locked where the program or a synchronised cut needs the programmed
 //! speed, and no alarm of a cut that is made at the speed the operator has chosen.
-#![allow(clippy::unwrap_used)] // a test may panic
-#![allow(clippy::large_stack_arrays)] // a program of a few steps, in a test
-mod common;
+use crate::common::{await_speed, control, line, machine, run_ordered, turn};
 use canon::Position;
-use common::{await_speed, control, line, machine, run_ordered, turn};
 use kernel::{EventKind, Kernel, Notice, Order, Overrides};
 use plan::StepKind;
 use sim::SimulatedMachine;

@@ -1,10 +1,9 @@
 //! Power cuts, kills and stops throughout a tap: a small campaign as a test, the whole of it with `cargo xtask stops`.
-#[allow(unreachable_pub)] // as in every module that tests share
-mod campaign;
-mod common;
+use crate::campaign;
+use crate::campaign::*;
+use crate::common;
+use crate::common::TapOrder;
 use bus::{DriveReaction, Machine as _};
-use campaign::*;
-use common::TapOrder;
 use sim::Fault;
 use sync::recovery::Way;
 use units::{Angle, Coordinate, Time};

@@ -1,8 +1,6 @@
 //! Stops in the middle of a tap with the drives alive, what may follow them, and the way out after a stop without.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
+use crate::common::*;
 use bus::{Command, Machine, Sample, State};
-use common::*;
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryPlan};
 use sim::SimulatedMachine;
 use sync::recovery::{Direction, Mover, Point, Stored, Way};

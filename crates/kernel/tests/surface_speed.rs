@@ -1,9 +1,7 @@
 //! Constant surface speed: the spindle goes by X, n = v / 2π·|x − axis|, and never above its limit.
-#![allow(clippy::large_types_passed_by_value, clippy::large_stack_arrays, clippy::unwrap_used)] // few and small: a test
-mod common;
+use crate::common::*;
 use bus::{Sample, State};
 use canon::Position;
-use common::*;
 use core::f64::consts::TAU;
 use kernel::Order;
 use motion::{Move, Path, Phase, Profile, SurfaceSpeed};

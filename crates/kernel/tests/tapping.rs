@@ -1,6 +1,6 @@
 //! Rigid taps on the simulated tapping centre, judged by the machine's truth.
-mod common;
-use common::*;
+use crate::common;
+use crate::common::*;
 use kernel::{EventKind, Prediction, SyncMode};
 use std::fmt::Write;
 use units::Length;

@@ -1,8 +1,6 @@
 //! That a tap turns back is on the disk before it does, and no disk keeps it in its hole.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
+use crate::common::*;
 use bus::Machine as _;
-use common::*;
 use kernel::{Kernel, RecordRequest};
 use proptest::prelude::*;
 use sim::SimulatedMachine;

@@ -1,7 +1,7 @@
 //! Whatever a program says, the planner answers with steps that hang together or with a sentence.
-mod common;
+use crate::common;
+use crate::common::{OPTIONS, machine, mm, program, tools};
 use canon::{Arc, Feed, Hole, OpKind, PathMode, Plane, Position, SpindleOrder, Tap};
-use common::{OPTIONS, machine, mm, program, tools};
 use motion::Shape;
 use plan::{Planner, Start, preflight};
 use plan::{SpindleStep, Step, StepKind};

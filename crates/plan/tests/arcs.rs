@@ -1,7 +1,7 @@
 //! Lines, circles and helices in all planes: sampled along the time, no axis exceeds its limits.
-mod common;
+use crate::common;
+use crate::common::{axis, machine, mm, program};
 use canon::{Arc, Axis, Feed, OpKind, Plane, Position};
-use common::{axis, machine, mm, program};
 use motion::Move;
 use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Start};

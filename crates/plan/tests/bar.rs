@@ -1,10 +1,10 @@
 //! Inserts against the bar of a lathe, before motion: a rapid goes only where the program has turned the bar away.
-mod common;
+use crate::common;
+use crate::common::{change, line, machine, mm, program, rapid, turn};
 use canon::{
     Body, Feed, Insert, InsertPoint, LengthUnit, OpKind, Position, ProgramFrame, Threading, Tool,
     ToolKind, ToolLibrary,
 };
-use common::{change, line, machine, mm, program, rapid, turn};
 use plan::{Bar, Planner, Start, Stock};
 use units::{Angle, Lead, LeadGrowth, Length};
 

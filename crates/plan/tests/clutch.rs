@@ -1,9 +1,10 @@
 //! The cycles of taps that nothing ties to the spindle: a clutch holder, and a floating one.
 //!
 //! Expected values are worked out by hand from the closed forms of spec/G84-clutch.md.
-mod common;
+use crate::common::{
+    OPTIONS, TOP, findings_of, machine, rapid, steps_of, tap, tap_tool, tools, turn,
+};
 use canon::{Axis, Holder, LengthUnit, OpKind, ProgramFrame, ToolKind, ToolLibrary};
-use common::{OPTIONS, TOP, findings_of, machine, rapid, steps_of, tap, tap_tool, tools, turn};
 use motion::TiedCut;
 use plan::{DwellCheck, Effort, Options, PlainDrive, Planner, Start, TapMethod, Unsynchronised};
 use plan::{SpindleStep, Step, StepKind};

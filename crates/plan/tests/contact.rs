@@ -1,9 +1,9 @@
 //! The tool against the stock, before motion: what breaks it is refused, with what works, in the program's words.
-mod common;
+use crate::common;
+use crate::common::{TOP, change, hole, line, machine, mm, program, rapid, tap, tools, turn};
 use canon::{
     Axis, LengthUnit, OpKind, Position, ProgramFrame, Threading, Tool, ToolKind, ToolLibrary,
 };
-use common::{TOP, change, hole, line, machine, mm, program, rapid, tap, tools, turn};
 use plan::{Planner, Start, Stock};
 use units::{Angle, Lead, LeadGrowth, Length};
 

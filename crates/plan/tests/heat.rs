@@ -1,7 +1,7 @@
 //! A spindle drive that is asked for more than its torque of continuous duty, and a magazine that has no such pocket.
-mod common;
+use crate::common;
+use crate::common::{OPTIONS, change, findings_of, machine, tools, turn};
 use canon::{OpKind, SpindleOrder, ToolLibrary};
-use common::{OPTIONS, change, findings_of, machine, tools, turn};
 use plan::{MachineLimits, Planner, Start};
 use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;

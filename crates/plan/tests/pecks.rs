@@ -1,7 +1,7 @@
 //! Taps in pecks, at a preset, and as short as they can be.
-mod common;
+use crate::common;
+use crate::common::{change, hole, steps_of, tap, turn};
 use canon::OpKind;
-use common::{change, hole, steps_of, tap, turn};
 use motion::{Profile, TapPlan};
 use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Retract, SpindleLimits, Start, StrokeRequest};

@@ -1,9 +1,9 @@
 //! From ops to steps: order, waiting, time.
-mod common;
-use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration};
-use common::{
+use crate::common;
+use crate::common::{
     change, hole, line, machine, mm, planner_at, rapid, steps, steps_of, steps_on, tap, turn,
 };
+use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration};
 use motion::Shape;
 use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;

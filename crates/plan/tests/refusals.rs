@@ -1,7 +1,7 @@
 //! What is refused before motion: one sentence each, with the number that would work.
-mod common;
+use crate::common;
+use crate::common::{change, findings, findings_of, hole, line, mm, planner_at, rapid, tap, turn};
 use canon::{Arc, Feed, OpKind, Plane, Position, SpindleOrder};
-use common::{change, findings, findings_of, hole, line, mm, planner_at, rapid, tap, turn};
 use insta::assert_snapshot;
 use units::{Angle, CoordinateSpeed, Lead, Length, Speed, Spin, Time};
 

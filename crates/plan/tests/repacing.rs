@@ -1,7 +1,6 @@
 //! Planning anew what has not been done.
-mod common;
+use crate::common::{line, planner_at, program, rapid, turn};
 use canon::OpKind;
-use common::{line, planner_at, program, rapid, turn};
 use motion::{Superpose, Superposed, TableId};
 use plan::OperatorSettings;
 use plan::{Step, StepKind};

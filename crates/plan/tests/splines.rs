@@ -1,7 +1,7 @@
 //! Splines are operations: followed as they are, by the planner, with one end each.
-mod common;
+use crate::common;
+use crate::common::{line, mm, planner_at, steps_of, turn};
 use canon::{Feed, OpKind, PathMode, Position, Spline};
-use common::{line, mm, planner_at, steps_of, turn};
 use motion::Shape;
 use plan::{Step, StepKind};
 use units::{Length, Speed, Time};

@@ -1,6 +1,5 @@
 //! A tap's stroke against closed forms, lower bounds and the spindle's curve.
-mod common;
-use common::{SPINDLE, axis};
+use crate::common::{SPINDLE, axis};
 use motion::{Limiting, Limiting as L};
 use plan::{AxisLimits, SpindleLimits, Stroke, StrokeRequest};
 use proptest::prelude::*;

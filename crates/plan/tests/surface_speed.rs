@@ -1,7 +1,6 @@
 //! Constant surface speed (G96), as it is planned.
-mod common;
+use crate::common::{findings_of, line, planner_at, program, rapid, steps_of, turn};
 use canon::{Axis, Feed, OpKind, Position, ProgramFrame, SpindleOrder};
-use common::{findings_of, line, planner_at, program, rapid, steps_of, turn};
 use plan::Planner;
 use plan::{SpindleStep, Step, StepKind};
 use units::{Angle, Lead, Length, Speed, Spin};

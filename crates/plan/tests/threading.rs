@@ -1,7 +1,7 @@
 //! Turned threads: chains, their corners, and what is refused with the number that works.
-mod common;
+use crate::common;
+use crate::common::{findings, mm, rapid, steps, turn};
 use canon::{Axis, OpKind, Position, Threading};
-use common::{findings, mm, rapid, steps, turn};
 use motion::{ThreadStretch, TiedCut, WayOut};
 use plan::StepKind;
 use proptest::prelude::*;

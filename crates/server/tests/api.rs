@@ -1,8 +1,6 @@
 //! What a client of the API may rely on: a real server, a real client, a machine that is simulated.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{Served, machine};
+use crate::common::{Served, machine};
 use serde_json::json;
 use std::time::Duration;
 

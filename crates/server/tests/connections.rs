@@ -1,9 +1,7 @@
 //! Many connections at once, in a process of its own, so that its memory is that of this server and its clients.
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::Served;
+use crate::common::Served;
 use serde_json::json;
 use std::io::Write as _;
 use std::net::TcpStream;

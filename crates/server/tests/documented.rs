@@ -1,8 +1,6 @@
 //! Each `curl` line of docs/api.md does what it says, in its order.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::Served;
+use crate::common::Served;
 use std::path::Path;
 use std::process::Command;
 

@@ -1,8 +1,6 @@
 //! What a client sends that means harm, or is broken: refused or harmless; nothing moves, and others are served on.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{Served, machine};
+use crate::common::{Served, machine};
 use serde_json::json;
 use server::{Role, Tokens};
 use std::io::{Read as _, Write as _};

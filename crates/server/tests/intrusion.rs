@@ -1,8 +1,6 @@
 //! Who tries to get out of the folders, to keep the server busy, or to pass for a page of ours: refused, and nothing moves.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{How, Served};
+use crate::common::{How, Served};
 use serde_json::json;
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::TcpStream;

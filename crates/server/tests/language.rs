@@ -1,8 +1,6 @@
 //! The language server over a socket: what an editor of the page is told of a program, on this machine and with its tools.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{Served, Socket};
+use crate::common::{Served, Socket};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use tungstenite::Message;

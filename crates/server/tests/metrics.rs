@@ -1,8 +1,6 @@
 //! What Prometheus may rely on: a real server, a machine that is simulated, and a lint of what is served.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{How, Served};
+use crate::common::{How, Served};
 use control::RealTimeOptions;
 use serde_json::{Value, json};
 use server::{BrokerAddress, PublishOptions, Role, Tokens, TopicPrefix};

@@ -1,8 +1,6 @@
 //! What an MQTT broker gets: a real server, and a broker that breaks off where the test wants it to.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{How, Served};
+use crate::common::{How, Served};
 use serde_json::{Value, json};
 use server::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix};
 use std::io::{Read as _, Write as _};

@@ -1,8 +1,6 @@
 //! What an `MTConnect` client may rely on: a real server, a machine that is simulated.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{How, Served};
+use crate::common::{How, Served};
 use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;

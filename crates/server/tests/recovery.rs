@@ -1,8 +1,6 @@
 //! A control that is cut off from its machine in a tap, and what the next one knows of it: over HTTP, as a page has it.
-#![allow(clippy::unwrap_used, clippy::disallowed_methods)] // a test may panic, and its threads need no name
-mod common;
 
-use common::Served;
+use crate::common::Served;
 use leadscrew::simulator::{SimulatorOptions, SimulatorProcess, order};
 use serde_json::{Value, json};
 use std::io::{Read as _, Write as _};

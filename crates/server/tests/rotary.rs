@@ -1,8 +1,6 @@
 //! Axes that turn: asked for in degrees, shown in degrees, refused in millimetres.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::Served;
+use crate::common::Served;
 use serde_json::{Value, json};
 
 fn axis<'a>(status: &'a Value, letter: &str) -> &'a Value {

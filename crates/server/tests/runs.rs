@@ -1,8 +1,6 @@
 //! The history of runs: what is kept of a program that was executed, and how it is found again.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{How, Served};
+use crate::common::{How, Served};
 use serde_json::{Value, json};
 use server::{Role, Tokens};
 use std::io::{Read as _, Write as _};

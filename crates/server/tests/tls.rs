@@ -1,8 +1,6 @@
 //! TLS: who trusts the certificate is answered, and what is not TLS is not.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::Served;
+use crate::common::Served;
 use server::Certificate;
 use sha2::{Digest as _, Sha256};
 use std::io::{Read as _, Write as _};

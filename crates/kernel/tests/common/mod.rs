@@ -54,8 +54,8 @@ pub fn machine(command_delay: usize) -> sim::Config {
 
 /// The same machine whose friction, play and cutting force are off by up to this share.
 pub fn scattered(mut machine: sim::Config, share: f64, seed: u64) -> sim::Config {
-    let by = sim::Scatter::uniform(share);
-    (machine.scatter, machine.seed) = (sim::Scatter { per: sim::Per::Hole, ..by }, seed);
+    let by = units::Spread::uniform(share);
+    (machine.scatter, machine.seed) = (units::Spread { per: units::Per::Hole, ..by }, seed);
     for (_, axis) in &mut machine.axes {
         (axis.scatter.backlash, axis.scatter.friction) = (by, by);
     }

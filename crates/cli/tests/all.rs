@@ -1,0 +1,42 @@
+//! What people do with `leadscrew`, and what they are told: one test program, so that it is linked once.
+#![allow(clippy::expect_used, clippy::needless_pass_by_value, clippy::unwrap_used, dead_code)] // tests may panic, and what they share is not used by each
+
+mod common;
+#[path = "common/editor.rs"]
+mod editor;
+#[path = "common/simulator.rs"]
+mod simulator;
+
+mod bad_input;
+mod begun;
+mod cams;
+mod certificate;
+mod compare;
+mod console;
+mod documented;
+mod estimates;
+mod fanuc;
+mod guessed;
+mod inputs;
+mod judged_alike;
+mod killed;
+mod left_behind;
+mod linuxcnc_import;
+mod lsp;
+mod lsp_writing;
+mod moving;
+mod polygon;
+mod polygon_claims;
+mod polygon_refused;
+mod preflight;
+mod programs;
+mod random_taps;
+mod recovery;
+mod rotary;
+mod shifted;
+mod standing;
+mod surface_speed;
+mod tapping;
+mod terminal;
+mod trace;
+mod ways_out;

@@ -1,0 +1,42 @@
+//! What the kernel does on the simulated machine: one test program, so that it is linked once.
+#![allow(
+    clippy::large_stack_arrays,
+    clippy::large_types_passed_by_value,
+    clippy::unwrap_used,
+    dead_code,
+    unreachable_pub
+)] // tests may panic, and what they share is not used by each
+
+mod campaign;
+mod common;
+mod operated;
+
+mod chip_removal;
+mod config;
+mod coupled;
+mod curves;
+mod encoder_check;
+mod faults;
+mod following;
+mod guards;
+mod homing;
+mod learning;
+mod limits;
+mod manual;
+mod overrides;
+mod own_ramps;
+mod plant;
+mod plate;
+mod program;
+mod properties;
+mod rough;
+mod signals;
+mod slots;
+mod spindle_override;
+mod stop_campaign;
+mod stops;
+mod surface_speed;
+mod tapping;
+mod thread_withdrawal;
+mod threading;
+mod turning_back;
