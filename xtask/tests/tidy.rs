@@ -60,21 +60,12 @@ fn nothing_is_left_open_in_the_code() {
 
 #[test]
 fn the_manuals_pages_and_the_programs_they_name_exist() {
-    for page in [
-        "README.md",
-        "CONTRIBUTING.md",
-        "docs/ARCHITECTURE.md",
-        "docs/DESIGN.md",
-        "docs/GLOSSARY.md",
-        "docs/commands.md",
-        "docs/conformance.md",
-        "docs/performance.md",
-    ] {
-        let text = read(&root().join(page));
-        let base = root().join(page);
-        let base = base.parent().unwrap();
+    for page in pages() {
+        let text = read(&page);
+        let base = page.parent().unwrap();
         for target in links(&text) {
-            assert!(base.join(&target).exists(), "{page} links to {target}, which does not exist");
+            let place = base.join(&target);
+            assert!(place.exists(), "{} links to {target}, which does not exist", shown(&page));
         }
     }
 }
@@ -108,6 +99,31 @@ fn an_item_that_is_not_in_its_file_is_found() {
     let text = "pub struct Kernel {}\nimpl Kernel {\n    pub fn tick(&mut self) {}\n}\n";
     assert!(has(text, "Kernel::tick()") && has(text, "tick()") && has(text, "Kernel"));
     assert!(!has(text, "Kernel::tock()") && !has(text, "Servo::tick()") && !has(text, "Servo"));
+}
+
+#[test]
+fn the_files_that_documents_name_are_there() {
+    let all: Vec<String> = sources().iter().map(|file| shown(file)).collect();
+    let mut named = 0;
+    let mut gone = Vec::new();
+    for page in pages() {
+        let text = read(&page);
+        for name in
+            text.split('`').filter(|name| name.ends_with(".rs") && !name.contains([' ', '*']))
+        {
+            let name = name.trim_start_matches("../");
+            named += 1;
+            // with or without the crate's `src`
+            let is_there = |file: &String| {
+                let ends = |path: &str| path == name || path.ends_with(&format!("/{name}"));
+                ends(file) || ends(&file.replace("/src/", "/"))
+            };
+            if !all.iter().any(is_there) {
+                gone.push(format!("{}: {name}", shown(&page)));
+            }
+        }
+    }
+    assert!(named > 40 && gone.is_empty(), "of {named} files these are not there: {gone:#?}");
 }
 
 /// The numbered steps of a list, each with its further lines.
@@ -205,6 +221,19 @@ fn local_dependencies(manifest: &str) -> Vec<String> {
 }
 
 /// Every Rust file of the workspace.
+/// The documents.
+fn pages() -> Vec<PathBuf> {
+    let mut found: Vec<PathBuf> =
+        ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|page| root().join(page)).into();
+    for folder in ["docs", "spec"] {
+        let entries = fs::read_dir(root().join(folder)).unwrap();
+        found.extend(entries.map(|entry| entry.unwrap().path()));
+    }
+    found.retain(|page| page.extension().is_some_and(|ending| ending == "md"));
+    assert!(found.len() > 40, "the documents were not found");
+    found
+}
+
 fn sources() -> Vec<PathBuf> {
     let mut found = Vec::new();
     for folder in ["crates", "xtask", "fuzz", "examples", "benches"] {

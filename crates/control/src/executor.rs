@@ -1,4 +1,5 @@
-//! One servo period: the kernel answers what the machine has said, and the machine obeys. Nothing else calls `tick`.
+//! One servo period: the kernel answers what the machine has said, and the machine obeys.
+//! Beside the component of HAL (`crates/hal/src/component.rs`) nothing else calls `tick`, which `xtask/tests/layout.rs` holds.
 //!
 //! ```text
 //!   feedback ─► Kernel::tick ─► command ─► observe ─► exchange ─► next feedback

@@ -4,7 +4,7 @@
 //!   1xx  the machine      emergency stop, drives
 //!   2xx  following        axis, spindle, sync error
 //!   3xx  waits            speed, angle, position, tool
-//!   4xx  orders           a step that this machine cannot execute
+//!   4xx  orders           a step that this machine cannot execute, setpoints beyond limits, a control that is gone
 //!   5xx  homing           switches, marks and stops that are not where they should be
 //! ```
 //!
@@ -285,11 +285,15 @@ pub struct AlarmList;
 
 impl fmt::Display for AlarmList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("# Alarms\n\n")?;
-        f.write_str("What can stop a running machine. `Disable`: all outputs go off, the drives' own safety takes over. ")?;
-        f.write_str("`Halt`: axes and spindles brake under control, coupled ones together, and are held.\n\n")?;
-        f.write_str("While a tap is in its thread 102 and 103 brake coupled too, as far as what is left allows; outputs go off when everything stands.\n\n")?;
-        f.write_str("What is wrong with a *program* is found before anything moves; `leadscrew check` says it with its code.\n\n")?;
+        f.write_str(
+            "# Alarms\n\n\
+             What can stop a running machine. `Disable`: all outputs go off, the drives' own safety takes\n\
+             over. `Halt`: axes and spindles brake under control, coupled ones together, and are held.\n\n\
+             While a tap is in its thread 102 and 103 brake coupled too, as far as what is left allows;\n\
+             outputs go off when everything stands.\n\n\
+             What is wrong with a *program* is found before anything moves; `leadscrew check` says it with\n\
+             its code. This page is written from `crates/kernel/src/fault/text.rs`.\n\n",
+        )?;
         f.write_str("| number | alarm | reaction | cause | remedy |\n|---|---|---|---|---|\n")?;
         for kind in FaultKind::ALL {
             let reaction = match kind.reaction() {
