@@ -23,104 +23,55 @@
 //! assert!(ops.diagnostics().is_empty());
 //! ```
 
-mod arcs;
 mod auxiliary;
-mod boring;
 mod call;
-mod cam;
-mod catalogue;
-mod chips;
 mod codes;
-mod comments;
 mod compensation;
-mod contents;
-mod context;
+mod coordinates;
 mod cycles;
-mod decimal;
 mod dialect;
-mod distances;
-mod eval;
+mod evidence;
 mod execute;
-mod executor;
 mod explain;
 mod fault;
-mod flow;
-mod frame;
 mod front_end;
-mod hobbing;
-mod holes;
+mod geometry;
 mod interpreter;
-mod lint;
 mod listing;
-mod live;
 mod modes;
 mod motion;
-mod names;
-mod next_text;
-mod non_modal;
-mod number;
-mod offset_curve;
-mod offsets;
-mod ops;
-mod orders;
-mod other_dialect;
-mod other_machine;
-mod out;
-mod outline;
-mod outputs;
-mod pieces;
-mod polygon;
-mod probe;
+mod operations;
 mod profile;
 mod program;
-mod refused;
-mod reread;
 mod resolve;
-mod rigid;
-mod rounds;
-mod rs274;
 mod setup;
-mod snapshot;
-mod spelling;
-mod splines;
-mod stroke;
-mod switch;
-mod synchro;
-mod taps;
-mod target;
-mod thread_cycle;
-mod threads;
-mod tool_change;
-mod tool_table;
-mod tools;
-mod unknown;
-mod whole_units;
+mod state;
 mod words;
 
 pub use call::{
     Call, CamCall, ControlPoint, Corners, CycleHole, CycleTap, GrowingThread, HobOrder, Place,
     PolygonOrder, ReturnSpeed, Sense, Silence, Sink, StrokeZone, ToolEntry, Units,
 };
-pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
-pub use contents::Contents;
 pub use dialect::{DepthFrom, Dialect};
+pub use evidence::other_dialect::{looks_like, other_dialect, telling_words};
+pub use evidence::other_machine::{is_turned, unended};
+pub use evidence::whole_units::counts_whole_units;
+pub use explain::catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
 pub use explain::{Finding, example_setup, explain, findings};
-pub use frame::{Frame, Point};
+pub use fault::unknown::Unknown;
+pub use geometry::frame::{Frame, Point};
+pub use interpreter::contents::Contents;
+pub use interpreter::snapshot::{Snapshot, Standing};
 pub use interpreter::{Interpreter, Progress};
-pub use lint::{Lint, lint};
 pub use listing::Listing;
-pub use live::{Live, asks};
-pub use ops::{
+pub use operations::lint::{Lint, lint};
+pub use operations::live::{Live, asks};
+pub use operations::ops::{
     Ops, called_files, check, defined_subprograms, files_called_by_word, suspicion, with_dialect,
 };
-pub use other_dialect::{looks_like, other_dialect, telling_words};
-pub use other_machine::{is_turned, unended};
-pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
+pub use operations::pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use resolve::Resolver;
 pub use setup::{
     Aside, Chips, Cycles, Increments, Leaves, Limits, MAX_PARAMETER, MacroCall, MissingTools,
     Parameters, Setup, Subprogram, UserAction, UserCode,
 };
-pub use snapshot::{Snapshot, Standing};
-pub use unknown::Unknown;
-pub use whole_units::counts_whole_units;

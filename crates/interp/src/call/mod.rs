@@ -5,9 +5,10 @@
 //! LinuxCNC's stand-alone interpreter does, [`Resolver`](crate::Resolver) turns them into
 //! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
-mod orders;
+pub(crate) mod orders;
+pub(crate) mod out;
 
-use crate::frame::Point;
+use crate::geometry::frame::Point;
 pub use orders::{CamCall, ControlPoint, HobOrder, PolygonOrder, StrokeZone, ToolEntry};
 
 use canon::{InputWait, Output, Plane};

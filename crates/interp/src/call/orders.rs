@@ -1,6 +1,6 @@
 //! What single calls carry: the orders of cam grinding, hobbing, polygon turning, splines, and entries of tables.
 
-use crate::frame::Point;
+use crate::geometry::frame::Point;
 use canon::{Oscillation, Ratio};
 /// What is ordered, in the program's units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,15 +7,16 @@
 //!   from  ●                       |from − (end + k·n)| = k
 //! ```
 use crate::{
-    call::Sink,
+    call::{Sink, out::Out},
     compensation::push,
     dialect::rules::StartUp,
-    executor::Settings,
     fault::{Outcome, error, refuse},
-    frame::Point,
+    geometry::{
+        frame::Point,
+        offset_curve::{Curve, Flat, Way, dot, length, minus, plus, times},
+    },
     modes::Modes,
-    offset_curve::{Curve, Flat, Way, dot, length, minus, plus, times},
-    out::Out,
+    state::executor::Settings,
     words::Words,
 };
 

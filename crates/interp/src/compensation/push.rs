@@ -1,11 +1,12 @@
 //! Compensated moves, held back until the next one settles their ends.
 
 use crate::{
-    call::{Call, Sink},
-    frame::Point,
+    call::{Call, Sink, out::Out},
+    geometry::{
+        frame::Point,
+        offset_curve::{Flat, plus},
+    },
     modes::Modes,
-    offset_curve::{Flat, plus},
-    out::Out,
 };
 pub(crate) fn push_line<S: Sink>(
     modes: &Modes,

@@ -10,7 +10,9 @@
 pub(crate) mod brother;
 pub(crate) mod fanuc;
 pub(crate) mod grbl;
+pub(crate) mod haas;
 pub(crate) mod linuxcnc;
+pub(crate) mod mitsubishi;
 pub(crate) mod rules;
 pub(crate) mod toyoda;
 
@@ -86,12 +88,12 @@ impl Dialect {
             Self::LinuxCnc => &linuxcnc::RULES,
             Self::Brother => &brother::RULES,
             Self::Grbl => &grbl::RULES,
-            Self::Fanuc => &fanuc::rules::MILL,
-            Self::Haas => &fanuc::rules::HAAS,
-            Self::Mitsubishi => &fanuc::rules::MITSUBISHI,
-            Self::FanucLatheA => &fanuc::rules::LATHE_A,
-            Self::FanucLatheB => &fanuc::rules::LATHE_B,
-            Self::FanucLatheC => &fanuc::rules::LATHE_C,
+            Self::Fanuc => &fanuc::MILL,
+            Self::Haas => &haas::RULES,
+            Self::Mitsubishi => &mitsubishi::RULES,
+            Self::FanucLatheA => &fanuc::LATHE_A,
+            Self::FanucLatheB => &fanuc::LATHE_B,
+            Self::FanucLatheC => &fanuc::LATHE_C,
             Self::Toyoda => &toyoda::RULES,
         }
     }

@@ -1,9 +1,9 @@
 //! What differs from control to control in the shared language, as data.
 //!
 //! Each control's folder has one [`Rules`] for each of its dialects. What a control does not say of its own is taken from
-//! [`SHARED`](super::linuxcnc::RULES), RS-274/NGC as LinuxCNC reads it.
-use super::fanuc::kind::Kind;
+//! [`SHARED`](crate::dialect::linuxcnc::RULES), RS-274/NGC as LinuxCNC reads it.
 use crate::codes::{Code, GGroup, Letters, g_code};
+use crate::dialect::fanuc::kind::Kind;
 use gcode::Grammar;
 
 /// A dialect's differences.

@@ -1,5 +1,5 @@
 //! I11: cam grinding.
-use super::finding::{Finding, row};
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row("I1101", "Cam grinding needs a profile first.", "G150", "G151 P7\nG150"),

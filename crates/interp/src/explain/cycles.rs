@@ -1,6 +1,6 @@
 //! I05: cycles, cutter compensation, splines, probing.
-use super::finding::{Finding, row};
 use crate::Dialect::Brother;
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row("I0501", "Cycles need G94 or G95.", "G93 F9\nG81 X1 Z-5 R2", "G94 F100\nG81 X1 Z-5 R2"),

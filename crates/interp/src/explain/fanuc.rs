@@ -1,6 +1,6 @@
 //! I10: Fanuc's dialect.
-use super::finding::{Finding, row};
 use crate::Dialect::Fanuc;
+use crate::explain::finding::{Finding, row};
 
 const fn f(
     code: &'static str,

@@ -1,5 +1,5 @@
 //! I03, I04: the course of a program, and moves.
-use super::finding::{Finding, row};
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row(

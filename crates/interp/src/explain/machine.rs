@@ -1,5 +1,5 @@
 //! I07 to I09: operations, limits, and what is legal but hurts.
-use super::finding::{Finding, row};
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row(

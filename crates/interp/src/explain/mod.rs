@@ -3,16 +3,17 @@
 //! The page `docs/diagnostics.md` is made from this list, SARIF takes its rules from it, and a test runs every
 //! program of it: the wrong one must give the code, the right one must not. A code that is used and not in the
 //! list fails that test.
-mod cam;
-mod cycles;
-mod fanuc;
-mod finding;
-mod flow;
-mod machine;
-mod text;
-mod tools;
-mod turning;
-mod words;
+pub(crate) mod cam;
+pub(crate) mod catalogue;
+pub(crate) mod cycles;
+pub(crate) mod fanuc;
+pub(crate) mod finding;
+pub(crate) mod flow;
+pub(crate) mod machine;
+pub(crate) mod text;
+pub(crate) mod tools;
+pub(crate) mod turning;
+pub(crate) mod words;
 
 use crate::{
     dialect::Dialect,

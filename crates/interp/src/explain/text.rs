@@ -1,6 +1,6 @@
 //! P: the text itself.
-use super::finding::{Finding, row};
 use crate::dialect::Dialect::Fanuc;
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row("P0101", "A letter stands without its number.", "G1 X Y2 F100", "G1 X1 Y2 F100"),

@@ -1,5 +1,5 @@
 //! I06: spindle, tools, offsets, outputs.
-use super::finding::{Finding, row};
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row("I0601", "G96 needs the surface speed.", "G96", "G96 S120"),

@@ -1,6 +1,6 @@
 //! I058: lathe cycles that cut a profile.
-use super::finding::{Finding, row};
 use crate::dialect::Dialect::Brother;
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row(

@@ -1,5 +1,5 @@
 //! I01, I02: words and values.
-use super::finding::{Finding, row};
+use crate::explain::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row(

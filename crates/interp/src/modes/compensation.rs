@@ -1,6 +1,6 @@
 //! What is remembered while the tool is led beside the programmed way.
 
-use crate::offset_curve::{Curve, Flat, left, plus, times};
+use crate::geometry::offset_curve::{Curve, Flat, left, plus, times};
 /// What is remembered while G41 or G42 is in force.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Compensation {

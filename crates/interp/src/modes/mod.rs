@@ -6,12 +6,14 @@ pub(crate) mod tapping;
 use crate::{
     call::{Corners, Sense, ToolEntry, Units},
     codes::{BORE_UPWARDS, FINE_BORE, SYNCHRO_LEFT, SYNCHRO_RIGHT},
-    frame::{Frame, Point},
-    modes::compensation::Compensation,
-    modes::nurbs::Nurbs,
-    modes::tapping::{Rigid, Shift, TapWords},
+    fault::unknown::Unknown,
+    geometry::frame::{Frame, Point},
+    modes::{
+        compensation::Compensation,
+        nurbs::Nurbs,
+        tapping::{Rigid, Shift, TapWords},
+    },
     setup::Chips,
-    unknown::Unknown,
 };
 use canon::Plane;
 

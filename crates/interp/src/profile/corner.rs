@@ -7,7 +7,7 @@
 //!                   │
 //! ```
 use crate::{
-    offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad},
+    geometry::offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad},
     profile::shape::{Profile, Unfit},
 };
 
@@ -89,7 +89,7 @@ fn foot(way: &Way, to: Flat) -> Flat {
     match way.circle {
         None => {
             let direction = way.direction(way.from);
-            let along = crate::offset_curve::dot(minus(to, way.from), direction);
+            let along = crate::geometry::offset_curve::dot(minus(to, way.from), direction);
             plus(way.from, times(direction, along))
         }
         Some((centre, _)) => {

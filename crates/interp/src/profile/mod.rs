@@ -18,9 +18,7 @@
 //!
 //! Source: LinuxCNC 2.9 manual, "G70", "G71 G72"; order of the strokes measured on its stand-alone interpreter.
 pub(crate) mod corner;
-pub(crate) mod cycle;
 pub(crate) mod parallel;
-pub(crate) mod record;
 pub(crate) mod recording;
 pub(crate) mod roughing;
 pub(crate) mod shape;

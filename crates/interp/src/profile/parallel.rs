@@ -8,9 +8,13 @@
 //!            ─────────┘
 //! ```
 use crate::{
-    offset_curve::{Curve, Flat, Way, dot, length, minus, plus, sweep_rad, times, turn_rad},
-    profile::corner::beside,
-    profile::shape::{NEAR, Profile, Unfit},
+    geometry::offset_curve::{
+        Curve, Flat, Way, dot, length, minus, plus, sweep_rad, times, turn_rad,
+    },
+    profile::{
+        corner::beside,
+        shape::{NEAR, Profile, Unfit},
+    },
 };
 
 /// Corners flatter than this are none.
@@ -77,7 +81,9 @@ fn joint(last: &Way, new: &Way, turn: f64, reach: f64) -> Option<Flat> {
 /// A way moved to its left; none if it is an arc that has no room there.
 fn moved(way: &Way, distance: f64) -> Option<Way> {
     beside(way, way.from, distance)?;
-    let end = |at: Flat| plus(at, times(crate::offset_curve::left(way.direction(at)), distance));
+    let end = |at: Flat| {
+        plus(at, times(crate::geometry::offset_curve::left(way.direction(at)), distance))
+    };
     Some(Way { from: end(way.from), to: end(way.to), circle: way.circle })
 }
 

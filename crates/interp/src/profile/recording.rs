@@ -2,13 +2,16 @@
 
 use crate::{
     call::Place,
-    frame::Point,
+    geometry::{
+        frame::Point,
+        offset_curve::{Flat, Way, length, minus},
+    },
     modes::Motion,
-    offset_curve::{Flat, Way, length, minus},
-    profile::corner,
-    profile::corner::Corner,
-    profile::roughing::Roughing,
-    profile::shape::{Profile, Stroke, Unfit},
+    profile::{
+        corner::{self, Corner},
+        roughing::Roughing,
+        shape::{Profile, Stroke, Unfit},
+    },
 };
 /// What has been taken down.
 #[derive(Clone)]

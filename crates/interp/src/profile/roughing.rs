@@ -1,6 +1,6 @@
 //! The strokes that clear what lies above a profile, level by level.
 use crate::{
-    offset_curve::{Flat, Way, length, minus},
+    geometry::offset_curve::{Flat, Way, length, minus},
     profile::shape::{NEAR, Profile, Stroke},
 };
 

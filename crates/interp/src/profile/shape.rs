@@ -1,6 +1,6 @@
 //! A profile of lines and arcs, the strokes that cut it, and the frame in which passes see it.
 
-use crate::offset_curve::{Flat, Way, length, minus, plus, turn_rad};
+use crate::geometry::offset_curve::{Flat, Way, length, minus, plus, turn_rad};
 /// Two heights nearer than this are one.
 pub(crate) const NEAR: f64 = 1e-6;
 

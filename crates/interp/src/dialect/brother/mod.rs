@@ -11,11 +11,11 @@
 //!
 //! Source: the word lists of posts for these controls (Autodesk's for CNC-A00, -B00 and -C00), where they agree; what the
 //! control's parameters choose (I and J of other cycles) is left to them.
-use super::{
+use crate::codes::{NON_STOP_CHANGE, SYNCHRO_LEFT, SYNCHRO_RIGHT, set};
+use crate::dialect::{
     linuxcnc,
     rules::{DepthFrom, Family, OwnCode, Rules},
 };
-use crate::codes::{NON_STOP_CHANGE, SYNCHRO_LEFT, SYNCHRO_RIGHT, set};
 
 /// Where they differ from the shared language.
 pub(crate) const RULES: Rules = Rules {

@@ -1,9 +1,13 @@
 //! What Fanuc's codes mean, for people: in the shared language, or in the front end's own.
 use crate::{
     codes::g_code,
-    dialect::fanuc::codes::{has_m, stays, told},
-    dialect::fanuc::kind::Kind,
-    dialect::rules::{FrontEndCodes, Meaning},
+    dialect::{
+        fanuc::{
+            codes::{has_m, stays, told},
+            kind::Kind,
+        },
+        rules::{FrontEndCodes, Meaning},
+    },
 };
 
 impl FrontEndCodes for Kind {

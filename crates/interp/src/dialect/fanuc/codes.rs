@@ -1,14 +1,13 @@
 //! Fanuc's G and M codes, and which shared code each of them is.
 use crate::{
     codes::{BORE_UPWARDS, FINE_BORE, LENGTH_BACK},
-    dialect::fanuc::kind::Kind,
-    dialect::fanuc::{haas, mitsubishi},
+    dialect::{fanuc::kind::Kind, haas, mitsubishi},
 };
 
-pub(super) use crate::dialect::fanuc::meaning::Meaning;
+pub(crate) use crate::dialect::fanuc::meaning::Meaning;
 
 /// What G means, in tenths.
-pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
+pub(crate) fn meaning(kind: Kind, tenths: u16) -> Meaning {
     use Meaning::{
         Back, Box, Check, Cylinder, ExactBlock, Face, Longer, Mapping, Multiple, NotYet, Off,
         Shared, Skip, Smoothing, StrokeCheck, Thread, Unknown,
@@ -119,7 +118,7 @@ const fn mapping(tenths: u16) -> &'static str {
 }
 
 /// M codes that are the same in the shared language. M29 announces a rigid tap on Fanuc's controls alone.
-pub(super) const fn is_shared_m(kind: Kind, number: u16) -> bool {
+pub(crate) const fn is_shared_m(kind: Kind, number: u16) -> bool {
     match number {
         29 => !matches!(kind, Kind::Haas | Kind::Mitsubishi),
         _ => matches!(number, 0..=9 | 19 | 30 | 48 | 49 | 60),
@@ -169,7 +168,7 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
 }
 
 /// What works in the place of a code that is not executed.
-pub(super) const fn instead(tenths: u16) -> &'static str {
+pub(crate) const fn instead(tenths: u16) -> &'static str {
     match tenths {
         434 | 435 => "G43 H_ takes the tool's length along Z",
         620 | 630 => "write G64, or G61 for exact stops",

@@ -17,9 +17,9 @@
 pub(crate) enum Kind {
     /// Machining centres.
     Mill,
-    /// Haas' machining centres: [`haas`](super::haas) says what differs.
+    /// Haas' machining centres: [`haas`](crate::dialect::haas) says what differs.
     Haas,
-    /// Mitsubishi's machining centres: [`mitsubishi`](super::mitsubishi) says what differs.
+    /// Mitsubishi's machining centres: [`mitsubishi`](crate::dialect::mitsubishi) says what differs.
     Mitsubishi,
     /// Lathes, system A: G90, G92, G94 are cycles, U and W are increments.
     LatheA,
@@ -30,26 +30,26 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    pub(super) const fn is_lathe(self) -> bool {
+    pub(crate) const fn is_lathe(self) -> bool {
         !self.is_mill()
     }
 
-    pub(super) const fn is_mill(self) -> bool {
+    pub(crate) const fn is_mill(self) -> bool {
         matches!(self, Self::Mill | Self::Haas | Self::Mitsubishi)
     }
 
     /// The last of the work offsets beyond G59.
-    pub(super) const fn last_offset(self) -> u32 {
+    pub(crate) const fn last_offset(self) -> u32 {
         if matches!(self, Self::Haas) { 99 } else { 48 }
     }
 
     /// Whether this is a common variable that Fanuc's controls do not have.
-    pub(super) fn has_more_variables(self, number: usize) -> bool {
+    pub(crate) fn has_more_variables(self, number: usize) -> bool {
         self == Self::Mitsubishi && matches!(number, 400..=499 | 900_000..=907_399)
     }
 
     /// A code in tenths as machining centres and system B write it; none if this system has no such code.
-    pub(super) const fn common(self, tenths: u16) -> Option<u16> {
+    pub(crate) const fn common(self, tenths: u16) -> Option<u16> {
         Some(match (self, tenths) {
             (Self::LatheA, 330 | 770 | 780 | 790 | 910 | 950) | (Self::LatheC, 790) => return None,
             (Self::LatheA, 320) => 330,
@@ -70,7 +70,7 @@ impl Kind {
     }
 
     /// How this system writes a whole code of machining centres and system B.
-    pub(super) const fn own(self, code: u16) -> u16 {
+    pub(crate) const fn own(self, code: u16) -> u16 {
         match (self, code) {
             (Self::LatheA, 33) => 32,
             (Self::LatheA, 77) => 90,

@@ -2,7 +2,7 @@
 
 /// What a G code is in the shared language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Meaning {
+pub(crate) enum Meaning {
     /// This code, in tenths.
     Shared(u16),
     /// G15, G16, G50, G51, G50.1, G51.1, G68, G69 of machining centres.

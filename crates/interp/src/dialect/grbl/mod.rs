@@ -11,11 +11,11 @@
 //! What Grbl itself lacks (cycles, tool lengths, O-words) is read all the same: grblHAL has most of it.
 //!
 //! Source: Grbl's documentation, "Grbl v1.1 Interface" and "Commands"; the code lists of `grblHAL` and `FluidNC`.
-use super::{
+use crate::codes::set;
+use crate::dialect::{
     linuxcnc,
     rules::{Family, Rules},
 };
-use crate::codes::set;
 use gcode::Grammar;
 
 /// Where they differ from the shared language.

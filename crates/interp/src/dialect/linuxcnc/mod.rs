@@ -1,7 +1,7 @@
 //! RS-274/NGC as LinuxCNC 2.9 reads it: the shared language, of which the other dialects say where they differ.
 //!
 //! Source: NISTIR 6556; LinuxCNC 2.9 manual, "G codes", "M codes", "O codes".
-use super::rules::{DepthFrom, Family, FrontEndKind, Rules, StartUp};
+use crate::dialect::rules::{DepthFrom, Family, FrontEndKind, Rules, StartUp};
 use gcode::Grammar;
 
 /// What the shared language does.

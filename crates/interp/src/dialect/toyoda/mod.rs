@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Source: JPH0622778B2, figures 8 and 9.
-use super::{
+use crate::dialect::{
     linuxcnc,
     rules::{Family, OwnCode, Rules},
 };

@@ -1,0 +1,75 @@
+//! What Haas' machining centres have that Fanuc's have not, or in another meaning.
+//!
+//! | what | Haas | Fanuc |
+//! |---|---|---|
+//! | `G12`, `G13` with I, K, Q, D, L, Z, F | a round pocket from its centre, in rings, level by level under G91 | – |
+//! | `G154 P1` – `P99`, `G110` – `G129` but G112, G113 | work offsets; G110 is G154 P1 | `G54.1 P1` – `P48` |
+//! | `M97 P100 L3` | blocks of this program, from N100 to M99, three times | `M98 Q100` |
+//! | `G4 P0.5`, P of cycles with a point | seconds | refused |
+//! | `G81 Z-5.` without R | feeds from where the tool stands, or from the R of before | refused |
+//! | `G91 … G53 Z0` | goes to the machine's zero: G53 is never an increment | ignored |
+//! | `G187 P E` | corners to within E | – |
+//! | `G103` | look-ahead: no effect | – |
+//! | `G47`, `G70` – `G72`, `G77`, `G87`, `G107`, `G112`, `G136`, `G150`, `G35` – `G37` | refused, each by its name | other codes, or none |
+//! | `M29` | the builder's | a rigid tap follows |
+//! | `E` beside G0 | left out: it makes a rapid move slower | refused |
+//! | `#5401` – `#5600`, `#5701` – `#5800` | timers and lives of tools: 0 | – |
+//!
+//! Source: Haas, mill operator's manual, "G codes" and "M codes".
+use crate::{
+    codes::set,
+    dialect::{
+        fanuc::{self, kind::Kind, meaning::Meaning},
+        rules::{Family, FrontEndKind, Rules},
+    },
+};
+
+/// Haas' machining centres.
+pub(crate) const RULES: Rules = Rules {
+    name: "haas",
+    people: "Haas' machining centres",
+    front_end: FrontEndKind::Fanuc(Kind::Haas),
+    codes: Some(&Kind::Haas),
+    evidence: &[Family::Fanuc, Family::FanucMill, Family::Haas],
+    idle: set("DEHPQ"),
+    ..fanuc::MILL
+};
+
+/// What a code means there, in tenths, where that is not what Fanuc means.
+pub(crate) const fn own(tenths: u16) -> Option<Meaning> {
+    use Meaning::{Circle, NotYet, Shared, Smoothing, Smoothness, Unknown, WorkOffset};
+    Some(match tenths {
+        120 => Circle(true),
+        130 => Circle(false),
+        1030 => Smoothing,
+        1120 | 1130 => {
+            NotYet("ways on a face, or the third and fourth work offset of old controls")
+        }
+        1100..=1290 if tenths.is_multiple_of(10) => WorkOffset((tenths / 10 - 109) as u8),
+        1540 => Shared(541),
+        1870 => Smoothness,
+        350..=370 if tenths.is_multiple_of(10) => NotYet("automatic measurement of offsets"),
+        1360 => NotYet("automatic measurement of a work offset's centre"),
+        470 => NotYet("text engraving"),
+        450 | 460 | 480 => Unknown,
+        700 => NotYet("holes on a circle"),
+        710 => NotYet("holes on an arc"),
+        720 => NotYet("holes on a line"),
+        770 => NotYet("back boring"),
+        870 => NotYet("boring that the operator ends by hand"),
+        1000 | 1010 => NotYet("mirror image"),
+        1020 => NotYet("output over a serial line"),
+        1070 => NotYet("mapping onto a cylinder"),
+        1410 => NotYet("three-dimensional cutter compensation"),
+        1430 => NotYet("tool length on five axes"),
+        1500 => NotYet("pocket of any shape"),
+        1530 | 1550 | 1610 | 1620 | 1630 | 1640 | 1650 | 1660 | 1690 => {
+            NotYet("cycle on five axes")
+        }
+        1740 | 1840 => NotYet("rigid tapping off the vertical"),
+        1880 => NotYet("a program by the pallet"),
+        2340 | 2350 => NotYet("tool centre point control"),
+        2530 | 2540 | 2550 | 2680 | 2690 => NotYet("tilted or turned work coordinates"),
+        _ => return None,
+    })
+}

@@ -1,0 +1,47 @@
+//! What Mitsubishi's machining centres have that Fanuc's have not, or in another meaning.
+//!
+//! | what | Mitsubishi | Fanuc |
+//! |---|---|---|
+//! | `G12`, `G13` with I, D, F | one circle from its centre and back; D is a must | – |
+//! | `M98 P1001 H20 L3` | O1001 from its block N20 on, three times; without P in this program | `M98 P1001 Q20` |
+//! | `G84 … ,R1` | a rigid tap; `,R0` is refused | `M29` before it |
+//! | `G91 G53 X5.` | moves by 5 mm | ignored |
+//! | `G61.1`, `G120.1`, `G121` | accuracy and speed of paths: continuous, as always here | – |
+//! | `G34` – `G36`, `G37.1` | holes in patterns: refused by name | – |
+//! | `G113` – `G115`, `G114.1` … | spindles in step: refused by name | – |
+//! | `#400` – `#499`, `#900000` – `#907399` | common variables | do not exist |
+//! | `M29` | the builder's | a rigid tap follows |
+//!
+//! Source: Mitsubishi Electric, programming manual of M700V and M70V, machining centre system.
+use crate::dialect::{
+    fanuc::{self, kind::Kind, meaning::Meaning},
+    rules::{Family, FrontEndKind, Rules},
+};
+
+/// Mitsubishi's machining centres.
+pub(crate) const RULES: Rules = Rules {
+    name: "mitsubishi",
+    people: "Mitsubishi's machining centres",
+    front_end: FrontEndKind::Fanuc(Kind::Mitsubishi),
+    codes: Some(&Kind::Mitsubishi),
+    evidence: &[Family::Fanuc, Family::FanucMill, Family::Mitsubishi],
+    ..fanuc::MILL
+};
+
+/// What a code means there, in tenths, where that is not what Fanuc means.
+pub(crate) const fn own(tenths: u16) -> Option<Meaning> {
+    use Meaning::{Circle, NotYet, Shared, Smoothing};
+    Some(match tenths {
+        120 => Circle(true),
+        130 => Circle(false),
+        611 => Shared(640),
+        1201 | 1210 => Smoothing,
+        340 => NotYet("holes on a circle"),
+        350 => NotYet("holes on a line"),
+        360 => NotYet("holes on an arc"),
+        371 => NotYet("holes in a grid"),
+        380 | 390 => NotYet("vector and corner of cutter compensation"),
+        1130 | 1140..=1144 | 1150..=1152 => NotYet("spindles in step"),
+        _ => return None,
+    })
+}

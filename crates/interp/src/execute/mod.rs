@@ -1,0 +1,459 @@
+//! One block, executed: what is done in which order.
+//!
+//! ```text
+//!   comments → F mode, F → S mode, S → T → M6 → M3 M4 M5 M19 → coolant → overrides → G4
+//!     → plane → units → G40 → tool length → work offset → path control → G90 G91 → G98 G99
+//!     → G10 G28 G30 G52 G92 → motion → M0 M1 M2 M30 M60
+//! ```
+//!
+//! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
+//! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
+pub(crate) mod forbidden;
+pub(crate) mod non_modal;
+pub(crate) mod refused;
+
+use crate::{
+    auxiliary::{self, switch, tool_change},
+    call::{
+        Call, Sink,
+        out::{Held, Out},
+    },
+    codes::{AXES, CENTRE, GGroup, Letters, MGroup, NON_STOP_CHANGE, POLAR, set},
+    compensation,
+    coordinates::{distances, offsets},
+    cycles::{
+        cam, hobbing,
+        holes::{self, chips, rigid},
+        thread_cycle, turning,
+    },
+    fault::{Outcome, error, refuse},
+    modes::{Modes, Motion},
+    motion::{self, arcs, probe, splines, threads},
+    setup::Setup,
+    state::{
+        executor::{Context, Executor, Settings},
+        tools::{ToolTable, Tools},
+    },
+    words::{OwnCodes, Stage, Words, eval::Values, names::Store},
+};
+use canon::Plane;
+use gcode::Block;
+use std::collections::BTreeSet;
+
+/// What happens after a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum After {
+    /// The next one.
+    Next,
+    /// M2, M30.
+    End,
+    /// M98: the subprogram's number and how often.
+    Call(u32, u32),
+    /// M99.
+    Return,
+    /// G70 to G72: the subprogram with the profile.
+    Profile(u32),
+}
+
+/// Where a program begins.
+pub(crate) fn new(setup: &Setup) -> Executor {
+    let mut new = Executor {
+        modes: Modes::new(),
+        store: Store::new(setup.parameters.clone()),
+        words: Words::new(setup.dialect.rules(), OwnCodes::of(setup)),
+        tools: Tools {
+            library: setup.tools.clone(),
+            missing: setup.missing_tools,
+            written: ToolTable::default(),
+        },
+        contexts: vec![Context::default()],
+        held: Held::default(),
+        settings: Settings {
+            rules: setup.dialect.rules(),
+            stand_alone: setup.stand_alone,
+            fastest_rpm: setup.fastest_spindle.map_or(f64::INFINITY, units::Spin::in_rpm),
+            user_codes: setup.user_codes.clone(),
+            macro_calls: setup.macro_calls.clone(),
+            leaves: setup.leaves,
+            cycles: setup.cycles,
+        },
+        recording: None,
+        idle_told: 0,
+        codes_told: BTreeSet::new(),
+        remarks: Vec::new(),
+    };
+    // where none was called yet LinuxCNC's stand-alone interpreter believes in the first pocket
+    new.modes.current_pocket = u32::from(setup.stand_alone);
+    new.modes.retract_to_initial = new.settings.rules.starts_at_initial_level;
+    offsets::load_offsets(&mut new.modes, &mut new.store, &new.settings);
+    if new.settings.rules.begins_rapidly {
+        new.modes.motion = Motion::Rapid;
+    }
+    let machine = crate::geometry::frame::machine_point(&setup.start);
+    new.modes.at = new.modes.frame.to_program(&machine);
+    new
+}
+
+/// What is said before the first block.
+pub(crate) fn begin<S: Sink>(modes: &Modes, out: &mut Out<'_, S>) {
+    let frame = &modes.frame;
+    out.say(&Call::UseUnits(modes.units));
+    out.say(&Call::WorkOffset(modes.system, frame.origin));
+    out.say(&Call::AddedOffset(frame.added));
+    out.say(&Call::Rotation(frame.rotation()));
+    out.say(&Call::FeedReference);
+    out.say(&Call::Reset);
+}
+
+/// Read a block's words.
+#[inline]
+pub(crate) fn read(words: &mut Words, modes: &mut Modes, store: &Store, block: &Block) -> Outcome {
+    modes.line = block.span.line;
+    let values = Values { store, modes };
+    words.read(block, &values)
+}
+
+/// Execute the words read.
+#[inline]
+pub(crate) fn execute<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome<After> {
+    if cam::cam(&ex.words, &mut ex.modes, &ex.settings, out)?
+        || hobbing::hobbing(&ex.words, &mut ex.modes, out)?
+    {
+        return stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
+    }
+    if ex.settings.rules.dwells_by_s {
+        dwell_by_s(ex)?;
+    }
+    let motion = motion(&ex.words, &ex.modes)?;
+    if refused::motion_is_unknown(&ex.words, &ex.modes) {
+        refused::follow(ex, out);
+        return stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
+    }
+    tool_change::non_stop_change(&mut ex.words, &ex.modes)?;
+    obey(ex, motion, out)
+}
+
+#[inline]
+fn obey<S: Sink>(
+    ex: &mut Executor,
+    motion: Option<Motion>,
+    out: &mut Out<'_, S>,
+) -> Outcome<After> {
+    let before = ex.words.m(MGroup::Tool).map(|_| ex.modes.place());
+    let modal = motion.map_or(0, letters_of);
+    let beside = chips::letters_beside(&ex.settings, motion);
+    if ex.settings.rules.has_laser {
+        remark_on_laser(ex);
+    }
+    if ex.settings.rules.idle != 0 {
+        drop_idle(ex, modal | beside);
+    }
+    ex.words.check_letters(modal, beside)?;
+    let words = &ex.words;
+    if words.has_codes() || words.any(crate::codes::set("STF")) {
+        if ex.modes.compensating() || words.g(GGroup::Compensation).is_some() {
+            forbidden::check_compensated(&ex.words, &ex.modes, &ex.settings)?;
+        }
+        // of the lines of a long program many name their motion, and nothing else
+        let modes = ex.words.has_modes();
+        if modes || ex.words.any(crate::codes::set("STF$")) {
+            ex.words.stage = Stage::Feed;
+            switch::feed_mode(&ex.words, &mut ex.modes, out)?;
+            ex.words.stage = Stage::Speed;
+            switch::spindle_speed(&ex.words, &mut ex.modes, &ex.settings, out)?;
+            ex.words.stage = Stage::Tools;
+            auxiliary::tools_and_switches(ex, out)?;
+        }
+        ex.words.stage = Stage::Rigid;
+        rigid::rigid_mode(&ex.words, &mut ex.modes, motion)?;
+        if modes {
+            ex.words.stage = Stage::Modes;
+            change_modes(ex, out)?;
+            ex.words.stage = Stage::NonModal;
+            non_modal::non_modal(ex, out)?;
+        }
+    }
+    ex.words.stage = Stage::Motion;
+    if ex.settings.leaves.feed.is_some() {
+        assume_feed(ex, motion, out);
+    }
+    if let Some(motion) = motion {
+        rigid::rigid_motion(&ex.words, &mut ex.modes, motion)?;
+        move_along(ex, motion, out)?;
+    }
+    ex.words.stage = Stage::Done;
+    if let Some(before) = &before {
+        ask_where(&mut ex.modes, &ex.settings, motion, before);
+    }
+    if ex.recording.is_some() {
+        return Ok(After::Profile(ex.words.whole(b'Q', 999_999_999)?.unwrap_or(0)));
+    }
+    stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out)
+}
+
+/// The machine's feed, where a program has said none.
+fn assume_feed<S: Sink>(ex: &mut Executor, motion: Option<Motion>, out: &mut Out<'_, S>) {
+    let needs = motion.is_some_and(|motion| !matches!(motion, Motion::Rapid | Motion::None));
+    let modes = &mut ex.modes;
+    let Some(feed) = ex.settings.leaves.feed.filter(|_| needs && modes.feed == 0.0) else { return };
+    if modes.feed_mode != crate::modes::FeedMode::PerMinute {
+        return;
+    }
+    let rate = feed.in_mm_per_min() / modes.units.in_mm();
+    modes.feed = rate;
+    out.say(&Call::FeedRate { rate, duration_s: None });
+    let text =
+        format!("no F before this move: it goes with F{}", crate::codes::spelling::short(rate));
+    ex.remarks.push(
+        diag::Diagnostic::warning("I0324", ex.words.place.span, text)
+            .with_help("feed_mm_per_min under [control.programs] of the machine's file says so"),
+    );
+}
+
+/// M4 of a program that was made for a laser.
+fn remark_on_laser(ex: &mut Executor) {
+    if ex.words.m(MGroup::Spindle) != Some(4) || ex.idle_told & set("M") != 0 {
+        return;
+    }
+    ex.idle_told |= set("M");
+    let text = "M4 turns a spindle counter-clockwise here; to a laser it means power that follows the speed";
+    ex.remarks.push(diag::Diagnostic::note("I0647", ex.words.place.span, text).with_help(
+        "Leadscrew does not simulate lasers; a spindle turns clockwise with M3. Said once",
+    ));
+}
+
+/// `G4 S2`: seconds where no P stands.
+fn dwell_by_s(ex: &mut Executor) -> Outcome {
+    if ex.words.g(GGroup::NonModal) != Some(40) || ex.words.get(b'P').is_some() {
+        return Ok(());
+    }
+    let span = ex.words.span(b'S');
+    let Some(seconds) = ex.words.take(b'S') else { return Ok(()) };
+    ex.words.put(b'P', seconds, span)?;
+    if ex.idle_told & set("S") == 0 {
+        ex.idle_told |= set("S");
+        let text = format!("S of G4 is read as a wait of {seconds} s, as Marlin has it");
+        let remark = diag::Diagnostic::warning("I0648", span, text);
+        ex.remarks.push(remark.with_help("Grbl itself takes P. Said once"));
+    }
+    Ok(())
+}
+
+/// Words that the dialect takes without effect.
+fn drop_idle(ex: &mut Executor, modal: Letters) {
+    let Some((letter, span)) = ex.words.drop_idle(ex.settings.rules.idle, modal) else { return };
+    if ex.idle_told & set(letter.encode_utf8(&mut [0; 4])) != 0 {
+        return;
+    }
+    ex.idle_told |= set(letter.encode_utf8(&mut [0; 4]));
+    let text = format!("{letter} has no effect here, and is left out");
+    ex.remarks.push(
+        diag::Diagnostic::warning("I0113", span, text)
+            .with_help("no code of this block takes it. Said once for each letter"),
+    );
+}
+
+/// Which motion this block asks for: its own code, or the one in force if there are axis words for it.
+#[inline]
+pub(crate) fn motion(words: &Words, modes: &Modes) -> Outcome<Option<Motion>> {
+    let axes = words.any(AXES | POLAR);
+    let uses_axes = matches!(
+        words.g(GGroup::NonModal),
+        Some(100 | 280 | 300 | 513 | 520 | 920 | NON_STOP_CHANGE)
+    ) || matches!(words.g(GGroup::ToolLength), Some(431 | 432));
+    if let Some(code) = words.g(GGroup::Motion) {
+        let motion = Motion::from_code(code);
+        if axes && uses_axes && motion != Motion::None {
+            let text = "two codes of this block both want the axis words";
+            let help = "write the offset or reference code in a block of its own";
+            return Err(error("I0111", words.place.span, text).with_help(help).into());
+        }
+        return Ok(Some(motion));
+    }
+    let arc = matches!(modes.motion, Motion::ArcClockwise | Motion::ArcCounterclockwise);
+    let wanted = axes && !uses_axes || arc && words.any(CENTRE);
+    Ok((wanted && modes.motion != Motion::None).then_some(modes.motion))
+}
+
+fn move_along<S: Sink>(ex: &mut Executor, motion: Motion, out: &mut Out<'_, S>) -> Outcome {
+    let machine_coordinates = ex.words.g(GGroup::NonModal) == Some(530);
+    if machine_coordinates && !matches!(motion, Motion::Rapid | Motion::Feed) {
+        return refuse("I0401", ex.words.place.span, "G53 goes with G0 or G1 only");
+    }
+    if !matches!(motion, Motion::Cycle(_)) {
+        ex.modes.sticky = None;
+        ex.modes.initial = None;
+    } else if motion != ex.modes.motion {
+        ex.modes.sticky = None;
+    }
+    if ex.modes.compensating() && !motion.can_be_beside() && motion != Motion::None {
+        return compensation::no_compensation(&ex.words);
+    }
+    if !matches!(motion, Motion::Nurbs | Motion::NurbsEnd) {
+        splines::check_nurbs_ended(&ex.words, &mut ex.modes)?;
+    }
+    if motion != Motion::CubicSpline {
+        ex.modes.spline_leaves = None;
+    }
+    if ex.modes.left_beside.is_some() {
+        compensation::leave_compensation(&ex.words, &mut ex.modes, motion)?;
+    }
+    match motion {
+        Motion::None => {
+            cycle_off(&mut ex.modes, out);
+            return Ok(());
+        }
+        Motion::Rapid | Motion::Feed => motion::straight(
+            &ex.words,
+            &mut ex.modes,
+            &ex.settings,
+            motion,
+            machine_coordinates,
+            out,
+        )?,
+        Motion::ArcClockwise | Motion::ArcCounterclockwise => {
+            arcs::arc(&ex.words, &mut ex.modes, motion, out)?;
+        }
+        Motion::CubicSpline | Motion::QuadraticSpline => {
+            splines::spline(&ex.words, &mut ex.modes, motion, out)?;
+        }
+        Motion::Nurbs => splines::nurbs_point(&ex.words, &mut ex.modes, out)?,
+        Motion::NurbsEnd => return splines::nurbs_end(&ex.words, &mut ex.modes, out),
+        Motion::Probe(digit) => {
+            probe::probe(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, digit, out)?;
+        }
+        Motion::Thread => threads::thread(&ex.words, &mut ex.modes, &ex.settings, out)?,
+        Motion::RigidTap => threads::rigid_tap(&ex.words, &ex.modes, out)?,
+        Motion::ThreadCycle => thread_cycle::thread_cycle(&ex.words, &mut ex.modes, out)?,
+        Motion::Turning(code) => return turning::turning(ex, code, out),
+        Motion::Cycle(cycle) => {
+            holes::cycle(&ex.words, &mut ex.modes, &ex.tools, &ex.settings, cycle, out)?;
+        }
+    }
+    ex.modes.motion = motion;
+    Ok(())
+}
+
+/// After a tool change the machine is asked where it stands, beside its way or not. A machine knows its
+/// offsets; what answers LinuxCNC's stand-alone interpreter knows the words of the last move only.
+fn ask_where(
+    modes: &mut Modes,
+    settings: &Settings,
+    motion: Option<Motion>,
+    before: &crate::geometry::frame::Point,
+) {
+    if settings.stand_alone && motion.is_none_or(|motion| motion == Motion::None) {
+        modes.at = *before;
+    } else {
+        modes.at = modes.place();
+    }
+    modes.left_beside = None;
+}
+
+fn cycle_off<S: Sink>(modes: &mut Modes, out: &mut Out<'_, S>) {
+    hobbing::hobbing_end(modes, out);
+    out.say(&Call::Note("motion mode set to none"));
+    modes.motion = Motion::None;
+}
+
+/// Plane, units, offsets and the other modes, in order.
+fn change_modes<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
+    distances::plane(&ex.words, &mut ex.modes, out);
+    switch::units(&ex.words, &mut ex.modes, out);
+    distances::diameter(&ex.words, &mut ex.modes, out);
+    compensation::compensation(&ex.words, &mut ex.modes, &mut ex.tools, out)?;
+    offsets::tool_length(&ex.words, &mut ex.modes, &mut ex.tools, out)?;
+    offsets::work_offset(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
+    switch::path_control(&ex.words, &mut ex.modes, out)?;
+    distances::distances(&ex.words, &mut ex.modes, out);
+    Ok(())
+}
+
+fn stops<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    store: &mut Store,
+    settings: &Settings,
+    out: &mut Out<'_, S>,
+) -> Outcome<After> {
+    match words.m(MGroup::Stop) {
+        Some(2 | 30) => {
+            if let Err(fault) = splines::check_nurbs_ended(words, modes) {
+                out.remarks.push(*fault); // the program ends all the same
+            }
+            compensation::compensation_off(words, modes, out)?;
+        }
+        Some(0 | 1 | 60) => out.let_go(),
+        _ => {}
+    }
+    match words.m(MGroup::Stop) {
+        None => {}
+        Some(0) => out.say(&Call::Stop),
+        Some(1) => out.say(&Call::OptionalStop),
+        Some(60) => {
+            out.say(&Call::PalletShuttle);
+            out.say(&Call::Stop);
+        }
+        Some(98) => {
+            let Some(number) = words.whole(b'P', 999_999_999)? else {
+                return refuse(
+                    "I0302",
+                    words.place.span,
+                    "M98 needs P, the number of the subprogram",
+                );
+            };
+            let repeats = words.whole(b'L', 1_000_000)?.unwrap_or(1);
+            return Ok(After::Call(number, repeats));
+        }
+        Some(99) => return Ok(After::Return),
+        Some(end) => {
+            end_program(modes, store, settings, end == 30, out);
+            return Ok(After::End);
+        }
+    }
+    Ok(After::Next)
+}
+
+/// M2, M30: modes go back to where a program begins.
+pub(crate) fn end_program<S: Sink>(
+    modes: &mut Modes,
+    store: &mut Store,
+    settings: &Settings,
+    rewind: bool,
+    out: &mut Out<'_, S>,
+) {
+    offsets::select_system(modes, store, settings, 1);
+    let frame = modes.frame;
+    out.say(&Call::WorkOffset(1, frame.origin));
+    out.say(&Call::Rotation(frame.rotation()));
+    if modes.plane != Plane::XY {
+        modes.plane = Plane::XY;
+        out.say(&Call::SelectPlane(Plane::XY));
+    }
+    out.say(&Call::FeedMode { per_revolution: false });
+    out.say(&Call::FeedRate { rate: 0.0, duration_s: None });
+    if !modes.feed_override {
+        out.say(&Call::FeedOverride(true));
+    }
+    modes.spindle.turning = None;
+    out.say(&Call::SpindleStop);
+    out.say(&Call::SpindleMode(0.0));
+    if modes.mist {
+        out.say(&Call::Mist(false));
+    }
+    if modes.flood {
+        out.say(&Call::Flood(false));
+    }
+    if rewind {
+        out.say(&Call::PalletShuttle);
+    }
+    out.say(&Call::End);
+}
+
+/// The letters that a motion in force takes from a block without its code.
+fn letters_of(motion: Motion) -> crate::codes::Letters {
+    match motion {
+        Motion::None => 0,
+        motion => crate::codes::g_code(motion.code()).map_or(0, |code| code.letters),
+    }
+}

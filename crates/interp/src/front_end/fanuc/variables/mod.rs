@@ -1,0 +1,10 @@
+//! Variables of a custom macro.
+//!
+//! ```text
+//!   values   variables and expressions: #1, #<…>, [#1 + 2]
+//!   system   system variables, from #1000 on: what a macro reads of the control, and what it may set
+//!   output   DPRNT and BPRNT: what a macro writes
+//! ```
+pub(crate) mod output;
+pub(crate) mod system;
+pub(crate) mod values;
