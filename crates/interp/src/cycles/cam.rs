@@ -134,34 +134,32 @@ fn grind(words: &Words, modes: &mut Modes) -> Outcome<CamCall> {
     Ok(CamCall::Grind { stock: -x, per_turn, rate, rpm })
 }
 
-impl Resolver {
-    /// In machine coordinates and mm.
-    pub(crate) fn cam(&mut self, call: CamCall, span: Span) {
-        let mm = |value: f64| Length::mm(value * self.mm());
-        let order = match call {
-            CamCall::Select(profile, degrees) => {
-                let zero = self.machine(&[0.0; 9]);
-                let (centre, zero) = (Length::mm(zero[0]), Length::mm(zero[2]));
-                if self.frame.rotation() != 0.0 {
-                    let text =
-                        "the work offset is turned about Z: a cam is ground along X of the machine";
-                    self.report(Diagnostic::error("I1108", span, text));
-                }
-                CamOrder::Select { profile, phase: Angle::deg(degrees), centre, zero }
+/// In machine coordinates and mm.
+pub(crate) fn operation(resolver: &mut Resolver, call: CamCall, span: Span) {
+    let mm = |value: f64| Length::mm(value * resolver.mm());
+    let order = match call {
+        CamCall::Select(profile, degrees) => {
+            let zero = resolver.machine(&[0.0; 9]);
+            let (centre, zero) = (Length::mm(zero[0]), Length::mm(zero[2]));
+            if resolver.frame.rotation() != 0.0 {
+                let text =
+                    "the work offset is turned about Z: a cam is ground along X of the machine";
+                resolver.report(Diagnostic::error("I1108", span, text));
             }
-            CamCall::Deselect => CamOrder::Deselect,
-            CamCall::Compensate => CamOrder::Compensate,
-            CamCall::ResetSampling => CamOrder::ResetSampling,
-            CamCall::StartSampling => CamOrder::StartSampling,
-            CamCall::StorePhase => CamOrder::StorePhase,
-            CamCall::Grind { stock, per_turn, rate, rpm } => CamOrder::Grind {
-                stock: mm(stock),
-                per_turn: mm(per_turn),
-                rate: Lead::mm_per_rev(rate * self.mm()),
-                spin: Spin::rpm(rpm),
-            },
-            CamCall::SparkOut(turns, rpm) => CamOrder::SparkOut { spin: Spin::rpm(rpm), turns },
-        };
-        self.push(span, OpKind::Cam(order));
-    }
+            CamOrder::Select { profile, phase: Angle::deg(degrees), centre, zero }
+        }
+        CamCall::Deselect => CamOrder::Deselect,
+        CamCall::Compensate => CamOrder::Compensate,
+        CamCall::ResetSampling => CamOrder::ResetSampling,
+        CamCall::StartSampling => CamOrder::StartSampling,
+        CamCall::StorePhase => CamOrder::StorePhase,
+        CamCall::Grind { stock, per_turn, rate, rpm } => CamOrder::Grind {
+            stock: mm(stock),
+            per_turn: mm(per_turn),
+            rate: Lead::mm_per_rev(rate * resolver.mm()),
+            spin: Spin::rpm(rpm),
+        },
+        CamCall::SparkOut(turns, rpm) => CamOrder::SparkOut { spin: Spin::rpm(rpm), turns },
+    };
+    resolver.push(span, OpKind::Cam(order));
 }

@@ -105,19 +105,17 @@ pub(crate) fn hobbing_end<S: Sink>(modes: &mut Modes, out: &mut Out<'_, S>) {
     }
 }
 
-impl Resolver {
-    /// From the program's words to the operation.
-    pub(crate) fn hob(&mut self, order: &HobOrder, span: Span) {
-        let hob = Hob {
-            hob: SPINDLES[0],
-            work: SPINDLES[1],
-            teeth: order.teeth,
-            starts: order.starts,
-            module: Length::mm(order.module_mm),
-            helix: Angle::deg(order.helix_deg),
-            zero: position(&self.machine(&[0.0; 9])),
-            own_zero: self.own_zero(),
-        };
-        self.push(span, OpKind::Hob(hob));
-    }
+/// From the program's words to the operation.
+pub(crate) fn operation(resolver: &mut Resolver, order: &HobOrder, span: Span) {
+    let hob = Hob {
+        hob: SPINDLES[0],
+        work: SPINDLES[1],
+        teeth: order.teeth,
+        starts: order.starts,
+        module: Length::mm(order.module_mm),
+        helix: Angle::deg(order.helix_deg),
+        zero: position(&resolver.machine(&[0.0; 9])),
+        own_zero: resolver.own_zero(),
+    };
+    resolver.push(span, OpKind::Hob(hob));
 }

@@ -243,37 +243,35 @@ fn add(oscillations: &mut Vec<Oscillation>, on: Oscillating, harmonic: Harmonic)
     }
 }
 
-impl Resolver {
-    /// From the program's units to the machine's.
-    pub(crate) fn polygon(&mut self, order: &PolygonOrder, span: Span) {
-        let mm = self.mm();
-        let resolved = |swing: &Oscillation| {
-            let factor = match swing.on {
-                Oscillating::Axis(_) => mm,
-                Oscillating::ToolPhase => 1.0,
-            };
-            let scaled = |h: &Harmonic| Harmonic {
-                per_turn: h.per_turn,
-                cosine: h.cosine * factor,
-                sine: h.sine * factor,
-            };
-            Oscillation { on: swing.on, harmonics: swing.harmonics.iter().map(scaled).collect() }
+/// From the program's units to the machine's.
+pub(crate) fn operation(resolver: &mut Resolver, order: &PolygonOrder, span: Span) {
+    let mm = resolver.mm();
+    let resolved = |swing: &Oscillation| {
+        let factor = match swing.on {
+            Oscillating::Axis(_) => mm,
+            Oscillating::ToolPhase => 1.0,
         };
-        let polygon = Polygon {
-            work: SPINDLES[0],
-            tool: SPINDLES[1],
-            ratio: order.ratio,
-            phase: Angle::deg(order.phase_deg),
-            oscillations: order.oscillations.iter().map(resolved).collect(),
-            by_distance: order.by_distance.clone(),
-            wanted: Vec::new(),
-            auto: order.auto,
-            compensated: order.compensated,
-            zero: position(&self.machine(&[0.0; 9])),
-            own_zero: self.own_zero(),
+        let scaled = |h: &Harmonic| Harmonic {
+            per_turn: h.per_turn,
+            cosine: h.cosine * factor,
+            sine: h.sine * factor,
         };
-        self.push(span, OpKind::Polygon(polygon));
-    }
+        Oscillation { on: swing.on, harmonics: swing.harmonics.iter().map(scaled).collect() }
+    };
+    let polygon = Polygon {
+        work: SPINDLES[0],
+        tool: SPINDLES[1],
+        ratio: order.ratio,
+        phase: Angle::deg(order.phase_deg),
+        oscillations: order.oscillations.iter().map(resolved).collect(),
+        by_distance: order.by_distance.clone(),
+        wanted: Vec::new(),
+        auto: order.auto,
+        compensated: order.compensated,
+        zero: position(&resolver.machine(&[0.0; 9])),
+        own_zero: resolver.own_zero(),
+    };
+    resolver.push(span, OpKind::Polygon(polygon));
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ impl FrontEnd {
     pub(crate) fn begin<S: Sink>(&self, ex: &mut Executor, out: &mut Out<'_, S>) {
         match self {
             Self::Rs274(_) => {}
-            Self::Fanuc(fanuc) => fanuc.begin(ex, out),
+            Self::Fanuc(fanuc) => fanuc::cycles::lathe::begin(fanuc, ex, out),
         }
     }
 
@@ -54,7 +54,7 @@ impl FrontEnd {
     pub(crate) fn block<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         match self {
             Self::Rs274(rs274) => rs274.block(it, out),
-            Self::Fanuc(fanuc) => fanuc.block(it, out),
+            Self::Fanuc(fanuc) => fanuc::block(fanuc, it, out),
         }
     }
 
@@ -63,7 +63,9 @@ impl FrontEnd {
         let inner = written.strip_prefix('#')?;
         match self {
             Self::Rs274(_) => names::written(&ex.modes, &ex.store, inner),
-            Self::Fanuc(fanuc) => fanuc.variable_now(ex, inner.parse().ok()?),
+            Self::Fanuc(fanuc) => {
+                fanuc::variables::values::variable_now(fanuc, ex, inner.parse().ok()?)
+            }
         }
     }
 

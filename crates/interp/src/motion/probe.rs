@@ -19,9 +19,12 @@ use crate::{
     fault::{Outcome, refuse},
     geometry::frame::Point,
     modes::{FeedMode, Modes},
+    resolve::Resolver,
     state::executor::Settings,
     words::{Words, names::Store},
 };
+use canon::{Feed, OpKind, Probe};
+use diag::{Diagnostic, Span};
 
 /// First parameter of the place of contact, and the one that says whether there was one.
 const CONTACT: usize = 5061;
@@ -76,4 +79,28 @@ pub(crate) fn probe<S: Sink>(
 pub(crate) fn came_to(store: &mut Store, at: &Point, changed: bool) {
     store.numbered.set_point(CONTACT, at);
     store.numbered.set(TOUCHED, f64::from(u8::from(changed)));
+}
+
+/// G38: along a line, however far.
+pub(crate) fn operation(
+    resolver: &mut Resolver,
+    program: &crate::Point,
+    (until_contact, required): (bool, bool),
+    span: Span,
+) {
+    let to = resolver.machine(program);
+    let from = resolver.at;
+    if !resolver.arrives(&to, span) {
+        return;
+    }
+    resolver.check_stroke(&from, &to, span);
+    let text = "where the probe touches is known when the program runs: here it is taken to touch at the programmed end point";
+    resolver.report(Diagnostic::note("I0713", span, text));
+    let Feed::PerTime(feed) = resolver.feed(&from, &to, span) else {
+        let text =
+            "probing needs a way along X, Y or Z: a turn of a rotary axis alone cannot be probed";
+        return resolver.report(Diagnostic::error("I0573", span, text));
+    };
+    let to = crate::resolve::position(&to);
+    resolver.push(span, OpKind::Probe(Probe { to, feed, until_contact, required }));
 }

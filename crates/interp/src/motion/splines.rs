@@ -247,41 +247,44 @@ fn derivatives(order: usize, points: &[ControlPoint], from: f64, to: f64) -> [[f
     [p, slope, bend]
 }
 
-impl Resolver {
-    /// Curves of the fifth degree, as the machine follows them.
-    pub(crate) fn spline(&mut self, order: usize, points: &[ControlPoint], span: Span) {
-        if order < 2 || points.len() < order {
-            return; // the interpreter says no such thing
-        }
-        let tolerance = TOLERANCE_MM / self.mm();
-        let mut rest = self.frame.to_program(&self.at);
-        crate::geometry::frame::scale(&mut rest, 1.0 / self.mm());
-        let mut parts = Vec::new();
-        for piece in 0..=points.len() - order {
-            let within = [piece as f64, piece as f64 + 1.0];
-            halve(order, points, within, (tolerance, MAX_HALVINGS), &mut parts);
-        }
-        let from = self.at;
-        let mut to = from;
-        let mut pieces = Vec::with_capacity(parts.len());
-        for [_, ahead @ ..] in parts {
-            let mut piece = [[Length::ZERO; 2]; 5];
-            for (point, control) in ahead.into_iter().zip(&mut piece) {
-                (rest[0], rest[1]) = (point[0], point[1]);
-                to = self.machine(&rest);
-                if self.is_too_far(&to, span) {
-                    return;
-                }
-                *control = [to[0], to[1]].map(Length::mm);
-            }
-            pieces.push(piece);
-        }
-        if !self.arrives(&to, span) {
-            self.say_path(span); // a closed curve ends where it began
-        }
-        let feed = self.feed(&from, &[1.0; 9], span);
-        self.push(span, OpKind::Spline { to: position(&to), spline: Spline { pieces }, feed });
+/// Curves of the fifth degree, as the machine follows them.
+pub(crate) fn operation(
+    resolver: &mut Resolver,
+    order: usize,
+    points: &[ControlPoint],
+    span: Span,
+) {
+    if order < 2 || points.len() < order {
+        return; // the interpreter says no such thing
     }
+    let tolerance = TOLERANCE_MM / resolver.mm();
+    let mut rest = resolver.frame.to_program(&resolver.at);
+    crate::geometry::frame::scale(&mut rest, 1.0 / resolver.mm());
+    let mut parts = Vec::new();
+    for piece in 0..=points.len() - order {
+        let within = [piece as f64, piece as f64 + 1.0];
+        halve(order, points, within, (tolerance, MAX_HALVINGS), &mut parts);
+    }
+    let from = resolver.at;
+    let mut to = from;
+    let mut pieces = Vec::with_capacity(parts.len());
+    for [_, ahead @ ..] in parts {
+        let mut piece = [[Length::ZERO; 2]; 5];
+        for (point, control) in ahead.into_iter().zip(&mut piece) {
+            (rest[0], rest[1]) = (point[0], point[1]);
+            to = resolver.machine(&rest);
+            if resolver.is_too_far(&to, span) {
+                return;
+            }
+            *control = [to[0], to[1]].map(Length::mm);
+        }
+        pieces.push(piece);
+    }
+    if !resolver.arrives(&to, span) {
+        resolver.say_path(span); // a closed curve ends where it began
+    }
+    let feed = resolver.feed(&from, &[1.0; 9], span);
+    resolver.push(span, OpKind::Spline { to: position(&to), spline: Spline { pieces }, feed });
 }
 
 /// Halve a piece of the curve until a polynomial of the fifth degree is near enough. Of a curve that is one itself, every

@@ -5,10 +5,13 @@ use crate::{
     fault::{Outcome, error, refuse},
     geometry::frame::Point,
     modes::Modes,
+    resolve::{Resolver, position},
     state::executor::Settings,
     words::Words,
 };
-use diag::Diagnostic;
+use canon::{Axis, OpKind, ReturnAcceleration, Tap};
+use diag::{Diagnostic, Span};
+use units::{Angle, Lead, Length, Spin, Time};
 
 /// G33: a straight move of K per revolution.
 pub(crate) fn thread<S: Sink>(
@@ -116,4 +119,69 @@ impl GrowingThread {
             (mean, core::array::from_fn(at))
         })
     }
+}
+
+pub(crate) fn tap_operation(
+    resolver: &mut Resolver,
+    to: &Point,
+    lead: f64,
+    return_factor: f64,
+    sense: Sense,
+    span: Span,
+) {
+    let (start, end) = (resolver.at, resolver.machine(to));
+    let moved: Vec<usize> = (0..9).filter(|i| (end[*i] - start[*i]).abs() > 1e-9).collect();
+    let axis = match moved[..] {
+        [i @ (0..=2 | 6..=8)] => Axis::ALL[i],
+        [] => {
+            resolver.report(Diagnostic::error(
+                "I0709",
+                span,
+                "this tap has no depth: it ends where it starts",
+            ));
+            return;
+        }
+        _ => return crooked(resolver, &moved, span),
+    };
+    if resolver.spindle.speed <= 0.0 || resolver.spindle.surface.is_some() {
+        let text = "a tap needs a spindle speed in revolutions per minute: write G97 and S above 0 before it";
+        resolver.report(Diagnostic::error("I0703", span, text));
+        return;
+    }
+    let i = axis.index();
+    let inwards_negative = end[i] < start[i];
+    let right_hand = (sense == Sense::Clockwise) == inwards_negative;
+    let lead = Lead::mm_per_rev(if right_hand { lead } else { -lead } * resolver.mm());
+    let program = resolver.frame.to_program(&start)[i];
+    let zero = program + Resolver::surface(program, to[i] * resolver.mm()) - program;
+    let surface = start[i] + (zero - program);
+    let spin = Spin::rpm(resolver.spindle.speed);
+    resolver.check_stroke(&start, &end, span);
+    resolver.say_path(span);
+    resolver.push(
+        span,
+        OpKind::Tap(Tap {
+            axis,
+            start: position(&start),
+            bottom: Length::mm(end[i]),
+            surface: Length::mm(surface),
+            zero: Length::mm(start[i] - program),
+            own_zero: resolver.own_zero().map(|at| at.along(axis).of_linear()),
+            lead,
+            spin,
+            return_spin: spin * return_factor,
+            return_acceleration: ReturnAcceleration::AsSet,
+            dwell: Time::ZERO,
+            start_angle: Some(Angle::ZERO),
+            peck: None,
+        }),
+    );
+}
+
+fn crooked(resolver: &mut Resolver, moved: &[usize], span: Span) {
+    let names: Vec<_> = moved.iter().map(|i| Axis::ALL[*i].letter().to_string()).collect();
+    let text =
+        format!("a tap moves along one axis, but this one would move {}", names.join(" and "));
+    let help = "move to the hole with G0 first, then tap with the axis word alone";
+    resolver.report(Diagnostic::error("I0705", span, text).with_help(help));
 }

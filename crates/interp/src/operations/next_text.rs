@@ -26,9 +26,9 @@ impl OpsRest {
     /// in the spindle; parameters and tools are those of the set-up.
     #[must_use]
     pub fn for_next_text(mut self, setup: &Setup, tool: u32) -> Self {
-        self.rest.snapshot.begin_next_text(setup, tool);
+        snapshot_begins(&mut self.rest.snapshot, setup, tool);
         self.rest.line = 1;
-        self.resolver.begin_next_text(setup, tool);
+        resolver_begins(&mut self.resolver, setup, tool);
         self
     }
 
@@ -60,18 +60,16 @@ impl OpsRest {
     }
 }
 
-impl Snapshot {
-    fn begin_next_text(&mut self, setup: &Setup, tool: u32) {
-        self.front_end = FrontEnd::new(setup, 1 + setup.subprograms.len());
-        self.file = 0;
-        self.positions.clear();
-        self.place = Span::default();
-        (self.ended, self.begun) = (false, false);
-        (self.percent, self.spoke) = (false, false);
-        self.executed = 0;
-        self.forget_findings(setup);
-        begin_anew(&mut self.executor, setup, tool);
-    }
+fn snapshot_begins(snapshot: &mut Snapshot, setup: &Setup, tool: u32) {
+    snapshot.front_end = FrontEnd::new(setup, 1 + setup.subprograms.len());
+    snapshot.file = 0;
+    snapshot.positions.clear();
+    snapshot.place = Span::default();
+    (snapshot.ended, snapshot.begun) = (false, false);
+    (snapshot.percent, snapshot.spoke) = (false, false);
+    snapshot.executed = 0;
+    snapshot.forget_findings(setup);
+    begin_anew(&mut snapshot.executor, setup, tool);
 }
 
 fn begin_anew(executor: &mut Executor, setup: &Setup, tool: u32) {
@@ -91,28 +89,29 @@ fn begin_anew(executor: &mut Executor, setup: &Setup, tool: u32) {
     modes.at = modes.frame.to_program(&own);
 }
 
-impl Resolver {
-    fn begin_next_text(&mut self, setup: &Setup, tool: u32) {
-        self.ops.clear();
-        self.tools = setup.tools.clone();
-        self.tool = tool;
-        self.at = machine_point(&setup.start);
-        self.with_motion.clear();
-        self.forget_findings();
-        self.path_said = None;
-        let in_force = [
-            self.spindle
-                .said
-                .filter(|_| self.spindle.sense.is_some())
-                .map(|order| OpKind::Spindle { spindle: 0, order }),
-            (self.coolant != (false, false))
-                .then_some(OpKind::Coolant { mist: self.coolant.0, flood: self.coolant.1 }),
-            (self.overrides != (true, true))
-                .then_some(OpKind::Overrides { feed: self.overrides.0, spindle: self.overrides.1 }),
-        ];
-        let ops = in_force.into_iter().flatten();
-        self.ops.extend(ops.map(|kind| Op { span: Span::default(), kind }));
-    }
+fn resolver_begins(resolver: &mut Resolver, setup: &Setup, tool: u32) {
+    resolver.ops.clear();
+    resolver.tools = setup.tools.clone();
+    resolver.tool = tool;
+    resolver.at = machine_point(&setup.start);
+    resolver.with_motion.clear();
+    resolver.forget_findings();
+    resolver.path_said = None;
+    let in_force = [
+        resolver
+            .spindle
+            .said
+            .filter(|_| resolver.spindle.sense.is_some())
+            .map(|order| OpKind::Spindle { spindle: 0, order }),
+        (resolver.coolant != (false, false))
+            .then_some(OpKind::Coolant { mist: resolver.coolant.0, flood: resolver.coolant.1 }),
+        (resolver.overrides != (true, true)).then_some(OpKind::Overrides {
+            feed: resolver.overrides.0,
+            spindle: resolver.overrides.1,
+        }),
+    ];
+    let ops = in_force.into_iter().flatten();
+    resolver.ops.extend(ops.map(|kind| Op { span: Span::default(), kind }));
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@
 pub(crate) mod stroke;
 
 use crate::{
-    call::{Call, Corners, CycleHole, Place, Sense, Sink, Units},
+    call::{Call, Corners, CycleHole, Sense, Units},
     fault::unknown::Unknown,
     geometry::{
         frame::{self, Frame, Point, machine_point, same},
@@ -21,7 +21,7 @@ use crate::{
     setup::Setup,
 };
 use canon::{
-    Arc, Axis, Feed, Hole, LengthUnit, Op, OpKind, Output, PathMode, Plane, Position, ProgramFrame,
+    Arc, Axis, Feed, LengthUnit, Op, OpKind, Output, PathMode, Plane, Position, ProgramFrame,
     SpindleOrder, Threading, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
@@ -63,8 +63,8 @@ pub struct Resolver {
     /// Outputs that change when the next move begins.
     pub(crate) with_motion: Vec<(Span, Output)>,
     /// What is not known since a block was refused, and what operations have missed.
-    unknown: Unknown,
-    missed: Unknown,
+    pub(crate) unknown: Unknown,
+    pub(crate) missed: Unknown,
 }
 
 /// F and what it counts.
@@ -267,6 +267,20 @@ impl Resolver {
         }
     }
 
+    /// Refuse a straight move that goes where the box of G22 forbids it.
+    pub(crate) fn check_stroke(&mut self, from: &Point, to: &Point, span: Span) {
+        if self.zone.is_some() {
+            self.check_way(&stroke::straight(from, to), span);
+        }
+    }
+
+    fn check_way(&mut self, way: &[stroke::Coordinate; 3], span: Span) {
+        let refusal = self.zone.as_ref().and_then(|zone| stroke::refusal(zone, way, span));
+        if let Some(refusal) = refusal {
+            self.report(refusal);
+        }
+    }
+
     /// A stretch of a turned thread, all in machine coordinates.
     fn stretch(&self, from: &Point, to: &Point, (lead, growth): (f64, f64)) -> Threading {
         let way = |i: usize| (to[i] - from[i]).abs();
@@ -319,7 +333,14 @@ impl Resolver {
         Feed::Duration(Time::s(60.0 * degrees / per_minute))
     }
 
-    fn arc(&mut self, plane: Plane, program: &Point, centre: [f64; 2], turns: i32, span: Span) {
+    pub(crate) fn arc(
+        &mut self,
+        plane: Plane,
+        program: &Point,
+        centre: [f64; 2],
+        turns: i32,
+        span: Span,
+    ) {
         if !self.plane_is_straight(plane, span) {
             return;
         }
@@ -332,7 +353,9 @@ impl Resolver {
         if !self.arrives(&to, span) {
             self.say_path(span); // a full circle ends where it began
         }
-        self.check_arc([a, b], (&from, &to), centre, sweep, span);
+        if self.zone.is_some() {
+            self.check_way(&stroke::round([a, b], (&from, &to), centre, sweep), span);
+        }
         let feed = self.feed(&[0.0; 9], &[1.0; 9], span);
         let arc = Arc {
             plane,
@@ -373,24 +396,13 @@ impl Resolver {
         if start.min(bottom) <= 0.0 && 0.0 <= start.max(bottom) { 0.0 } else { start }
     }
 
-    fn hole(&mut self, hole: &CycleHole, span: Span) {
-        if !self.plane_is_straight(hole.plane, span) {
-            return;
+    /// Sense of the spindle in force: +1 clockwise, −1 counter-clockwise, 0 still.
+    pub(crate) fn spindle_sign(&self) -> f64 {
+        match self.spindle.sense {
+            None => 0.0,
+            Some(Sense::Clockwise) => 1.0,
+            Some(Sense::Counterclockwise) => -1.0,
         }
-        let axis = hole.plane.normal();
-        let surface = Self::surface(hole.at[axis.index()], hole.bottom);
-        self.say_path(span);
-        self.push(
-            span,
-            OpKind::Hole(Hole {
-                axis,
-                at: position(&self.machine(&hole.at)),
-                bottom: Length::mm(self.level(hole, hole.bottom)),
-                surface: Length::mm(self.level(hole, surface)),
-                zero: Length::mm(self.level(hole, 0.0)),
-                own_zero: self.own_zero().map(|at| at.along(axis).of_linear()),
-            }),
-        );
     }
 
     fn path_mode(&self, corners: Corners, merge: Option<f64>) -> PathMode {
@@ -427,60 +439,6 @@ impl Resolver {
     }
 }
 
-impl Sink for Resolver {
-    fn suppress(&mut self, unknown: Unknown) {
-        self.unknown = unknown;
-    }
-
-    fn missed(&self) -> Unknown {
-        self.missed
-    }
-
-    fn call(&mut self, place: &Place, call: &Call<'_>) {
-        let span = place.span;
-        if self.missed != Unknown::default() {
-            known_again(&mut self.missed, call);
-        }
-        match call {
-            Call::Rapid(to) | Call::OutByHand(to) => {
-                let to = self.machine(to);
-                self.rapid(&to, span);
-            }
-            Call::Line(to) => self.line(to, span),
-            Call::Spline { order, points } => self.spline(*order, points, span),
-            Call::Probe { to, until_contact, required } => {
-                self.probe(to, (*until_contact, *required), span);
-            }
-            Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
-            Call::Hole(hole) => self.hole(hole, span),
-            Call::ThrowChips(hole) => self.throw_chips_after_drilling(hole, span),
-            Call::Tap(tap) => self.tap(tap, span),
-            Call::RigidTap { to, lead, return_factor, sense } => {
-                self.rigid_tap(to, *lead, *return_factor, *sense, span);
-            }
-            Call::ThreadAngle(degrees) => self.thread_angle = Angle::deg(*degrees),
-            Call::GrowingThread(thread) => {
-                self.threading = Some((thread.lead * self.mm(), thread.growth * self.mm()));
-                self.line(&thread.to, span);
-                (self.threading, self.thread_angle) = (None, Angle::ZERO);
-            }
-            Call::SyncStart(lead) => self.threading = Some((lead * self.mm(), 0.0)),
-            Call::SyncStop => (self.threading, self.thread_angle) = (None, Angle::ZERO),
-            Call::Polygon(order) => self.polygon(order, span),
-            Call::PolygonMeasure(looks) => {
-                self.push(span, OpKind::PolygonMeasure { looks: *looks });
-            }
-            Call::PolygonEnd => self.push(span, OpKind::PolygonEnd),
-            Call::Hob(order) => self.hob(order, span),
-            Call::HobEnd => self.push(span, OpKind::HobEnd),
-            Call::Cam(order) => self.cam(*order, span),
-            Call::StrokeCheck(zone) => self.zone = *zone,
-            Call::Dwell(seconds) => self.push(span, OpKind::Dwell { time: Time::s(*seconds) }),
-            other => self.order_or_mode(other, span),
-        }
-    }
-}
-
 /// A point in mm and degrees as a position.
 pub(crate) fn position(point: &Point) -> Position {
     let [x, y, z, a, b, c, u, v, w] = *point;
@@ -488,15 +446,5 @@ pub(crate) fn position(point: &Point) -> Position {
         linear: [x, y, z].map(Length::mm),
         rotary: [a, b, c].map(Angle::deg),
         parallel: [u, v, w].map(Length::mm),
-    }
-}
-
-/// What a call says is known again.
-fn known_again(missed: &mut Unknown, call: &Call<'_>) {
-    match call {
-        Call::SpindleSpeed(_) | Call::SpindleMode(_) => missed.clear(Unknown::SPEED),
-        Call::SpindleTurn(_) | Call::SpindleStop => missed.clear(Unknown::SENSE),
-        Call::SelectPlane(_) | Call::Rotation(_) => missed.clear(Unknown::PLANE),
-        _ => {}
     }
 }

@@ -13,7 +13,7 @@
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Stored stroke check" (machine coordinates; forbidden inside or
 //! outside by parameter).
-use crate::{call::StrokeZone, geometry::frame::Point, resolve::Resolver};
+use crate::{call::StrokeZone, geometry::frame::Point};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use diag::{Diagnostic, Span};
 
@@ -98,47 +98,37 @@ impl StrokeZone {
     }
 }
 
-impl Resolver {
-    /// Refuse a straight move that goes where the box forbids it.
-    pub(crate) fn check_stroke(&mut self, from: &Point, to: &Point, span: Span) {
-        if self.zone.is_some() {
-            let way = core::array::from_fn(|i| Coordinate::Straight(from[i], to[i] - from[i]));
-            self.check_way(&way, span);
-        }
-    }
+/// The way of a straight move.
+pub(crate) fn straight(from: &Point, to: &Point) -> [Coordinate; 3] {
+    core::array::from_fn(|i| Coordinate::Straight(from[i], to[i] - from[i]))
+}
 
-    /// The same of an arc in the plane of these axes.
-    pub(crate) fn check_arc(
-        &mut self,
-        [a, b]: [usize; 2],
-        (from, to): (&Point, &Point),
-        centre: [f64; 2],
-        sweep: f64,
-        span: Span,
-    ) {
-        if self.zone.is_none() {
-            return;
-        }
-        let (x, y) = (from[a] - centre[0], from[b] - centre[1]);
-        let (radius, first) = (x.hypot(y), y.atan2(x));
-        let mut way = core::array::from_fn(|i| Coordinate::Straight(from[i], to[i] - from[i]));
-        way[a] = Coordinate::Round(centre[0], radius, first, sweep);
-        way[b] = Coordinate::Round(centre[1], radius, first - FRAC_PI_2, sweep); // sin a = cos(a − 90°)
-        self.check_way(&way, span);
-    }
+/// The way of an arc in the plane of these axes.
+pub(crate) fn round(
+    [a, b]: [usize; 2],
+    (from, to): (&Point, &Point),
+    centre: [f64; 2],
+    sweep: f64,
+) -> [Coordinate; 3] {
+    let (x, y) = (from[a] - centre[0], from[b] - centre[1]);
+    let (radius, first) = (x.hypot(y), y.atan2(x));
+    let mut way = straight(from, to);
+    way[a] = Coordinate::Round(centre[0], radius, first, sweep);
+    way[b] = Coordinate::Round(centre[1], radius, first - FRAC_PI_2, sweep); // sin a = cos(a − 90°)
+    way
+}
 
-    fn check_way(&mut self, way: &[Coordinate; 3], span: Span) {
-        let Some(zone) = &self.zone else { return };
-        let Some(at) = zone.violated(way) else { return };
-        let [x, y, z] = at.map(|value| crate::codes::spelling::short((value * 1e3).round() / 1e3));
-        let (does, which) = if zone.outside { ("leaves", "allows") } else { ("enters", "forbids") };
-        let text = format!(
-            "this move {does} the box that G22 {which} ({} of the machine): it may go as far as X{x} Y{y} Z{z} of the machine",
-            zone.sides()
-        );
-        let fault = Diagnostic::error("I1057", span, text);
-        self.report(fault.with_help("G23 ends the check, G22 with other words sets another box"));
-    }
+/// What is wrong with a move, if it goes where the box forbids it.
+pub(crate) fn refusal(zone: &StrokeZone, way: &[Coordinate; 3], span: Span) -> Option<Diagnostic> {
+    let at = zone.violated(way)?;
+    let [x, y, z] = at.map(|value| crate::codes::spelling::short((value * 1e3).round() / 1e3));
+    let (does, which) = if zone.outside { ("leaves", "allows") } else { ("enters", "forbids") };
+    let text = format!(
+        "this move {does} the box that G22 {which} ({} of the machine): it may go as far as X{x} Y{y} Z{z} of the machine",
+        zone.sides()
+    );
+    let fault = Diagnostic::error("I1057", span, text);
+    Some(fault.with_help("G23 ends the check, G22 with other words sets another box"))
 }
 
 #[cfg(test)]

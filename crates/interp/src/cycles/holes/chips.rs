@@ -34,11 +34,9 @@ use units::{Length, Spin};
 /// An interval beyond this is a slip of the pen.
 const MAX_INTERVAL: u32 = 100_000;
 
-impl Cycle {
-    /// Whether chips may be thrown off after it.
-    const fn throws_chips(self) -> bool {
-        matches!(self, Self::Drill | Self::DrillDwell) || self.tap_sense().is_some()
-    }
+/// Whether chips may be thrown off after it.
+const fn throws_chips(cycle: Cycle) -> bool {
+    matches!(cycle, Cycle::Drill | Cycle::DrillDwell) || cycle.tap_sense().is_some()
 }
 
 /// Letters that a cycle takes beside those of its code: the dialect's and the machine's.
@@ -46,7 +44,7 @@ pub(crate) fn letters_beside(settings: &Settings, motion: Option<Motion>) -> Let
     let Some(Motion::Cycle(cycle)) = motion else { return 0 };
     let rules = settings.rules;
     let mut letters = 1 << index(rules.repeats);
-    if cycle.throws_chips() && (rules.chip_removal || settings.cycles.chip_removal.is_some()) {
+    if throws_chips(cycle) && (rules.chip_removal || settings.cycles.chip_removal.is_some()) {
         letters |= set("UE");
     }
     if rules.drilling_waits && cycle == Cycle::Drill {
@@ -65,7 +63,7 @@ pub(crate) fn chips<S: Sink>(
     kept: Option<Chips>,
     out: &mut Out<'_, S>,
 ) -> Outcome<Option<Chips>> {
-    if !cycle.throws_chips() {
+    if !throws_chips(cycle) {
         return Ok(None);
     }
     let usual = kept.or(settings.cycles.chip_removal);
@@ -143,17 +141,27 @@ pub(crate) fn throw_after_this(modes: &mut Modes, chips: Option<Chips>) -> Optio
     modes.repetition.is_multiple_of(chips.every).then_some(chips.rpm)
 }
 
-impl Resolver {
-    /// Chips are thrown off on the way out of a hole; afterwards the spindle has the cut's speed again, or stands
-    /// after a tap.
-    pub(crate) fn throw_chips(&mut self, hole: &CycleHole, inwards: f64, then: Spin, span: Span) {
-        let Some(rpm) = hole.throw_rpm else { return };
-        let (axis, level) = (
-            hole.plane.normal(),
-            Length::mm(self.level(hole, hole.at[hole.plane.normal().index()])),
-        );
-        let throw = Spin::rpm(-inwards * rpm);
-        let order = SpindleOrder::ThrowChips(ChipRemoval { throw, then, axis, level });
-        self.push(span, OpKind::Spindle { spindle: 0, order });
-    }
+/// Chips are thrown off on the way out of a hole; afterwards the spindle has the cut's speed again, or stands
+/// after a tap.
+pub(crate) fn throw_chips(
+    resolver: &mut Resolver,
+    hole: &CycleHole,
+    inwards: f64,
+    then: Spin,
+    span: Span,
+) {
+    let Some(rpm) = hole.throw_rpm else { return };
+    let (axis, level) = (
+        hole.plane.normal(),
+        Length::mm(resolver.level(hole, hole.at[hole.plane.normal().index()])),
+    );
+    let throw = Spin::rpm(-inwards * rpm);
+    let order = SpindleOrder::ThrowChips(ChipRemoval { throw, then, axis, level });
+    resolver.push(span, OpKind::Spindle { spindle: 0, order });
+}
+
+/// From R on, on the rapid out of a drilled hole; the program's speed is in force again afterwards.
+pub(crate) fn throw_chips_after_drilling(resolver: &mut Resolver, hole: &CycleHole, span: Span) {
+    let sign = resolver.spindle_sign();
+    throw_chips(resolver, hole, sign, Spin::rpm(sign * resolver.spindle.speed), span);
 }

@@ -7,9 +7,13 @@ use crate::{
         Cycle, Modes,
         tapping::{Shift, TapWords},
     },
+    resolve::{Resolver, position},
     state::executor::Settings,
     words::Words,
 };
+use canon::{Hole, OpKind};
+use diag::Span;
+use units::Length;
 
 /// How far above the last depth the rapid back into the hole ends, and how far G73 backs off: 0.010 inch.
 const CLEARANCE_INCH: f64 = 0.010;
@@ -171,4 +175,25 @@ pub(crate) struct Pattern {
     pub(crate) tap: TapWords,
     pub(crate) shift: Option<Shift>,
     pub(crate) counterbore: f64,
+}
+
+/// Where it is drilled or bored, for those who judge the part.
+pub(crate) fn operation(resolver: &mut Resolver, hole: &CycleHole, span: Span) {
+    if !resolver.plane_is_straight(hole.plane, span) {
+        return;
+    }
+    let axis = hole.plane.normal();
+    let surface = Resolver::surface(hole.at[axis.index()], hole.bottom);
+    resolver.say_path(span);
+    resolver.push(
+        span,
+        OpKind::Hole(Hole {
+            axis,
+            at: position(&resolver.machine(&hole.at)),
+            bottom: Length::mm(resolver.level(hole, hole.bottom)),
+            surface: Length::mm(resolver.level(hole, surface)),
+            zero: Length::mm(resolver.level(hole, 0.0)),
+            own_zero: resolver.own_zero().map(|at| at.along(axis).of_linear()),
+        }),
+    );
 }

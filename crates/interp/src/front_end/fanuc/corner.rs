@@ -18,8 +18,9 @@ use crate::{
     execute::After,
     fault::{Outcome, error, refuse},
     front_end::fanuc::{
-        state::{Corner, Fanuc, Said},
-        words::sense::{self, Sense},
+        act::move_block,
+        state::{Corner, Fanuc, Once},
+        words::{read::read_words, sense, translate},
     },
     geometry::{
         frame::Point,
@@ -32,131 +33,103 @@ use crate::{
 use diag::Span;
 use gcode::{Block, Grammar, Parser};
 
-impl Fanuc {
-    /// Whether this word of a G1 is a corner, though no comma is before it.
-    pub(crate) fn is_corner(&self, word: &Said, sense: &Sense) -> bool {
-        let letter = match word.letter {
-            b'C' => self.c_is_a_chamfer,
-            b'R' | b'I' | b'K' => true,
-            _ => false,
-        };
-        letter && self.is_lathe() && sense.feed && self.lathe_cycle.is_none()
+/// A block with a corner at its end.
+pub(crate) fn cornered<S: Sink>(
+    fanuc: &mut Fanuc,
+    it: &mut Program<'_>,
+    corner: Corner,
+    out: &mut Out<'_, S>,
+) -> Outcome<After> {
+    let ex = &it.executor;
+    let code = ex.words.g(crate::codes::GGroup::Motion);
+    let motion = code.map_or(sense::in_force(ex), Motion::from_code);
+    if motion != Motion::Feed {
+        let text = "a corner follows a straight feed: G1";
+        return refuse("I1054", corner.span, text);
     }
-
-    pub(crate) fn corner_word(&mut self, word: &Said, value: f64) -> Outcome {
-        let round = word.letter.eq_ignore_ascii_case(&b'R');
-        if self.once.corner.is_some() {
-            return refuse("I1054", word.span, "a corner is cut off or rounded, not both");
-        }
-        if value == 0.0 {
-            return Ok(());
-        }
-        if value < 0.0 && word.letter.is_ascii_lowercase() {
-            let text = format!("a corner's size is above 0, found {value}");
-            return refuse("I1054", word.span, text);
-        }
-        self.once.corner = Some(Corner { round, size: value.abs(), span: word.span });
-        Ok(())
+    let (from, to) = (ex.modes.at, target::destination(&ex.words, &ex.modes, false)?);
+    let next = ahead(fanuc, it, &to, corner.span)?;
+    let [a, b, _] = it.executor.modes.plane_axes();
+    let flat = |point: &Point| [point[a], point[b]];
+    let taken = core::mem::take(&mut fanuc.taken);
+    let Some(cut) = corner.cut(flat(&from), flat(&to), flat(&next), taken)? else {
+        return move_or_record(fanuc, it, out);
+    };
+    put(&mut it.executor, [a, b], cut.first)?;
+    let after = move_or_record(fanuc, it, out)?;
+    it.executor.words.begin(&it.block);
+    let code = match (corner.round, cut.left) {
+        (false, _) => 1.0,
+        (true, true) => 3.0,
+        (true, false) => 2.0,
+    };
+    it.executor.words.take_g(code, corner.span)?;
+    put(&mut it.executor, [a, b], cut.last)?;
+    if corner.round {
+        it.executor.words.put(b'R', corner.size, corner.span)?;
     }
+    move_or_record(fanuc, it, out)?;
+    // what follows counts from the corner; the way from here leads along the same line
+    it.executor.modes.at = to;
+    it.executor.modes.motion = Motion::Feed;
+    if let Some(recording) = &mut it.executor.recording {
+        recording.go_on_with(Motion::Feed);
+    }
+    fanuc.taken = cut.taken;
+    Ok(after)
+}
 
-    /// A block with a corner at its end.
-    pub(crate) fn cornered<S: Sink>(
-        &mut self,
-        it: &mut Program<'_>,
-        corner: Corner,
-        out: &mut Out<'_, S>,
-    ) -> Outcome<After> {
-        let ex = &it.executor;
+fn move_or_record<S: Sink>(
+    fanuc: &mut Fanuc,
+    it: &mut Program<'_>,
+    out: &mut Out<'_, S>,
+) -> Outcome<After> {
+    if it.executor.recording.is_some() {
+        return record::record(&mut it.executor, out).map(|()| After::Next);
+    }
+    move_block(fanuc, &mut it.executor, true, out)
+}
+
+/// Where the straight feed that follows leads.
+fn ahead(fanuc: &mut Fanuc, it: &mut Program<'_>, corner: &Point, span: Span) -> Outcome<Point> {
+    let source = it.sources[it.file];
+    let mut parser = Parser::with_grammar(source, it.file as u16, Grammar::Fanuc);
+    let (byte, line) = it.parsers[it.file].position();
+    parser.seek(byte, line);
+    let mut block = Block::new();
+    while parser.next(&mut block) {
+        it.ahead = block.span.end;
+        let skipped = block.delete.is_some_and(|level| fanuc.skip_levels >> level & 1 == 1);
+        if skipped || block.is_blank() {
+            continue;
+        }
+        if block.faulty || block.words.is_empty() || !block.assignments.is_empty() {
+            break;
+        }
+        let mut ahead = fanuc.without_tape();
+        let mut ex = it.executor.clone();
+        ex.modes.at = *corner;
+        ex.modes.motion = Motion::Feed;
+        ex.recording = None;
+        let distance = it.executor.words.g(crate::codes::GGroup::Distance);
+        ex.modes.incremental = distance.map_or(ex.modes.incremental, |code| code == 910);
+        read_words(&mut ahead, &block, source, &ex)?;
+        ex.words.begin(&block);
+        ahead.once = Once::default();
+        translate(&mut ahead, &mut ex)?;
         let code = ex.words.g(crate::codes::GGroup::Motion);
-        let motion = code.map_or(sense::in_force(ex), Motion::from_code);
-        if motion != Motion::Feed {
-            let text = "a corner follows a straight feed: G1";
-            return refuse("I1054", corner.span, text);
+        let motion = code.map_or(ex.modes.motion, Motion::from_code);
+        if motion != Motion::Feed || !ex.words.any(crate::codes::AXES) {
+            break;
         }
-        let (from, to) = (ex.modes.at, target::destination(&ex.words, &ex.modes, false)?);
-        let next = self.ahead(it, &to, corner.span)?;
-        let [a, b, _] = it.executor.modes.plane_axes();
-        let flat = |point: &Point| [point[a], point[b]];
-        let taken = core::mem::take(&mut self.taken);
-        let Some(cut) = corner.cut(flat(&from), flat(&to), flat(&next), taken)? else {
-            return self.move_or_record(it, out);
-        };
-        put(&mut it.executor, [a, b], cut.first)?;
-        let after = self.move_or_record(it, out)?;
-        it.executor.words.begin(&it.block);
-        let code = match (corner.round, cut.left) {
-            (false, _) => 1.0,
-            (true, true) => 3.0,
-            (true, false) => 2.0,
-        };
-        it.executor.words.take_g(code, corner.span)?;
-        put(&mut it.executor, [a, b], cut.last)?;
-        if corner.round {
-            it.executor.words.put(b'R', corner.size, corner.span)?;
-        }
-        self.move_or_record(it, out)?;
-        // what follows counts from the corner; the way from here leads along the same line
-        it.executor.modes.at = to;
-        it.executor.modes.motion = Motion::Feed;
-        if let Some(recording) = &mut it.executor.recording {
-            recording.go_on_with(Motion::Feed);
-        }
-        self.taken = cut.taken;
-        Ok(after)
+        return target::destination(&ex.words, &ex.modes, false);
     }
-
-    fn move_or_record<S: Sink>(
-        &mut self,
-        it: &mut Program<'_>,
-        out: &mut Out<'_, S>,
-    ) -> Outcome<After> {
-        if it.executor.recording.is_some() {
-            return record::record(&mut it.executor, out).map(|()| After::Next);
-        }
-        self.move_block(&mut it.executor, true, out)
-    }
-
-    /// Where the straight feed that follows leads.
-    fn ahead(&mut self, it: &mut Program<'_>, corner: &Point, span: Span) -> Outcome<Point> {
-        let source = it.sources[it.file];
-        let mut parser = Parser::with_grammar(source, it.file as u16, Grammar::Fanuc);
-        let (byte, line) = it.parsers[it.file].position();
-        parser.seek(byte, line);
-        let mut block = Block::new();
-        while parser.next(&mut block) {
-            it.ahead = block.span.end;
-            let skipped = block.delete.is_some_and(|level| self.skip_levels >> level & 1 == 1);
-            if skipped || block.is_blank() {
-                continue;
-            }
-            if block.faulty || block.words.is_empty() || !block.assignments.is_empty() {
-                break;
-            }
-            let mut ahead = self.without_tape();
-            let mut ex = it.executor.clone();
-            ex.modes.at = *corner;
-            ex.modes.motion = Motion::Feed;
-            ex.recording = None;
-            let distance = it.executor.words.g(crate::codes::GGroup::Distance);
-            ex.modes.incremental = distance.map_or(ex.modes.incremental, |code| code == 910);
-            ahead.read_words(&block, source, &ex)?;
-            ex.words.begin(&block);
-            ahead.once = crate::front_end::fanuc::Once::default();
-            ahead.translate(&mut ex)?;
-            let code = ex.words.g(crate::codes::GGroup::Motion);
-            let motion = code.map_or(ex.modes.motion, Motion::from_code);
-            if motion != Motion::Feed || !ex.words.any(crate::codes::AXES) {
-                break;
-            }
-            return target::destination(&ex.words, &ex.modes, false);
-        }
-        let fault = error(
-            "I1054",
-            span,
-            "a corner lies between two straight feeds: the next block is no G1 with X, Y or Z",
-        );
-        Err(fault.with_help("write the corner's own G1, G2 or G3 between other moves").into())
-    }
+    let fault = error(
+        "I1054",
+        span,
+        "a corner lies between two straight feeds: the next block is no G1 with X, Y or Z",
+    );
+    Err(fault.with_help("write the corner's own G1, G2 or G3 between other moves").into())
 }
 
 /// Where a corner begins and ends.

@@ -5,7 +5,7 @@ use crate::{
     geometry::{frame::Point, offset_curve::Flat},
     modes::Motion,
     program::outline::At,
-    setup::Increments,
+    setup::{Increments, Setup},
 };
 use core::sync::atomic::{AtomicU64, Ordering};
 use diag::Span;
@@ -286,3 +286,79 @@ pub(crate) struct Variables {
 
 /// #1 to #33.
 pub(crate) type Locals = [Option<f64>; LOCALS];
+
+impl Fanuc {
+    /// At the beginning of a program.
+    pub(crate) fn new(kind: Kind, setup: &Setup) -> Self {
+        Self {
+            kind,
+            calculator: setup.whole_units_without_point,
+            skip_levels: setup.block_delete_levels | u16::from(setup.block_delete) << 1,
+            tape: None,
+            round_before: Variables::kept(&setup.parameters),
+            variables: Variables::kept(&setup.parameters),
+            levels: Vec::new(),
+            modals: Vec::new(),
+            rounds: 0,
+            called: None,
+            kept: Kept::default(),
+            wear: Wear::new(),
+            increments: setup.increments,
+            c_is_a_chamfer: setup.c_is_a_chamfer,
+            surface: None,
+            zone: Zone::new(setup.stroke_check_outside),
+            inch: false,
+            length_mode: 49.0,
+            taken: 0.0,
+            once: Once::default(),
+            by: None,
+            program: None,
+            top_speed: None,
+            lathe_cycle: None,
+            corner: None,
+            before_cycle: Motion::Rapid,
+            lead: None,
+            growing: false,
+            thread_angle: None,
+            warned_of_point: false,
+            said: Vec::new(),
+            mapping: crate::front_end::fanuc::mapping::figure::Mapping::default(),
+            first_lines: FirstLines::default(),
+            shape: None,
+        }
+    }
+
+    /// Whether a macro is called after each move.
+    pub(crate) const fn has_modal(&self) -> bool {
+        !self.modals.is_empty()
+    }
+
+    pub(crate) const fn is_lathe(&self) -> bool {
+        self.kind.is_lathe()
+    }
+
+    /// Whether a profile is being taken down, up to a numbered block that was looked for.
+    pub(crate) const fn takes_down_profile(&self) -> bool {
+        self.shape.is_some()
+    }
+
+    /// The same, which reads its tape again when it needs it.
+    pub(crate) fn without_tape(&mut self) -> Self {
+        let tape = self.tape.take();
+        let mut copy = self.clone();
+        copy.said.clear(); // the last block's
+        copy.inch = false;
+        self.tape = tape;
+        copy
+    }
+
+    /// X of a lathe is a diameter.
+    pub(crate) fn radius(&self, axis: usize, value: f64) -> f64 {
+        if axis == 0 && self.is_lathe() { value / 2.0 } else { value }
+    }
+
+    /// A radius as programs of the machine write it.
+    pub(crate) fn shown(&self, axis: usize, value: f64) -> f64 {
+        if axis == 0 && self.is_lathe() { value * 2.0 } else { value }
+    }
+}

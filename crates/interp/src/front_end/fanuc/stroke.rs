@@ -21,45 +21,43 @@ impl Zone {
     }
 }
 
-impl Fanuc {
-    /// G22 (`on`) or G23 of a block; its words are taken away.
-    pub(crate) fn set_stroke_check(&mut self, ex: &mut Executor, on: bool) -> Outcome {
-        let span = ex.words.place.span;
-        self.once.stroke_check = true;
-        self.zone.on = on;
-        if !on {
-            return Ok(());
-        }
-        let mut sides = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
-        let axes: &[usize] = if self.is_lathe() { &[0, 2] } else { &[0, 1, 2] };
-        let mut named = 0;
-        for i in axes {
-            let letters = [b"IJK"[*i], b"XYZ"[*i]];
-            for (side, letter) in letters.into_iter().enumerate() {
-                if let Some(value) = ex.words.take(letter) {
-                    sides[side][*i] = self.radius(*i, value * ex.modes.units.in_mm());
-                    named += 1;
-                }
-            }
-            let [from, to] = [sides[0][*i], sides[1][*i]];
-            if from >= to {
-                let [smallest, largest] = letters.map(char::from);
-                let text = format!(
-                    "G22 needs {largest} above {smallest}: the largest and the smallest coordinate of its box"
-                );
-                return refuse("I1056", span, text);
+/// G22 (`on`) or G23 of a block; its words are taken away.
+pub(crate) fn set_stroke_check(fanuc: &mut Fanuc, ex: &mut Executor, on: bool) -> Outcome {
+    let span = ex.words.place.span;
+    fanuc.once.stroke_check = true;
+    fanuc.zone.on = on;
+    if !on {
+        return Ok(());
+    }
+    let mut sides = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
+    let axes: &[usize] = if fanuc.is_lathe() { &[0, 2] } else { &[0, 1, 2] };
+    let mut named = 0;
+    for i in axes {
+        let letters = [b"IJK"[*i], b"XYZ"[*i]];
+        for (side, letter) in letters.into_iter().enumerate() {
+            if let Some(value) = ex.words.take(letter) {
+                sides[side][*i] = fanuc.radius(*i, value * ex.modes.units.in_mm());
+                named += 1;
             }
         }
-        if named == 2 * axes.len() {
-            self.zone.sides = Some(sides);
-        }
-        if named > 0 && named < 2 * axes.len() || self.zone.sides.is_none() {
-            let letters = if self.is_lathe() { "X, Z, I and K" } else { "X, Y, Z, I, J and K" };
+        let [from, to] = [sides[0][*i], sides[1][*i]];
+        if from >= to {
+            let [smallest, largest] = letters.map(char::from);
             let text = format!(
-                "G22 needs {letters}: the largest and the smallest machine coordinates of its box"
+                "G22 needs {largest} above {smallest}: the largest and the smallest coordinate of its box"
             );
             return refuse("I1056", span, text);
         }
-        Ok(())
     }
+    if named == 2 * axes.len() {
+        fanuc.zone.sides = Some(sides);
+    }
+    if named > 0 && named < 2 * axes.len() || fanuc.zone.sides.is_none() {
+        let letters = if fanuc.is_lathe() { "X, Z, I and K" } else { "X, Y, Z, I, J and K" };
+        let text = format!(
+            "G22 needs {letters}: the largest and the smallest machine coordinates of its box"
+        );
+        return refuse("I1056", span, text);
+    }
+    Ok(())
 }

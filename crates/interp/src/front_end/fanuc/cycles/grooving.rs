@@ -16,7 +16,10 @@ use crate::{
     call::{Sink, out::Out},
     cycles::turning,
     fault::{Outcome, refuse},
-    front_end::fanuc::state::{Fanuc, Said},
+    front_end::fanuc::{
+        cycles::lengths::{corner_of, long},
+        state::{Fanuc, Said},
+    },
     geometry::offset_curve::Flat,
     motion,
     profile::shape::Stroke,
@@ -26,78 +29,64 @@ use crate::{
 /// More pecks than this are a slip of the pen.
 const MAX_PECKS: f64 = 10_000.0;
 
-impl Fanuc {
-    pub(crate) fn pecking<S: Sink>(
-        &mut self,
-        it: &mut Program<'_>,
-        code: u16,
-        said: &[Said],
-        out: &mut Out<'_, S>,
-    ) -> Outcome {
-        let has = |letters: &[u8]| said.iter().any(|said| letters.contains(&said.letter));
-        let span = it.block.span;
-        if !has(b"XZUW") {
-            return match self.long(it, said, b'R') {
-                Some(back) if back >= 0.0 => {
-                    self.first_lines.back = back;
-                    Ok(())
-                }
-                _ => {
-                    let text = format!(
-                        "the first line of G{} is R alone: how far a peck goes back, 0 or more",
-                        self.kind.own(code)
-                    );
-                    refuse("I1031", span, text)
-                }
-            };
-        }
-        let own = self.kind.own(code);
-        motion::check_cycle_feed(&it.executor.words, &it.executor.modes, own)?;
-        let at = it.executor.modes.at;
-        let start = [at[2], at[0]];
-        let end = self.corner_of(it, said);
-        let length = |letter: u8| self.long(it, said, letter);
-        // in the older form I lies along X and K along Z
-        let p = length(b'P').or_else(|| length(b'I')).map(f64::abs);
-        let q = length(b'Q').or_else(|| length(b'K')).map(f64::abs);
-        let relief = length(b'R').or_else(|| length(b'D')).unwrap_or(0.0);
-        // deep: along Z for G74; across: along X
-        let [deep, across] = if code == 74 { [0, 1] } else { [1, 0] };
-        let (peck, step) = if code == 74 { (q, p) } else { (p, q) };
-        let depth = (end[deep] - start[deep]).abs();
-        let width = (end[across] - start[across]).abs();
-        let peck = peck.filter(|peck| *peck > 0.0).unwrap_or(depth);
-        let step = step.filter(|step| *step > 0.0).unwrap_or(width);
-        let count = |way: f64, by: f64| if by > 0.0 { (way / by).max(1.0) } else { 1.0 };
-        if count(depth, peck) * count(width, step) > MAX_PECKS {
-            let text = format!("P and Q would make more than {MAX_PECKS} pecks of G{own}");
-            return refuse("I1031", span, text);
-        }
-        let pecks =
-            Pecks { start, end, deep, across, peck, step, relief, back: self.first_lines.back };
-        for stroke in pecks.strokes() {
-            turning::cut(
-                &it.executor.words,
-                &mut it.executor.modes,
-                &it.executor.settings,
-                stroke,
-                out,
-            )?;
-        }
-        Ok(())
-    }
-
-    /// Where X, Z, U, W lead, as [Z, X].
-    pub(crate) fn corner_of(&self, it: &Program<'_>, said: &[Said]) -> Flat {
-        let at = it.executor.modes.at;
-        let step = it.executor.modes.incremental;
-        let along = |value: Option<f64>, by: Option<f64>, now: f64| {
-            value.map_or(now + by.unwrap_or(0.0), |value| if step { now + value } else { value })
+pub(crate) fn pecking<S: Sink>(
+    fanuc: &mut Fanuc,
+    it: &mut Program<'_>,
+    code: u16,
+    said: &[Said],
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let has = |letters: &[u8]| said.iter().any(|said| letters.contains(&said.letter));
+    let span = it.block.span;
+    if !has(b"XZUW") {
+        return match long(fanuc, it, said, b'R') {
+            Some(back) if back >= 0.0 => {
+                fanuc.first_lines.back = back;
+                Ok(())
+            }
+            _ => {
+                let text = format!(
+                    "the first line of G{} is R alone: how far a peck goes back, 0 or more",
+                    fanuc.kind.own(code)
+                );
+                refuse("I1031", span, text)
+            }
         };
-        let z = along(self.long(it, said, b'Z'), self.long(it, said, b'W'), at[2]);
-        let x = along(self.across(it, said, b'X'), self.across(it, said, b'U'), at[0]);
-        [z, x]
     }
+    let own = fanuc.kind.own(code);
+    motion::check_cycle_feed(&it.executor.words, &it.executor.modes, own)?;
+    let at = it.executor.modes.at;
+    let start = [at[2], at[0]];
+    let end = corner_of(fanuc, it, said);
+    let length = |letter: u8| long(fanuc, it, said, letter);
+    // in the older form I lies along X and K along Z
+    let p = length(b'P').or_else(|| length(b'I')).map(f64::abs);
+    let q = length(b'Q').or_else(|| length(b'K')).map(f64::abs);
+    let relief = length(b'R').or_else(|| length(b'D')).unwrap_or(0.0);
+    // deep: along Z for G74; across: along X
+    let [deep, across] = if code == 74 { [0, 1] } else { [1, 0] };
+    let (peck, step) = if code == 74 { (q, p) } else { (p, q) };
+    let depth = (end[deep] - start[deep]).abs();
+    let width = (end[across] - start[across]).abs();
+    let peck = peck.filter(|peck| *peck > 0.0).unwrap_or(depth);
+    let step = step.filter(|step| *step > 0.0).unwrap_or(width);
+    let count = |way: f64, by: f64| if by > 0.0 { (way / by).max(1.0) } else { 1.0 };
+    if count(depth, peck) * count(width, step) > MAX_PECKS {
+        let text = format!("P and Q would make more than {MAX_PECKS} pecks of G{own}");
+        return refuse("I1031", span, text);
+    }
+    let pecks =
+        Pecks { start, end, deep, across, peck, step, relief, back: fanuc.first_lines.back };
+    for stroke in pecks.strokes() {
+        turning::cut(
+            &it.executor.words,
+            &mut it.executor.modes,
+            &it.executor.settings,
+            stroke,
+            out,
+        )?;
+    }
+    Ok(())
 }
 
 struct Pecks {

@@ -16,11 +16,14 @@ use crate::{
     fault::{Outcome, error, refuse},
     front_end::fanuc::{
         cycles::{
+            lengths::{corner_of, word},
             threading::{angle, turning},
-            turning::word,
         },
         state::{Fanuc, Said},
-        words,
+        words::{
+            self,
+            read::{start_angle, thread_lead},
+        },
     },
     modes::Motion,
     motion::threads::along_path,
@@ -31,81 +34,78 @@ use diag::Span;
 /// More turns than this are a slip of the pen.
 const MOST: f64 = 10_000.0;
 
-impl Fanuc {
-    /// Whether the block at hand goes on with the G34 before it.
-    pub(crate) fn grows_on(&self) -> bool {
-        let moves = |said: &Said| b"XZUW".contains(&said.letter);
-        let takes = |said: &Said| match (said.letter, tenths(said.value)) {
-            (b'G', Some(code)) => self.takes_axes(code),
-            _ => false,
-        };
-        let on = self.growing && self.surface.is_none();
-        on && self.said.iter().any(moves) && !self.said.iter().any(takes)
-    }
+/// Whether the block at hand goes on with the G34 before it.
+pub(crate) fn grows_on(fanuc: &Fanuc) -> bool {
+    let moves = |said: &Said| b"XZUW".contains(&said.letter);
+    let takes = |said: &Said| match (said.letter, tenths(said.value)) {
+        (b'G', Some(code)) => takes_axes(fanuc, code),
+        _ => false,
+    };
+    let on = fanuc.growing && fanuc.surface.is_none();
+    on && fanuc.said.iter().any(moves) && !fanuc.said.iter().any(takes)
+}
 
-    /// Whether a code says what the axis words of its block are.
-    fn takes_axes(&self, tenths: u16) -> bool {
-        match meaning(self.kind, tenths) {
-            Meaning::Shared(code) => {
-                matches!(code, 0..=40 | 100 | 280 | 300 | 520 | 530 | 730..=890 | 920)
-                    || code >= crate::codes::OWN
-            }
-            Meaning::Thread | Meaning::Box(_) | Meaning::Multiple(_) => true,
-            Meaning::Back | Meaning::Skip | Meaning::Check | Meaning::Longer(_) => true,
-            Meaning::Mapping(_) | Meaning::StrokeCheck(_) => true,
-            Meaning::Cylinder | Meaning::Face(_) => true,
-            Meaning::NotYet(_) | Meaning::Unknown | Meaning::Circle(_) => true,
-            Meaning::WorkOffset(_) | Meaning::Smoothness => false,
-            Meaning::Smoothing | Meaning::ExactBlock | Meaning::Off => false,
+/// Whether a code says what the axis words of its block are.
+fn takes_axes(fanuc: &Fanuc, tenths: u16) -> bool {
+    match meaning(fanuc.kind, tenths) {
+        Meaning::Shared(code) => {
+            matches!(code, 0..=40 | 100 | 280 | 300 | 520 | 530 | 730..=890 | 920)
+                || code >= crate::codes::OWN
         }
+        Meaning::Thread | Meaning::Box(_) | Meaning::Multiple(_) => true,
+        Meaning::Back | Meaning::Skip | Meaning::Check | Meaning::Longer(_) => true,
+        Meaning::Mapping(_) | Meaning::StrokeCheck(_) => true,
+        Meaning::Cylinder | Meaning::Face(_) => true,
+        Meaning::NotYet(_) | Meaning::Unknown | Meaning::Circle(_) => true,
+        Meaning::WorkOffset(_) | Meaning::Smoothness => false,
+        Meaning::Smoothing | Meaning::ExactBlock | Meaning::Off => false,
     }
+}
 
-    /// G34.
-    pub(crate) fn growing_thread<S: Sink>(
-        &mut self,
-        it: &mut Program<'_>,
-        said: &[Said],
-        out: &mut Out<'_, S>,
-    ) -> Outcome {
-        let span = it.block.span;
-        let lead = word(said, b'F').map(|f| self.thread_lead(f)).or(self.lead);
-        let Some(lead) = lead else { return Err(words::no_lead(span).into()) };
-        if lead <= 0.0 {
-            let span = word(said, b'F').map_or(span, |f| f.span);
-            let text =
-                format!("F is the lead where the thread begins, above 0, found {}", short(lead));
-            return refuse("I0426", span, text);
-        }
-        (self.lead, self.growing) = (Some(lead), true);
-        it.executor.modes.motion = Motion::Thread;
-        let growth = word(said, b'K').map_or(0.0, |k| self.thread_lead(k));
-        turning(&it.executor, span)?;
-        let from = it.executor.modes.at;
-        let [z, x] = self.corner_of(it, said);
-        let mut to = from;
-        (to[0], to[2]) = (x, z);
-        let far = (to[0] - from[0]).abs().max((to[2] - from[2]).abs());
-        if far == 0.0 {
-            let text = "G34 needs an end, in X or Z, that is not where it begins";
-            return refuse("I0423", span, text);
-        }
-        let inch = it.executor.modes.units == crate::Units::Inch;
-        lasts(lead, growth, far, inch, word(said, b'K').map_or(span, |k| k.span))?;
-        let [path_lead, path_growth] = [lead, growth].map(|lead| along_path(lead, &from, &to));
-        let thread = GrowingThread { from, to, lead: path_lead, growth: path_growth };
-        if thread.count() > MOST {
-            let text = format!(
-                "G34 would make {} turns, and {MOST} are as many as a thread has",
-                thread.count().ceil()
-            );
-            return refuse("I1034", span, text);
-        }
-        let ex = &mut it.executor;
-        angle(self.start_angle(said), out);
-        ex.modes.at = to;
-        out.say(&Call::GrowingThread(thread));
-        Ok(())
+/// G34.
+pub(crate) fn growing_thread<S: Sink>(
+    fanuc: &mut Fanuc,
+    it: &mut Program<'_>,
+    said: &[Said],
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let span = it.block.span;
+    let lead = word(said, b'F').map(|f| thread_lead(fanuc, f)).or(fanuc.lead);
+    let Some(lead) = lead else { return Err(words::no_lead(span).into()) };
+    if lead <= 0.0 {
+        let span = word(said, b'F').map_or(span, |f| f.span);
+        let text = format!("F is the lead where the thread begins, above 0, found {}", short(lead));
+        return refuse("I0426", span, text);
     }
+    (fanuc.lead, fanuc.growing) = (Some(lead), true);
+    it.executor.modes.motion = Motion::Thread;
+    let growth = word(said, b'K').map_or(0.0, |k| thread_lead(fanuc, k));
+    turning(&it.executor, span)?;
+    let from = it.executor.modes.at;
+    let [z, x] = corner_of(fanuc, it, said);
+    let mut to = from;
+    (to[0], to[2]) = (x, z);
+    let far = (to[0] - from[0]).abs().max((to[2] - from[2]).abs());
+    if far == 0.0 {
+        let text = "G34 needs an end, in X or Z, that is not where it begins";
+        return refuse("I0423", span, text);
+    }
+    let inch = it.executor.modes.units == crate::Units::Inch;
+    lasts(lead, growth, far, inch, word(said, b'K').map_or(span, |k| k.span))?;
+    let [path_lead, path_growth] = [lead, growth].map(|lead| along_path(lead, &from, &to));
+    let thread = GrowingThread { from, to, lead: path_lead, growth: path_growth };
+    if thread.count() > MOST {
+        let text = format!(
+            "G34 would make {} turns, and {MOST} are as many as a thread has",
+            thread.count().ceil()
+        );
+        return refuse("I1034", span, text);
+    }
+    let ex = &mut it.executor;
+    angle(start_angle(fanuc, said), out);
+    ex.modes.at = to;
+    out.say(&Call::GrowingThread(thread));
+    Ok(())
 }
 
 /// Whether the lead stays above zero as far as the thread goes.

@@ -12,5 +12,6 @@ pub(crate) mod circle;
 pub(crate) mod grooving;
 pub(crate) mod growing;
 pub(crate) mod lathe;
+pub(crate) mod lengths;
 pub(crate) mod threading;
 pub(crate) mod turning;

@@ -14,9 +14,9 @@ use crate::{
     call::{Call, Sink, out::Out},
     fault::{Outcome, refuse},
     front_end::fanuc::{
-        cycles::turning::word,
+        cycles::lengths::{corner_of, long, word},
         state::{Fanuc, Said},
-        words,
+        words::{self, read::thread_lead},
     },
     geometry::{
         frame::Point,
@@ -47,128 +47,120 @@ struct Thread {
     lead: f64,
 }
 
-impl Fanuc {
-    pub(crate) fn thread_passes<S: Sink>(
-        &mut self,
-        it: &mut Program<'_>,
-        said: &[Said],
-        out: &mut Out<'_, S>,
-    ) -> Outcome {
-        if !said.iter().any(|said| b"XZUW".contains(&said.letter)) {
-            return self.thread_first_line(it, said);
-        }
-        let thread = self.thread_words(it, said)?;
-        turning(&it.executor, it.block.span)?;
-        for depth in thread.depths() {
-            thread.pass(&mut it.executor, depth, out);
-        }
-        Ok(())
+pub(crate) fn thread_passes<S: Sink>(
+    fanuc: &mut Fanuc,
+    it: &mut Program<'_>,
+    said: &[Said],
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    if !said.iter().any(|said| b"XZUW".contains(&said.letter)) {
+        return thread_first_line(fanuc, it, said);
     }
+    let thread = thread_words(fanuc, it, said)?;
+    turning(&it.executor, it.block.span)?;
+    for depth in thread.depths() {
+        thread.pass(&mut it.executor, depth, out);
+    }
+    Ok(())
+}
 
-    /// P, Q, R of the first line.
-    fn thread_first_line(&mut self, it: &Program<'_>, said: &[Said]) -> Outcome {
-        let [finishing, pull_off, angle, least, left] =
-            self.first_lines.thread.unwrap_or([1.0, 0.0, 60.0, 0.0, 0.0]);
-        let digits = word(said, b'P').map(|said| (said.value, said.span));
-        let [finishing, pull_off, angle] = match digits {
-            None => [finishing, pull_off, angle],
-            Some((value, span)) => {
-                let whole = value.round();
-                let known = (10_000.0..=999_999.0).contains(&whole) && whole == value;
-                let angle = whole % 100.0;
-                if !known || ![0.0, 29.0, 30.0, 55.0, 60.0, 80.0].contains(&angle) {
-                    let code = self.kind.own(76);
-                    let text = format!(
-                        "P of G{code}'s first line is six digits: passes (01 to 99), pull-off in tenths of the lead, angle (80, 60, 55, 30, 29 or 00); found {value}"
-                    );
-                    return refuse("I1031", span, text);
-                }
-                [(whole / 10_000.0).floor(), (whole / 100.0).floor() % 100.0, angle]
+/// P, Q, R of the first line.
+fn thread_first_line(fanuc: &mut Fanuc, it: &Program<'_>, said: &[Said]) -> Outcome {
+    let [finishing, pull_off, angle, least, left] =
+        fanuc.first_lines.thread.unwrap_or([1.0, 0.0, 60.0, 0.0, 0.0]);
+    let digits = word(said, b'P').map(|said| (said.value, said.span));
+    let [finishing, pull_off, angle] = match digits {
+        None => [finishing, pull_off, angle],
+        Some((value, span)) => {
+            let whole = value.round();
+            let known = (10_000.0..=999_999.0).contains(&whole) && whole == value;
+            let angle = whole % 100.0;
+            if !known || ![0.0, 29.0, 30.0, 55.0, 60.0, 80.0].contains(&angle) {
+                let code = fanuc.kind.own(76);
+                let text = format!(
+                    "P of G{code}'s first line is six digits: passes (01 to 99), pull-off in tenths of the lead, angle (80, 60, 55, 30, 29 or 00); found {value}"
+                );
+                return refuse("I1031", span, text);
             }
-        };
-        let least = self.long(it, said, b'Q').unwrap_or(least);
-        let left = self.long(it, said, b'R').unwrap_or(left);
-        self.first_lines.thread = Some([finishing, pull_off, angle, least.abs(), left.abs()]);
-        Ok(())
-    }
-
-    fn thread_words(&mut self, it: &Program<'_>, said: &[Said]) -> Outcome<Thread> {
-        let (span, code) = (it.block.span, self.kind.own(76));
-        let older = word(said, b'D').is_some() || word(said, b'K').is_some();
-        let own = if older { Some(self.one_line(said)?) } else { self.first_lines.thread };
-        let Some([finishing, pull_off, angle, least, left]) = own else {
-            let text = format!(
-                "G{code} does not know its passes: write a line such as G{code} P010060 Q100 R0.05 before it"
-            );
-            return refuse("I1031", span, text);
-        };
-        let at = it.executor.modes.at;
-        let lead = word(said, b'F').map(|f| self.thread_lead(f)).or(self.lead);
-        let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
-            return Err(words::no_lead(span).into());
-        };
-        self.lead = Some(lead);
-        let letters = if older { [b'K', b'D'] } else { [b'P', b'Q'] };
-        let [height, first] = letters.map(|letter| self.long(it, said, letter));
-        let (Some(height), Some(first)) = (height.filter(|h| *h > 0.0), first.filter(|q| *q > 0.0))
-        else {
-            let [height, first] = letters.map(char::from);
-            let text = format!(
-                "G{code} needs {height}, the thread's height, and {first}, the depth of the first pass, both above 0"
-            );
-            return refuse("I1031", span, text);
-        };
-        let thread = Thread {
-            start: [at[2], at[0]],
-            end: self.corner_of(it, said),
-            height,
-            first,
-            least,
-            left: left.min(height),
-            finishing: finishing as u32,
-            slant: (angle / 2.0).to_radians().tan(),
-            pull_off: pull_off / 10.0 * lead,
-            taper: self.long(it, said, if older { b'I' } else { b'R' }).unwrap_or(0.0),
-            lead,
-        };
-        if thread.start[1] == thread.end[1] || thread.start[0] == thread.end[0] {
-            let text = format!(
-                "G{code} begins beside the thread's end: its start must differ from X and from Z"
-            );
-            return refuse("I1031", span, text);
+            [(whole / 10_000.0).floor(), (whole / 100.0).floor() % 100.0, angle]
         }
-        if thread.depths().len() as f64 > MOST {
-            let text = format!("Q would make more than {MOST} passes of G{code}");
-            return refuse("I1031", span, text);
-        }
-        Ok(thread)
-    }
+    };
+    let least = long(fanuc, it, said, b'Q').unwrap_or(least);
+    let left = long(fanuc, it, said, b'R').unwrap_or(left);
+    fanuc.first_lines.thread = Some([finishing, pull_off, angle, least.abs(), left.abs()]);
+    Ok(())
+}
 
-    /// What the older form leaves to what was said before: one finishing pass, no pull-off; A is the tool's angle.
-    fn one_line(&self, said: &[Said]) -> Outcome<[f64; 5]> {
-        if let Some(way) = word(said, b'P').filter(|way| way.value != 1.0) {
+fn thread_words(fanuc: &mut Fanuc, it: &Program<'_>, said: &[Said]) -> Outcome<Thread> {
+    let (span, code) = (it.block.span, fanuc.kind.own(76));
+    let older = word(said, b'D').is_some() || word(said, b'K').is_some();
+    let own = if older { Some(one_line(fanuc, said)?) } else { fanuc.first_lines.thread };
+    let Some([finishing, pull_off, angle, least, left]) = own else {
+        let text = format!(
+            "G{code} does not know its passes: write a line such as G{code} P010060 Q100 R0.05 before it"
+        );
+        return refuse("I1031", span, text);
+    };
+    let at = it.executor.modes.at;
+    let lead = word(said, b'F').map(|f| thread_lead(fanuc, f)).or(fanuc.lead);
+    let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
+        return Err(words::no_lead(span).into());
+    };
+    fanuc.lead = Some(lead);
+    let letters = if older { [b'K', b'D'] } else { [b'P', b'Q'] };
+    let [height, first] = letters.map(|letter| long(fanuc, it, said, letter));
+    let (Some(height), Some(first)) = (height.filter(|h| *h > 0.0), first.filter(|q| *q > 0.0))
+    else {
+        let [height, first] = letters.map(char::from);
+        let text = format!(
+            "G{code} needs {height}, the thread's height, and {first}, the depth of the first pass, both above 0"
+        );
+        return refuse("I1031", span, text);
+    };
+    let thread = Thread {
+        start: [at[2], at[0]],
+        end: corner_of(fanuc, it, said),
+        height,
+        first,
+        least,
+        left: left.min(height),
+        finishing: finishing as u32,
+        slant: (angle / 2.0).to_radians().tan(),
+        pull_off: pull_off / 10.0 * lead,
+        taper: long(fanuc, it, said, if older { b'I' } else { b'R' }).unwrap_or(0.0),
+        lead,
+    };
+    if thread.start[1] == thread.end[1] || thread.start[0] == thread.end[0] {
+        let text = format!(
+            "G{code} begins beside the thread's end: its start must differ from X and from Z"
+        );
+        return refuse("I1031", span, text);
+    }
+    if thread.depths().len() as f64 > MOST {
+        let text = format!("Q would make more than {MOST} passes of G{code}");
+        return refuse("I1031", span, text);
+    }
+    Ok(thread)
+}
+
+/// What the older form leaves to what was said before: one finishing pass, no pull-off; A is the tool's angle.
+fn one_line(fanuc: &Fanuc, said: &[Said]) -> Outcome<[f64; 5]> {
+    if let Some(way) = word(said, b'P').filter(|way| way.value != 1.0) {
+        let text =
+            format!("P{} is another way of going in: P1, along one flank, is known", way.value);
+        return refuse("I1031", way.span, text);
+    }
+    let mut thread = fanuc.first_lines.thread.unwrap_or([1.0, 0.0, 60.0, 0.0, 0.0]);
+    if let Some(angle) = word(said, b'A') {
+        if !(0.0..=120.0).contains(&angle.value) {
+            let found = angle.value;
             let text =
-                format!("P{} is another way of going in: P1, along one flank, is known", way.value);
-            return refuse("I1031", way.span, text);
+                format!("A is the angle of the thread's tool, 0 to 120 degrees, found {found}");
+            return refuse("I1031", angle.span, text);
         }
-        let mut thread = self.first_lines.thread.unwrap_or([1.0, 0.0, 60.0, 0.0, 0.0]);
-        if let Some(angle) = word(said, b'A') {
-            if !(0.0..=120.0).contains(&angle.value) {
-                let found = angle.value;
-                let text =
-                    format!("A is the angle of the thread's tool, 0 to 120 degrees, found {found}");
-                return refuse("I1031", angle.span, text);
-            }
-            thread[2] = angle.value;
-        }
-        Ok(thread)
+        thread[2] = angle.value;
     }
-
-    /// Q of a thread: thousandths of a degree, or degrees with a point.
-    pub(crate) fn start_angle(&self, said: &[Said]) -> Option<f64> {
-        word(said, b'Q')
-            .map(|q| if q.counts && !self.calculator { q.value / 1000.0 } else { q.value })
-    }
+    Ok(thread)
 }
 
 /// Say where in the spindle's turn the thread that follows begins, if it is said.

@@ -15,17 +15,17 @@
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Cylindrical interpolation", "Polar coordinate interpolation".
 use crate::{
-    call::{Call, Place, Sink, out::Out},
-    codes::number::tenths,
-    execute::After,
+    call::{Call, Place, Sink},
     fault::{Outcome, error, refuse},
-    front_end::fanuc::state::{Fanuc, Form, Said, Surface, Then},
+    front_end::fanuc::{
+        state::{Fanuc, Form, Said, Surface},
+        words::read::scaled,
+    },
     geometry::frame::Point,
     modes::{FeedMode, Motion},
-    program::Program,
     state::executor::Executor,
 };
-use canon::{Axis, Plane};
+use canon::Axis;
 use diag::{Diagnostic, Span};
 
 /// How far the axes may be beside an arc, or a line of a face, mm.
@@ -35,9 +35,7 @@ const TOO_NEAR_MM: f64 = 0.001;
 /// Halvings of one line of a face.
 const MOST_HALVINGS: u32 = 24;
 const C: usize = 5;
-/// Codes that lie on a surface, and those that end it, in tenths.
-const ALLOWED: [u16; 15] = [10, 20, 30, 40, 71, 131, 400, 410, 420, 900, 910, 940, 950, 1070, 1130];
-const LETTERS: [u8; 9] = *b"XYZABCUVW";
+pub(crate) const LETTERS: [u8; 9] = *b"XYZABCUVW";
 
 impl Surface {
     fn new(form: Form, ex: &Executor) -> Self {
@@ -63,7 +61,7 @@ impl Surface {
         new
     }
 
-    const fn name(&self) -> &'static str {
+    pub(crate) const fn name(&self) -> &'static str {
         match self.form {
             Form::Cylinder { .. } => "G7.1",
             Form::Face => "G12.1",
@@ -71,7 +69,7 @@ impl Surface {
     }
 
     /// Where the axes stand for a point of the flat, C as near as can be to where it was.
-    fn on_axes(&self, flat: &Point) -> Point {
+    pub(crate) fn on_axes(&self, flat: &Point) -> Point {
         let mut axes = *flat;
         match self.form {
             Form::Cylinder { rotary, radius, place } => {
@@ -109,9 +107,9 @@ impl Surface {
 
 /// Who listens to a block that is executed in the flat.
 pub(crate) struct Bent<'a, S> {
-    sink: &'a mut S,
-    surface: &'a mut Surface,
-    found: &'a mut Vec<Diagnostic>,
+    pub(crate) sink: &'a mut S,
+    pub(crate) surface: &'a mut Surface,
+    pub(crate) found: &'a mut Vec<Diagnostic>,
 }
 
 impl<S: Sink> Bent<'_, S> {
@@ -231,192 +229,122 @@ fn nearest(from: &Point, to: &Point) -> f64 {
     (from[0] + part * x).hypot(from[1] + part * y)
 }
 
-impl Fanuc {
-    /// Where an axis stands from which a word counts.
-    pub(crate) fn stands(&self, ex: &Executor, axis: usize) -> f64 {
-        self.surface.map_or(ex.modes.at[axis], |surface| surface.stands(axis))
-    }
+/// Where an axis stands from which a word counts.
+pub(crate) fn stands(fanuc: &Fanuc, ex: &Executor, axis: usize) -> f64 {
+    fanuc.surface.map_or(ex.modes.at[axis], |surface| surface.stands(axis))
+}
 
-    /// G7.1 C: its radius, or its end. The word is taken away.
-    pub(crate) fn unroll(&mut self, ex: &mut Executor, said: &[Said]) -> Outcome {
-        let span = ex.words.place.span;
-        let word = said.iter().find(|said| b"ABC".contains(&said.letter));
-        let Some(word) = word.filter(|_| said.len() == 2) else {
-            let text = "G7.1 stands alone with a turning axis and the radius of its cylinder, G7.1 C20., or with 0, which ends it";
-            return refuse("I1059", span, text);
-        };
-        ex.words.take(word.letter);
-        let radius = self.scaled(ex, &Said { letter: b'R', ..*word });
-        let rotary = 3 + usize::from(word.letter - b'A');
-        if radius == 0.0 {
-            return self.leave_surface(ex);
-        }
-        self.may_begin(ex, "G7.1")?;
-        self.has_axis(rotary, span)?;
-        let (along, planes) =
-            [("X", "G17 or G18"), ("Y", "G17 or G19"), ("Z", "G18 or G19")][rotary - 3];
-        let [a, b, _] = ex.modes.plane_axes();
-        let place = match [a, b].iter().position(|axis| axis + 3 == rotary) {
-            Some(0) => b,
-            Some(_) => a,
-            None => {
-                let text = format!(
-                    "{} turns about {along}, which lies in no unrolled plane of this one: write {planes} before it",
-                    word.letter as char
-                );
-                return refuse("I1059", span, text);
-            }
-        };
-        if radius < 0.0 {
-            let text = format!("the cylinder's radius is above 0, found {radius}");
-            return refuse("I1059", word.span, text);
-        }
-        self.surface = Some(Surface::new(Form::Cylinder { rotary, radius, place }, ex));
-        Ok(())
+/// G7.1 C: its radius, or its end. The word is taken away.
+pub(crate) fn unroll(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome {
+    let span = ex.words.place.span;
+    let word = said.iter().find(|said| b"ABC".contains(&said.letter));
+    let Some(word) = word.filter(|_| said.len() == 2) else {
+        let text = "G7.1 stands alone with a turning axis and the radius of its cylinder, G7.1 C20., or with 0, which ends it";
+        return refuse("I1059", span, text);
+    };
+    ex.words.take(word.letter);
+    let radius = scaled(fanuc, ex, &Said { letter: b'R', ..*word });
+    let rotary = 3 + usize::from(word.letter - b'A');
+    if radius == 0.0 {
+        return leave_surface(fanuc, ex);
     }
-
-    /// G12.1 (`on`) or G13.1.
-    pub(crate) fn face(&mut self, ex: &mut Executor, said: &[Said], on: bool) -> Outcome {
-        let span = ex.words.place.span;
-        if !on {
-            return self.leave_surface(ex);
-        }
-        if said.len() != 1 {
-            return refuse("I1059", span, "G12.1 stands alone in its block");
-        }
-        self.may_begin(ex, "G12.1")?;
-        self.has_axis(C, span)?;
-        let (x, c) = (ex.modes.at[0], ex.modes.at[C]);
-        if c.abs() > 1e-6 || x * ex.modes.units.in_mm() < TOO_NEAR_MM {
-            let (x, c) = (self.shown(0, x), crate::codes::spelling::short(c));
+    may_begin(fanuc, ex, "G7.1")?;
+    has_axis(fanuc, rotary, span)?;
+    let (along, planes) =
+        [("X", "G17 or G18"), ("Y", "G17 or G19"), ("Z", "G18 or G19")][rotary - 3];
+    let [a, b, _] = ex.modes.plane_axes();
+    let place = match [a, b].iter().position(|axis| axis + 3 == rotary) {
+        Some(0) => b,
+        Some(_) => a,
+        None => {
             let text = format!(
-                "G12.1 begins with C at 0 and X beside the axis of C, on its positive side; found X{x} C{c}"
+                "{} turns about {along}, which lies in no unrolled plane of this one: write {planes} before it",
+                word.letter as char
             );
-            let fault = error("I1059", span, text);
-            return Err(fault
-                .with_help("write G0 X50. C0 before it, or what X it shall be")
-                .into());
-        }
-        self.surface = Some(Surface::new(Form::Face, ex));
-        Ok(())
-    }
-
-    fn has_axis(&self, rotary: usize, span: Span) -> Outcome {
-        if rotary == C && self.c_is_a_chamfer {
-            let text = "the machine has no C axis, which this surface turns about";
             return refuse("I1059", span, text);
         }
-        Ok(())
+    };
+    if radius < 0.0 {
+        let text = format!("the cylinder's radius is above 0, found {radius}");
+        return refuse("I1059", word.span, text);
     }
+    fanuc.surface = Some(Surface::new(Form::Cylinder { rotary, radius, place }, ex));
+    Ok(())
+}
 
-    fn may_begin(&self, ex: &Executor, name: &str) -> Outcome {
+/// G12.1 (`on`) or G13.1.
+pub(crate) fn face(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said], on: bool) -> Outcome {
+    let span = ex.words.place.span;
+    if !on {
+        return leave_surface(fanuc, ex);
+    }
+    if said.len() != 1 {
+        return refuse("I1059", span, "G12.1 stands alone in its block");
+    }
+    may_begin(fanuc, ex, "G12.1")?;
+    has_axis(fanuc, C, span)?;
+    let (x, c) = (ex.modes.at[0], ex.modes.at[C]);
+    if c.abs() > 1e-6 || x * ex.modes.units.in_mm() < TOO_NEAR_MM {
+        let (x, c) = (fanuc.shown(0, x), crate::codes::spelling::short(c));
+        let text = format!(
+            "G12.1 begins with C at 0 and X beside the axis of C, on its positive side; found X{x} C{c}"
+        );
+        let fault = error("I1059", span, text);
+        return Err(fault.with_help("write G0 X50. C0 before it, or what X it shall be").into());
+    }
+    fanuc.surface = Some(Surface::new(Form::Face, ex));
+    Ok(())
+}
+
+fn has_axis(fanuc: &Fanuc, rotary: usize, span: Span) -> Outcome {
+    if rotary == C && fanuc.c_is_a_chamfer {
+        let text = "the machine has no C axis, which this surface turns about";
+        return refuse("I1059", span, text);
+    }
+    Ok(())
+}
+
+fn may_begin(fanuc: &Fanuc, ex: &Executor, name: &str) -> Outcome {
+    let span = ex.words.place.span;
+    let what = match &fanuc.surface {
+        Some(surface) => surface.name(),
+        None if ex.modes.compensating() => "G41 or G42",
+        None if fanuc.mapping.changes() || fanuc.mapping.polar.is_some() => {
+            "G16, G51, G51.1 or G68"
+        }
+        None if matches!(ex.modes.motion, Motion::Cycle(_)) => "a cycle",
+        None if ex.modes.feed_mode == FeedMode::InverseTime => "G93",
+        None if fanuc.lathe_cycle.is_some() => "a cycle",
+        None => return Ok(()),
+    };
+    refuse("I1059", span, format!("{name} cannot begin while {what} is in force"))
+}
+
+fn leave_surface(fanuc: &mut Fanuc, ex: &mut Executor) -> Outcome {
+    let Some(surface) = fanuc.surface else { return Ok(()) };
+    if ex.modes.compensating() {
         let span = ex.words.place.span;
-        let what = match &self.surface {
-            Some(surface) => surface.name(),
-            None if ex.modes.compensating() => "G41 or G42",
-            None if self.mapping.changes() || self.mapping.polar.is_some() => {
-                "G16, G51, G51.1 or G68"
-            }
-            None if matches!(ex.modes.motion, Motion::Cycle(_)) => "a cycle",
-            None if ex.modes.feed_mode == FeedMode::InverseTime => "G93",
-            None if self.lathe_cycle.is_some() => "a cycle",
-            None => return Ok(()),
-        };
-        refuse("I1059", span, format!("{name} cannot begin while {what} is in force"))
+        let text = format!("{} cannot end while G41 or G42 is in force", surface.name());
+        return Err(error("I1059", span, text).with_help("write G40 before it").into());
     }
+    ex.modes.left_beside = None;
+    fanuc.surface = None;
+    Ok(())
+}
 
-    fn leave_surface(&mut self, ex: &mut Executor) -> Outcome {
-        let Some(surface) = self.surface else { return Ok(()) };
-        if ex.modes.compensating() {
-            let span = ex.words.place.span;
-            let text = format!("{} cannot end while G41 or G42 is in force", surface.name());
-            return Err(error("I1059", span, text).with_help("write G40 before it").into());
+/// The block's places in the flat.
+pub(crate) fn words_on_surface(fanuc: &Fanuc, ex: &mut Executor) -> Outcome {
+    let Some(surface) = &fanuc.surface else { return Ok(()) };
+    match surface.form {
+        Form::Cylinder { rotary, radius, place } => {
+            // X of a lathe is a diameter, the axes beside it are none
+            let factor = if place == 0 && ex.modes.diameter { 2.0 } else { 1.0 };
+            rename(ex, LETTERS[place], LETTERS[6 + place], |value| value / factor)?;
+            rename(ex, LETTERS[rotary], LETTERS[place], |degrees| {
+                factor * degrees.to_radians() * radius
+            })
         }
-        ex.modes.left_beside = None;
-        self.surface = None;
-        Ok(())
-    }
-
-    /// Only feeds, arcs, waits and compensation lie on a surface.
-    pub(crate) fn check_surface(&self, ex: &Executor) -> Outcome {
-        let Some(surface) = &self.surface else { return Ok(()) };
-        let code = |said: &Said| match said.letter {
-            b'G' => self.kind.common(tenths(said.value)?),
-            _ => None,
-        };
-        let has = |codes: &[u16]| self.said.iter().filter_map(code).any(|c| codes.contains(&c));
-        let stray = self.said.iter().find(|said| match said.letter {
-            b'G' => !code(said).is_some_and(|code| ALLOWED.contains(&code)),
-            b'T' | b'c' | b'r' => true,
-            b'I' | b'J' | b'K' => !surface.is_face(),
-            b'Y' | b'V' => surface.is_face(),
-            _ => false,
-        });
-        let motion = ex.modes.motion;
-        let along =
-            matches!(motion, Motion::Feed | Motion::ArcClockwise | Motion::ArcCounterclockwise);
-        let places = self.said.iter().any(|said| b"XYZABCUVWH".contains(&said.letter));
-        let rapid = places && !along && !has(&[10, 20, 30, 40, 71, 1070]);
-        let (what, span) = match stray {
-            Some(said) if said.letter == b'G' => (format!("G{}", said.value), said.span),
-            Some(said) if said.letter.is_ascii_lowercase() => {
-                (format!(",{}", said.letter.to_ascii_uppercase() as char), said.span)
-            }
-            Some(said) => ((said.letter as char).to_string(), said.span),
-            None if rapid => ("a rapid move".to_owned(), ex.words.place.span),
-            None => return Ok(()),
-        };
-        let text = format!("{what} cannot be used while {} is in force", surface.name());
-        let (arcs, end) = match surface.form {
-            Form::Cylinder { rotary, .. } => ("by R", format!("G7.1 {}0", LETTERS[rotary] as char)),
-            Form::Face => ("by R or I and J", "G13.1".to_owned()),
-        };
-        let help = format!("it has G1, G2 and G3 {arcs}, G4, G40 to G42 and macros; {end} ends it");
-        Err(error("I1060", span, text).with_help(help).into())
-    }
-
-    /// The block's places in the flat.
-    pub(crate) fn words_on_surface(&self, ex: &mut Executor) -> Outcome {
-        let Some(surface) = &self.surface else { return Ok(()) };
-        match surface.form {
-            Form::Cylinder { rotary, radius, place } => {
-                // X of a lathe is a diameter, the axes beside it are none
-                let factor = if place == 0 && ex.modes.diameter { 2.0 } else { 1.0 };
-                rename(ex, LETTERS[place], LETTERS[6 + place], |value| value / factor)?;
-                rename(ex, LETTERS[rotary], LETTERS[place], |degrees| {
-                    factor * degrees.to_radians() * radius
-                })
-            }
-            Form::Face => rename(ex, b'C', b'Y', |value| value),
-        }
-    }
-
-    /// A block while a surface is in force: in the flat, and from there onto the axes.
-    pub(crate) fn on_surface<S: Sink>(
-        &mut self,
-        it: &mut Program<'_>,
-        mut surface: Surface,
-        out: &mut Out<'_, S>,
-    ) -> Outcome<(Then, After)> {
-        let plane = it.executor.modes.plane;
-        it.executor.modes.at = surface.at;
-        if surface.is_face() {
-            it.executor.modes.plane = Plane::XY;
-        }
-        let mut found = Vec::new();
-        let Out { sink, held, remarks, place } = out;
-        let mut bent = Bent { sink: &mut **sink, surface: &mut surface, found: &mut found };
-        let mut bent = Out { sink: &mut bent, held, remarks, place: *place };
-        let result = self.obey(it, &mut bent);
-        surface.at = it.executor.modes.at;
-        it.executor.modes.plane = plane;
-        it.report_all(found);
-        it.executor.modes.at = match self.surface {
-            None => surface.axes, // it has ended: where the tool is
-            Some(_) => surface.on_axes(&surface.at),
-        };
-        self.surface = self.surface.map(|_| surface);
-        result
+        Form::Face => rename(ex, b'C', b'Y', |value| value),
     }
 }
 

@@ -115,48 +115,46 @@ const fn nose(number: u32) -> u32 {
     }
 }
 
-impl Fanuc {
-    /// Its value in program units.
-    pub(crate) fn tool_value(&self, ex: &Executor, which: ToolVariable) -> f64 {
-        let entry = ex.tools.entry(which.tool);
-        let Some(at) = place(which.part) else { return f64::from(nose(entry.orientation)) };
-        let wear = self.wear_of(ex, which.tool)[at];
-        let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
-        let mm = if which.wear { wear } else { sum - wear };
-        self.shown(at, mm) / ex.modes.units.in_mm()
-    }
+/// Its value in program units.
+pub(crate) fn tool_value(fanuc: &Fanuc, ex: &Executor, which: ToolVariable) -> f64 {
+    let entry = ex.tools.entry(which.tool);
+    let Some(at) = place(which.part) else { return f64::from(nose(entry.orientation)) };
+    let wear = wear_of(fanuc, ex, which.tool)[at];
+    let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
+    let mm = if which.wear { wear } else { sum - wear };
+    fanuc.shown(at, mm) / ex.modes.units.in_mm()
+}
 
-    /// Wear of X, Y, Z and radius, mm: as the program has set it, else as the tool table has it.
-    fn wear_of(&self, ex: &Executor, tool: u32) -> [f64; 4] {
-        let of_table = || {
-            let wear = ex.tools.library.get(tool).map(|tool| tool.wear).unwrap_or_default();
-            [0.0, 0.0, wear.length.value(), wear.radius.value()]
-        };
-        self.wear.get(&tool).copied().unwrap_or_else(of_table)
-    }
+/// Wear of X, Y, Z and radius, mm: as the program has set it, else as the tool table has it.
+fn wear_of(fanuc: &Fanuc, ex: &Executor, tool: u32) -> [f64; 4] {
+    let of_table = || {
+        let wear = ex.tools.library.get(tool).map(|tool| tool.wear).unwrap_or_default();
+        [0.0, 0.0, wear.length.value(), wear.radius.value()]
+    };
+    fanuc.wear.get(&tool).copied().unwrap_or_else(of_table)
+}
 
-    /// Set it, in program units.
-    pub(crate) fn set_tool(&mut self, ex: &mut Executor, which: ToolVariable, value: f64) {
-        let mut entry = ex.tools.entry(which.tool);
-        match place(which.part) {
-            None => entry.orientation = nose(value.clamp(0.0, 9.0) as u32),
-            Some(at) => {
-                let mm = self.radius(at, value * ex.modes.units.in_mm());
-                let known = self.wear_of(ex, which.tool);
-                let wear = self.wear.entry(which.tool).or_insert(known);
-                let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
-                let geometry = if which.wear { sum - wear[at] } else { mm };
-                if which.wear {
-                    wear[at] = mm;
-                }
-                let sum = geometry + wear[at];
-                if at == 3 {
-                    entry.diameter = 2.0 * sum;
-                } else {
-                    entry.offset[at] = sum;
-                }
+/// Set it, in program units.
+pub(crate) fn set_tool(fanuc: &mut Fanuc, ex: &mut Executor, which: ToolVariable, value: f64) {
+    let mut entry = ex.tools.entry(which.tool);
+    match place(which.part) {
+        None => entry.orientation = nose(value.clamp(0.0, 9.0) as u32),
+        Some(at) => {
+            let mm = fanuc.radius(at, value * ex.modes.units.in_mm());
+            let known = wear_of(fanuc, ex, which.tool);
+            let wear = fanuc.wear.entry(which.tool).or_insert(known);
+            let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
+            let geometry = if which.wear { sum - wear[at] } else { mm };
+            if which.wear {
+                wear[at] = mm;
+            }
+            let sum = geometry + wear[at];
+            if at == 3 {
+                entry.diameter = 2.0 * sum;
+            } else {
+                entry.offset[at] = sum;
             }
         }
-        ex.tools.written.write(entry);
     }
+    ex.tools.written.write(entry);
 }

@@ -16,7 +16,13 @@ use crate::{
     call::{Sink, out::Out},
     codes::number::near_whole,
     fault::{Outcome, refuse},
-    front_end::fanuc::state::{Fanuc, Variables},
+    front_end::fanuc::{
+        state::{Fanuc, Variables},
+        variables::{
+            Values,
+            system::{self, set_system},
+        },
+    },
     program::Program,
     state::executor::Executor,
     words::eval,
@@ -38,14 +44,6 @@ impl Default for Variables {
     }
 }
 
-/// Everything an expression may read.
-pub(crate) struct Values<'a> {
-    pub(crate) fanuc: &'a Fanuc,
-    pub(crate) executor: &'a Executor,
-    /// How many steps of what ROUND rounds to make one.
-    per_unit: f64,
-}
-
 /// To the nearest of so many steps per unit, halves away from zero.
 pub(crate) fn rounded(value: f64, per_unit: f64) -> f64 {
     (value * per_unit).round() / per_unit
@@ -62,65 +60,63 @@ impl Variables {
     }
 }
 
-impl Fanuc {
-    pub(crate) const fn values<'a>(&'a self, executor: &'a Executor) -> Values<'a> {
-        Values { fanuc: self, executor, per_unit: 1.0 }
-    }
+pub(crate) const fn values<'a>(fanuc: &'a Fanuc, executor: &'a Executor) -> Values<'a> {
+    Values { fanuc, executor, per_unit: 1.0 }
+}
 
-    /// The same for a word with so many least input increments in one.
-    pub(crate) const fn values_in<'a>(
-        &'a self,
-        executor: &'a Executor,
-        per_unit: f64,
-    ) -> Values<'a> {
-        Values { fanuc: self, executor, per_unit }
-    }
+/// The same for a word with so many least input increments in one.
+pub(crate) const fn values_in<'a>(
+    fanuc: &'a Fanuc,
+    executor: &'a Executor,
+    per_unit: f64,
+) -> Values<'a> {
+    Values { fanuc, executor, per_unit }
+}
 
-    /// What a variable has, for people.
-    pub(crate) fn variable_now(&self, executor: &Executor, number: usize) -> Option<f64> {
-        self.values(executor).variable(number, Span::default()).ok().flatten()
-    }
+/// What a variable has, for people.
+pub(crate) fn variable_now(fanuc: &Fanuc, executor: &Executor, number: usize) -> Option<f64> {
+    values(fanuc, executor).variable(number, Span::default()).ok().flatten()
+}
 
-    /// Set the block's variables; each sees those set before it.
-    pub(crate) fn assign<S: Sink>(
-        &mut self,
-        it: &mut Program<'_>,
-        out: &mut Out<'_, S>,
-    ) -> Outcome {
-        for i in 0..it.block.assignments.len() {
-            let assignment = it.block.assignments[i];
-            let span = assignment.span;
-            let Parameter::Numbered(number) = assignment.target else {
-                return refuse(
-                    "I1011",
-                    span,
-                    "variables have numbers here: #100 to #199, #500 to #999",
-                );
-            };
-            let values = self.values(&it.executor);
-            let number = variable(values.value(&it.block, number, span)?, span)?;
-            let value = values.value(&it.block, assignment.value, span)?;
-            match number {
-                1..=33 => self.variables.local[number - 1] = value,
-                100..=199 | 500..=999 => self.set_common(it, number, value),
-                _ if self.kind.has_more_variables(number) => {
-                    _ = match value {
-                        Some(value) => self.variables.more.insert(number, value),
-                        None => self.variables.more.remove(&number),
-                    }
+/// Set the block's variables; each sees those set before it.
+pub(crate) fn assign<S: Sink>(
+    fanuc: &mut Fanuc,
+    it: &mut Program<'_>,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    for i in 0..it.block.assignments.len() {
+        let assignment = it.block.assignments[i];
+        let span = assignment.span;
+        let Parameter::Numbered(number) = assignment.target else {
+            return refuse(
+                "I1011",
+                span,
+                "variables have numbers here: #100 to #199, #500 to #999",
+            );
+        };
+        let values = values(fanuc, &it.executor);
+        let number = variable(values.value(&it.block, number, span)?, span)?;
+        let value = values.value(&it.block, assignment.value, span)?;
+        match number {
+            1..=33 => fanuc.variables.local[number - 1] = value,
+            100..=199 | 500..=999 => set_common(fanuc, it, number, value),
+            _ if fanuc.kind.has_more_variables(number) => {
+                _ = match value {
+                    Some(value) => fanuc.variables.more.insert(number, value),
+                    None => fanuc.variables.more.remove(&number),
                 }
-                _ => self.set_system(it, number, value, out)?,
             }
+            _ => set_system(fanuc, it, number, value, out)?,
         }
-        Ok(())
     }
+    Ok(())
+}
 
-    /// A common variable; those that are kept go into the parameters, too.
-    fn set_common(&mut self, it: &mut Program<'_>, number: usize, value: Option<f64>) {
-        self.variables.common[number - 100] = value;
-        if number >= FIRST_KEPT {
-            it.executor.store.numbered.keep(number, value);
-        }
+/// A common variable; those that are kept go into the parameters, too.
+fn set_common(fanuc: &mut Fanuc, it: &mut Program<'_>, number: usize, value: Option<f64>) {
+    fanuc.variables.common[number - 100] = value;
+    if number >= FIRST_KEPT {
+        it.executor.store.numbered.keep(number, value);
     }
 }
 
@@ -183,7 +179,7 @@ impl Values<'_> {
             _ if self.fanuc.kind.has_more_variables(number) => {
                 self.fanuc.variables.more.get(&number).copied()
             }
-            _ => return self.system(number, span),
+            _ => return system::system(self, number, span),
         })
     }
 }
@@ -194,10 +190,6 @@ fn variable(value: Option<f64>, span: Span) -> Outcome<usize> {
         Some(Ok(number)) => Ok(number),
         _ => refuse("I0205", span, "expected the number of a variable after #"),
     }
-}
-
-pub(crate) fn comment(block: &Block) -> String {
-    block.comments.last().map_or_else(String::new, |c| block.text(c.text).trim().to_owned())
 }
 
 fn binary(operator: Operator, left: Option<f64>, right: Option<f64>, span: Span) -> Outcome<f64> {

@@ -26,92 +26,90 @@ use crate::{
 };
 use diag::Diagnostic;
 
-impl Fanuc {
-    /// The block's words as the shared language takes them.
-    pub(crate) fn accept(&mut self, ex: &mut Executor, sense: &Sense) -> Outcome {
-        let words = &mut ex.words;
-        let axes = words.any(AXES | POLAR);
-        let non_modal = words.g(GGroup::NonModal);
-        if non_modal == Some(530) && !axes {
-            words.forget_g(GGroup::NonModal);
-        }
-        if non_modal == Some(530) && axes && incremental(ex) {
-            self.machine_place_by_increments(ex);
-        }
-        let words = &mut ex.words;
-        if let Some(code @ 0..=30) = words.g(GGroup::Motion)
-            && axes
-            && matches!(non_modal, Some(280 | 300))
-        {
-            words.forget_g(GGroup::Motion);
-            ex.modes.motion = Motion::from_code(code);
-        }
-        if matches!(words.g(GGroup::Compensation), Some(410 | 420))
-            && !words.any(set("D"))
-            && words.g(GGroup::ToolLength).is_none()
-            && let (span, Some(number)) = (words.span(b'H'), words.take(b'H'))
-        {
-            words.put(b'D', number, span)?;
-        }
-        if self.is_lathe() && sense.feed && ex.recording.is_none() {
-            by_angle(ex)?;
-        }
-        self.straight_arc(ex, sense)
+/// The block's words as the shared language takes them.
+pub(crate) fn accept(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> Outcome {
+    let words = &mut ex.words;
+    let axes = words.any(AXES | POLAR);
+    let non_modal = words.g(GGroup::NonModal);
+    if non_modal == Some(530) && !axes {
+        words.forget_g(GGroup::NonModal);
     }
+    if non_modal == Some(530) && axes && incremental(ex) {
+        machine_place_by_increments(fanuc, ex);
+    }
+    let words = &mut ex.words;
+    if let Some(code @ 0..=30) = words.g(GGroup::Motion)
+        && axes
+        && matches!(non_modal, Some(280 | 300))
+    {
+        words.forget_g(GGroup::Motion);
+        ex.modes.motion = Motion::from_code(code);
+    }
+    if matches!(words.g(GGroup::Compensation), Some(410 | 420))
+        && !words.any(set("D"))
+        && words.g(GGroup::ToolLength).is_none()
+        && let (span, Some(number)) = (words.span(b'H'), words.take(b'H'))
+    {
+        words.put(b'D', number, span)?;
+    }
+    if fanuc.is_lathe() && sense.feed && ex.recording.is_none() {
+        by_angle(ex)?;
+    }
+    straight_arc(fanuc, ex, sense)
+}
 
-    /// G53 where words are increments.
-    fn machine_place_by_increments(&mut self, ex: &mut Executor) {
-        match self.kind {
-            Kind::Haas => {
-                ex.words.forget_g(GGroup::Distance);
-                ex.modes.incremental = false;
-                self.once.back_to_increments = true;
+/// G53 where words are increments.
+fn machine_place_by_increments(fanuc: &mut Fanuc, ex: &mut Executor) {
+    match fanuc.kind {
+        Kind::Haas => {
+            ex.words.forget_g(GGroup::Distance);
+            ex.modes.incremental = false;
+            fanuc.once.back_to_increments = true;
+        }
+        Kind::Mitsubishi => ex.words.forget_g(GGroup::NonModal),
+        _ => {
+            let named = b"XYZABCUVW".iter().filter_map(|letter| ex.words.get(*letter));
+            if !named.clone().all(|value| value == 0.0) {
+                return; // it is refused: nothing says how far that goes
             }
-            Kind::Mitsubishi => ex.words.forget_g(GGroup::NonModal),
-            _ => {
-                let named = b"XYZABCUVW".iter().filter_map(|letter| ex.words.get(*letter));
-                if !named.clone().all(|value| value == 0.0) {
-                    return; // it is refused: nothing says how far that goes
-                }
-                let span = ex.words.place.span;
-                for letter in *b"XYZABCUVW" {
-                    ex.words.take(letter);
-                }
-                ex.words.forget_g(GGroup::NonModal);
-                let text = "G53 has no effect while G91 is in force: nothing moves";
-                let help = "write G90 before it to go to the machine's zero";
-                ex.remarks.push(Diagnostic::warning("I1066", span, text).with_help(help));
+            let span = ex.words.place.span;
+            for letter in *b"XYZABCUVW" {
+                ex.words.take(letter);
             }
+            ex.words.forget_g(GGroup::NonModal);
+            let text = "G53 has no effect while G91 is in force: nothing moves";
+            let help = "write G90 before it to go to the machine's zero";
+            ex.remarks.push(Diagnostic::warning("I1066", span, text).with_help(help));
         }
     }
+}
 
-    /// An arc that says nothing of its circle.
-    fn straight_arc(&mut self, ex: &mut Executor, sense: &Sense) -> Outcome {
-        let arc = match ex.words.g(GGroup::Motion) {
-            Some(code @ (20 | 30)) => Motion::from_code(code),
-            Some(_) => return Ok(()),
-            None => in_force(ex),
-        };
-        let is_arc = matches!(arc, Motion::ArcClockwise | Motion::ArcCounterclockwise);
-        let moves = ex.words.any(AXES) && ex.words.g(GGroup::NonModal).is_none();
-        if !is_arc || !moves || sense.cycle || ex.words.any(CENTRE | set("R")) {
-            return Ok(());
-        }
-        let span = ex.words.place.span;
-        self.once.straight = Some(arc);
-        ex.words.forget_g(GGroup::Motion);
-        ex.words.take_g(1.0, span)?;
-        let letters = ex.modes.plane_axes().map(|axis| char::from(b"IJK"[axis]));
-        let text = format!(
-            "this arc has neither centre ({} and {}) nor radius (R), and goes straight",
-            letters[0], letters[1]
-        );
-        ex.remarks.push(
-            Diagnostic::warning("I0419", span, text)
-                .with_help("write G1 if that is meant; other controls stop here with an alarm"),
-        );
-        Ok(())
+/// An arc that says nothing of its circle.
+fn straight_arc(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> Outcome {
+    let arc = match ex.words.g(GGroup::Motion) {
+        Some(code @ (20 | 30)) => Motion::from_code(code),
+        Some(_) => return Ok(()),
+        None => in_force(ex),
+    };
+    let is_arc = matches!(arc, Motion::ArcClockwise | Motion::ArcCounterclockwise);
+    let moves = ex.words.any(AXES) && ex.words.g(GGroup::NonModal).is_none();
+    if !is_arc || !moves || sense.cycle || ex.words.any(CENTRE | set("R")) {
+        return Ok(());
     }
+    let span = ex.words.place.span;
+    fanuc.once.straight = Some(arc);
+    ex.words.forget_g(GGroup::Motion);
+    ex.words.take_g(1.0, span)?;
+    let letters = ex.modes.plane_axes().map(|axis| char::from(b"IJK"[axis]));
+    let text = format!(
+        "this arc has neither centre ({} and {}) nor radius (R), and goes straight",
+        letters[0], letters[1]
+    );
+    ex.remarks.push(
+        Diagnostic::warning("I0419", span, text)
+            .with_help("write G1 if that is meant; other controls stop here with an alarm"),
+    );
+    Ok(())
 }
 
 /// `G1 X A` or `G1 Z A` on a lathe: the other coordinate, where a line at that angle leads, counted from +Z.

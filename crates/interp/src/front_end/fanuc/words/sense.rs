@@ -51,118 +51,114 @@ pub(crate) struct Sense {
     pub(crate) spindle: bool,
 }
 
-impl Fanuc {
-    /// What the codes of the block say about the other words.
-    pub(crate) fn sense(&mut self, ex: &Executor, said: &[Said]) -> Sense {
-        let mut sense = Sense {
-            cycle: matches!(ex.modes.motion, Motion::Cycle(_)),
-            tap: matches!(ex.modes.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
-            thread: ex.modes.motion == Motion::Thread,
-            feed: in_force(ex) == Motion::Feed,
-            per_revolution: ex.modes.feed_mode == FeedMode::PerRevolution,
-            ..Sense::default()
-        };
-        let mut plain_offset = false;
-        for word in said.iter().filter(|word| matches!(word.letter, b'G' | b'M')) {
-            match (word.letter, tenths(word.value)) {
-                (b'G', Some(code)) => match meaning(self.kind, code) {
-                    Meaning::Shared(40) => sense.dwell = true,
-                    Meaning::Shared(100) => sense.set_offset = true,
-                    Meaning::Shared(920) => sense.position = said.iter().any(|s| s.letter == b'S'),
-                    Meaning::Shared(541) => sense.more_offsets = true,
-                    Meaning::Shared(540) => {
-                        plain_offset = said.iter().any(|s| s.letter == b'P');
-                    }
-                    Meaning::Shared(300) => sense.reference = true,
-                    Meaning::Smoothing => sense.smoothing = true,
-                    Meaning::Smoothness => sense.smoothness = true,
-                    Meaning::Skip | Meaning::Check => {
-                        (sense.motion, sense.cycle) = (true, false);
-                        self.growing = false;
-                    }
-                    Meaning::StrokeCheck(_) | Meaning::Cylinder => {
-                        (sense.zone, sense.cycle) = (true, false);
-                    }
-                    Meaning::Shared(960) => sense.surface_speed = true,
-                    Meaning::Shared(code @ (940 | 950)) => sense.per_revolution = code == 950,
-                    Meaning::Shared(code @ (0..=30 | 730..=890 | crate::codes::OWN..)) => {
-                        sense.motion = true;
-                        sense.feed = code == 10;
-                        sense.cycle = code >= 730 && code != 800;
-                        sense.tap = matches!(code, 740 | 840 | 842 | 843);
-                        sense.thread = false;
-                        (self.lathe_cycle, self.growing) = (None, false);
-                    }
-                    Meaning::Thread => {
-                        (sense.motion, sense.cycle, sense.thread) = (true, false, true);
-                        (self.lathe_cycle, self.growing) = (None, false);
-                    }
-                    Meaning::Box(code) => {
-                        (sense.motion, sense.cycle) = (true, false);
-                        (self.lathe_cycle, self.growing) = (Some(code), false);
-                        self.corner = None;
-                        sense.thread = code == 780;
-                    }
-                    _ => {}
-                },
-                (b'M', Some(code @ (980 | 1980))) => {
-                    (sense.call, sense.in_file) = (true, code == 1980);
+/// What the codes of the block say about the other words.
+pub(crate) fn sense(fanuc: &mut Fanuc, ex: &Executor, said: &[Said]) -> Sense {
+    let mut sense = Sense {
+        cycle: matches!(ex.modes.motion, Motion::Cycle(_)),
+        tap: matches!(ex.modes.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
+        thread: ex.modes.motion == Motion::Thread,
+        feed: in_force(ex) == Motion::Feed,
+        per_revolution: ex.modes.feed_mode == FeedMode::PerRevolution,
+        ..Sense::default()
+    };
+    let mut plain_offset = false;
+    for word in said.iter().filter(|word| matches!(word.letter, b'G' | b'M')) {
+        match (word.letter, tenths(word.value)) {
+            (b'G', Some(code)) => match meaning(fanuc.kind, code) {
+                Meaning::Shared(40) => sense.dwell = true,
+                Meaning::Shared(100) => sense.set_offset = true,
+                Meaning::Shared(920) => sense.position = said.iter().any(|s| s.letter == b'S'),
+                Meaning::Shared(541) => sense.more_offsets = true,
+                Meaning::Shared(540) => {
+                    plain_offset = said.iter().any(|s| s.letter == b'P');
                 }
-                (b'M', Some(970)) if self.kind == Kind::Haas => {
-                    (sense.call, sense.local) = (true, true);
+                Meaning::Shared(300) => sense.reference = true,
+                Meaning::Smoothing => sense.smoothing = true,
+                Meaning::Smoothness => sense.smoothness = true,
+                Meaning::Skip | Meaning::Check => {
+                    (sense.motion, sense.cycle) = (true, false);
+                    fanuc.growing = false;
                 }
-                (b'M', Some(990)) => sense.back = true,
-                (b'M', Some(30 | 40 | 50 | 190)) => sense.spindle = true,
+                Meaning::StrokeCheck(_) | Meaning::Cylinder => {
+                    (sense.zone, sense.cycle) = (true, false);
+                }
+                Meaning::Shared(960) => sense.surface_speed = true,
+                Meaning::Shared(code @ (940 | 950)) => sense.per_revolution = code == 950,
+                Meaning::Shared(code @ (0..=30 | 730..=890 | crate::codes::OWN..)) => {
+                    sense.motion = true;
+                    sense.feed = code == 10;
+                    sense.cycle = code >= 730 && code != 800;
+                    sense.tap = matches!(code, 740 | 840 | 842 | 843);
+                    sense.thread = false;
+                    (fanuc.lathe_cycle, fanuc.growing) = (None, false);
+                }
+                Meaning::Thread => {
+                    (sense.motion, sense.cycle, sense.thread) = (true, false, true);
+                    (fanuc.lathe_cycle, fanuc.growing) = (None, false);
+                }
+                Meaning::Box(code) => {
+                    (sense.motion, sense.cycle) = (true, false);
+                    (fanuc.lathe_cycle, fanuc.growing) = (Some(code), false);
+                    fanuc.corner = None;
+                    sense.thread = code == 780;
+                }
                 _ => {}
+            },
+            (b'M', Some(code @ (980 | 1980))) => {
+                (sense.call, sense.in_file) = (true, code == 1980);
             }
+            (b'M', Some(970)) if fanuc.kind == Kind::Haas => {
+                (sense.call, sense.local) = (true, true);
+            }
+            (b'M', Some(990)) => sense.back = true,
+            (b'M', Some(30 | 40 | 50 | 190)) => sense.spindle = true,
+            _ => {}
         }
-        sense.thread |= self.lathe_cycle == Some(780);
-        let other =
-            sense.dwell || sense.set_offset || sense.position || sense.reference || sense.zone;
-        sense.feed &= !(other || sense.thread || sense.call);
-        // P of G54 belongs to what else the block orders
-        sense.more_offsets |= plain_offset && !(sense.call || sense.dwell || sense.cycle);
-        sense
     }
+    sense.thread |= fanuc.lathe_cycle == Some(780);
+    let other = sense.dwell || sense.set_offset || sense.position || sense.reference || sense.zone;
+    sense.feed &= !(other || sense.thread || sense.call);
+    // P of G54 belongs to what else the block orders
+    sense.more_offsets |= plain_offset && !(sense.call || sense.dwell || sense.cycle);
+    sense
+}
 
-    /// Words that the shared codes need and Fanuc leaves out.
-    pub(crate) fn complete(&mut self, ex: &mut Executor, sense: &Sense) -> Outcome {
-        let span = ex.words.place.span;
-        if sense.cycle
-            && ex.words.get(b'P').is_none()
-            && ex.modes.sticky.is_none_or(|s| s.dwell.is_none())
-        {
-            let waits =
-                matches!(ex.words.g(crate::codes::GGroup::Motion), Some(820 | 860 | 880 | 890));
-            if waits {
-                ex.words.put(b'P', 0.0, span)?;
-            }
+/// Words that the shared codes need and Fanuc leaves out.
+pub(crate) fn complete(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> Outcome {
+    let span = ex.words.place.span;
+    if sense.cycle
+        && ex.words.get(b'P').is_none()
+        && ex.modes.sticky.is_none_or(|s| s.dwell.is_none())
+    {
+        let waits = matches!(ex.words.g(crate::codes::GGroup::Motion), Some(820 | 860 | 880 | 890));
+        if waits {
+            ex.words.put(b'P', 0.0, span)?;
         }
-        if self.kind == Kind::Haas && sense.cycle {
-            level_where_it_stands(ex)?;
-        }
-        if sense.thread
-            && self.lathe_cycle.is_none()
-            && let Some(lead) = self.lead.filter(|_| ex.words.any(crate::codes::AXES))
-        {
-            ex.words.put(b'K', lead, span)?;
-        }
-        if ex.words.m(crate::codes::MGroup::Spindle) == Some(19) && ex.words.get(b'R').is_none() {
-            ex.words.put(b'R', 0.0, span)?;
-        }
-        if sense.surface_speed {
-            if ex.words.get(b'S').is_none() {
-                ex.words.put(b'S', ex.modes.spindle.speed, span)?;
-            }
-            if ex.words.g(crate::codes::GGroup::SpindleMode).is_none() {
-                ex.words.take_g(96.0, span)?;
-            }
-            if let Some(top) = self.top_speed {
-                ex.words.put(b'D', top, span)?;
-            }
-        }
-        Ok(())
     }
+    if fanuc.kind == Kind::Haas && sense.cycle {
+        level_where_it_stands(ex)?;
+    }
+    if sense.thread
+        && fanuc.lathe_cycle.is_none()
+        && let Some(lead) = fanuc.lead.filter(|_| ex.words.any(crate::codes::AXES))
+    {
+        ex.words.put(b'K', lead, span)?;
+    }
+    if ex.words.m(crate::codes::MGroup::Spindle) == Some(19) && ex.words.get(b'R').is_none() {
+        ex.words.put(b'R', 0.0, span)?;
+    }
+    if sense.surface_speed {
+        if ex.words.get(b'S').is_none() {
+            ex.words.put(b'S', ex.modes.spindle.speed, span)?;
+        }
+        if ex.words.g(crate::codes::GGroup::SpindleMode).is_none() {
+            ex.words.take_g(96.0, span)?;
+        }
+        if let Some(top) = fanuc.top_speed {
+            ex.words.put(b'D', top, span)?;
+        }
+    }
+    Ok(())
 }
 
 /// A cycle of Haas' without R, where none before it has one: it feeds from where the tool stands.
