@@ -23,7 +23,7 @@ use crate::{
     coordinates::{distances, offsets},
     cycles::{
         cam, hobbing,
-        holes::{self, chips, rigid},
+        holes::{self, chip_removal, rigid},
         thread_cycle, turning,
     },
     fault::{Outcome, error, refuse},
@@ -141,7 +141,7 @@ fn obey<S: Sink>(
 ) -> Outcome<After> {
     let before = ex.words.m(MGroup::Tool).map(|_| ex.modes.place());
     let modal = motion.map_or(0, letters_of);
-    let beside = chips::letters_beside(&ex.settings, motion);
+    let beside = chip_removal::letters_beside(&ex.settings, motion);
     if ex.settings.rules.has_laser {
         remark_on_laser(ex);
     }

@@ -6,7 +6,7 @@ use crate::{
     call::{Call, Place, Sink},
     cycles::{
         cam, hobbing,
-        holes::{chips, hole, taps},
+        holes::{chip_removal, hole, tap},
         polygon,
     },
     fault::unknown::Unknown,
@@ -43,8 +43,8 @@ impl Sink for Resolver {
             }
             Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
             Call::Hole(hole) => hole::operation(self, hole, span),
-            Call::ThrowChips(hole) => chips::throw_chips_after_drilling(self, hole, span),
-            Call::Tap(tap) => taps::operation(self, tap, span),
+            Call::ThrowChips(hole) => chip_removal::throw_chips_after_drilling(self, hole, span),
+            Call::Tap(tap) => tap::operation(self, tap, span),
             Call::RigidTap { to, lead, return_factor, sense } => {
                 threads::tap_operation(self, to, *lead, *return_factor, *sense, span);
             }

@@ -1,12 +1,12 @@
 //! One hole of a cycle: in, what is done at the bottom, and out again.
 use crate::{
-    call::{Call, CycleHole, CycleTap, Sink, Units, out::Out},
-    cycles::holes::boring,
-    geometry::frame::Point,
-    modes::{
-        Cycle, Modes,
-        tapping::{Shift, TapWords},
+    call::{Call, CycleHole, CycleTap, Sink, out::Out},
+    cycles::holes::{
+        back_bore, bore, drill, fine_bore,
+        pattern::{Pattern, at_level},
+        peck,
     },
+    modes::{Cycle, Modes},
     resolve::{Resolver, position},
     state::executor::Settings,
     words::Words,
@@ -14,13 +14,6 @@ use crate::{
 use canon::{Hole, OpKind};
 use diag::Span;
 use units::Length;
-
-/// How far above the last depth the rapid back into the hole ends, and how far G73 backs off: 0.010 inch.
-const CLEARANCE_INCH: f64 = 0.010;
-/// Cycles that begin where the bore ends.
-pub(crate) const fn bores_upwards(cycle: Cycle) -> bool {
-    matches!(cycle, Cycle::BoreUpwards)
-}
 
 /// One hole, at the place where the plane's two axes are to stand.
 pub(crate) fn hole<S: Sink>(
@@ -42,7 +35,7 @@ pub(crate) fn hole<S: Sink>(
         throw_rpm,
     };
     let tap = pattern.cycle.tap_sense();
-    let upwards = bores_upwards(pattern.cycle);
+    let upwards = fine_bore::bores_upwards(pattern.cycle);
     if tap.is_none() && pattern.shift.is_none() && !upwards {
         out.say(&Call::Hole(hole));
     }
@@ -52,17 +45,17 @@ pub(crate) fn hole<S: Sink>(
     }
     if upwards {
         let levels = [pattern.bottom, pattern.counterbore];
-        boring::bore_upwards(modes, settings, &at, levels, (pattern.peck, pattern.dwell), out);
+        fine_bore::bore_upwards(modes, settings, &at, levels, (pattern.peck, pattern.dwell), out);
     } else if let Some(shift) = pattern.shift {
         let levels = [pattern.bottom, pattern.counterbore, pattern.clear];
-        boring::back_bore(modes, &at, levels, shift, out);
+        back_bore::back_bore(modes, &at, levels, shift, out);
     } else if let Some(sense) = tap {
         let overrides = (modes.feed_override, modes.speed_override);
         let call = pattern.tap.call(hole, sense, pattern.dwell, overrides);
         let feed_stated = words.get(b'F').is_some();
         out.say(&Call::Tap(CycleTap { feed_stated, ..call }));
     } else {
-        down_and_out(modes, settings, pattern, &hole, n, out);
+        down_and_out(modes, settings, pattern, &hole, out);
     }
     modes.at[n] = pattern.clear;
 }
@@ -72,62 +65,24 @@ fn down_and_out<S: Sink>(
     settings: &Settings,
     pattern: &Pattern,
     hole: &CycleHole,
-    n: usize,
     out: &mut Out<'_, S>,
 ) {
-    let level = |value: f64| -> Point {
-        let mut point = hole.at;
-        point[n] = value;
-        point
-    };
     if matches!(pattern.cycle, Cycle::ChipBreak | Cycle::Peck) {
-        peck(modes, pattern, level, out);
+        peck::in_pecks(modes, pattern, hole, out);
     }
-    out.say(&Call::Line(level(pattern.bottom)));
-    let clear = level(pattern.clear);
+    let [bottom, clear] = [pattern.bottom, pattern.clear].map(|level| at_level(hole, level));
+    out.say(&Call::Line(bottom));
     match pattern.cycle {
-        Cycle::Drill | Cycle::DrillDwell => {
-            if pattern.cycle == Cycle::DrillDwell || pattern.dwell > 0.0 {
-                out.say(&Call::Dwell(pattern.dwell));
-            }
-            if hole.throw_rpm.is_some() {
-                out.say(&Call::ThrowChips(*hole));
-            }
-            out.say(&Call::Rapid(clear));
-        }
-        Cycle::BoreFeedOut => {
-            out.say(&Call::Line(level(pattern.r)));
-            out.say(&Call::Rapid(clear));
-        }
-        Cycle::BoreDwellFeedOut => {
-            out.say(&Call::Dwell(pattern.dwell));
-            out.say(&Call::Line(clear));
-        }
-        Cycle::BoreStopOut => {
-            out.say(&Call::Dwell(pattern.dwell));
-            out.say(&Call::SpindleStop);
-            out.say(&Call::Rapid(clear));
-            boring::turn_again(modes, out);
-        }
+        Cycle::Drill | Cycle::DrillDwell => drill::out(pattern, hole, out),
+        Cycle::BoreFeedOut => bore::feed_out(pattern, hole, out),
+        Cycle::BoreDwellFeedOut => bore::wait_and_feed_out(pattern, hole, out),
+        Cycle::BoreStopOut => bore::stop_and_out(modes, pattern, hole, out),
+        Cycle::BoreManualOut => bore::out_by_hand(modes, pattern, hole, out),
         Cycle::FineBore => {
             if pattern.dwell > 0.0 {
                 out.say(&Call::Dwell(pattern.dwell));
             }
-            boring::fine_bore_out(
-                modes,
-                settings,
-                &level(pattern.bottom),
-                &clear,
-                pattern.peck,
-                out,
-            );
-        }
-        Cycle::BoreManualOut => {
-            out.say(&Call::Dwell(pattern.dwell));
-            out.say(&Call::SpindleStop);
-            out.say(&Call::Stop);
-            out.say(&Call::OutByHand(clear));
-            boring::turn_again(modes, out);
+            fine_bore::out(modes, settings, &bottom, &clear, pattern.peck, out);
         }
         Cycle::ChipBreak
         | Cycle::Peck
@@ -140,41 +95,6 @@ fn down_and_out<S: Sink>(
         | Cycle::SynchroLeft
         | Cycle::SynchroRight => out.say(&Call::Rapid(clear)),
     }
-}
-
-/// All pecks but the last.
-fn peck<S: Sink>(
-    modes: &Modes,
-    pattern: &Pattern,
-    level: impl Fn(f64) -> Point,
-    out: &mut Out<'_, S>,
-) {
-    let clearance = match modes.units {
-        Units::Inch => CLEARANCE_INCH,
-        Units::Millimetre => CLEARANCE_INCH * units::MM_PER_INCH,
-    };
-    let mut depth = pattern.r - pattern.peck;
-    while depth > pattern.bottom {
-        out.say(&Call::Line(level(depth)));
-        if pattern.cycle == Cycle::Peck {
-            out.say(&Call::Rapid(level(pattern.r)));
-        }
-        out.say(&Call::Rapid(level(depth + clearance)));
-        depth -= pattern.peck;
-    }
-}
-
-/// A cycle with its words read and checked.
-pub(crate) struct Pattern {
-    pub(crate) cycle: Cycle,
-    pub(crate) r: f64,
-    pub(crate) bottom: f64,
-    pub(crate) clear: f64,
-    pub(crate) dwell: f64,
-    pub(crate) peck: f64,
-    pub(crate) tap: TapWords,
-    pub(crate) shift: Option<Shift>,
-    pub(crate) counterbore: f64,
 }
 
 /// Where it is drilled or bored, for those who judge the part.

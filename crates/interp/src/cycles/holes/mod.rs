@@ -1,5 +1,8 @@
 //! The drilling, tapping and boring cycles, written once for the three planes.
 //!
+//! What they have in common is here: where the holes are, how often, at which levels. [`hole`] makes one hole of a
+//! [`pattern`], and each cycle has its own file.
+//!
 //! ```text
 //!   initial ┬ · · · ·●━━━━━━━━━━━┓ · · · · G98 returns here
 //!           │ rapid              ┃
@@ -18,36 +21,34 @@
 //! initial level too). A tap without P waits as long as the last cycle that had one, whichever it was.
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
-pub(crate) mod boring;
-pub(crate) mod chips;
+pub(crate) mod back_bore;
+pub(crate) mod bore;
+pub(crate) mod chip_removal;
+pub(crate) mod drill;
+pub(crate) mod fine_bore;
 pub(crate) mod hole;
+pub(crate) mod pattern;
+pub(crate) mod peck;
 pub(crate) mod rigid;
-pub(crate) mod synchro;
-pub(crate) mod taps;
+pub(crate) mod synchro_tap;
+pub(crate) mod tap;
 
 use crate::{
-    call::{Call, Corners, Sense, Sink, out::Out},
+    call::{Call, Corners, Sink, out::Out},
     codes::{
         AXES, GGroup, POLAR,
         spelling::{Written, short},
     },
     coordinates::target,
-    cycles::holes::hole::Pattern,
+    cycles::holes::pattern::Pattern,
     dialect::DepthFrom,
     fault::{Outcome, error, refuse},
-    modes::{
-        Cycle, Modes, Sticky,
-        tapping::{Rigid, TapWords},
-    },
+    modes::{Cycle, Modes, Sticky, tapping::TapWords},
     motion,
     state::{executor::Settings, tools::Tools},
     words::Words,
 };
 use diag::Diagnostic;
-
-/// More pecks than this in one hole are a slip of the pen, and more in all holes of a block: each is held until the block is over.
-const MAX_PECKS: f64 = 10_000.0;
-const MAX_PECKS_OF_BLOCK: f64 = 100_000.0;
 
 pub(crate) fn cycle<S: Sink>(
     words: &Words,
@@ -66,12 +67,12 @@ pub(crate) fn cycle<S: Sink>(
             format!("G{code} needs an axis word: where to drill"),
         );
     }
-    if !rigid::lead_is_the_taps(modes, tools, cycle) && !cycle.is_synchro() {
+    if !tap::lead_is_the_taps(modes, tools, cycle) && !cycle.is_synchro() {
         motion::check_cycle_feed(words, modes, code)?;
     }
     let repeats = repeats(words, modes, settings, cycle, out)?;
     let mut sticky = sticky(words, modes, settings, cycle, code)?;
-    sticky.chips = chips::chips(words, modes, settings, cycle, code, sticky.chips, out)?;
+    sticky.chips = chip_removal::chips(words, modes, settings, cycle, code, sticky.chips, out)?;
     if repeats == 0 {
         // Fanuc's K0: the words are kept for the blocks that follow
         modes.sticky = Some(sticky);
@@ -79,7 +80,7 @@ pub(crate) fn cycle<S: Sink>(
     }
     let initial = *modes.initial.get_or_insert(modes.at[n]);
     let pattern = pattern(words, modes, settings, cycle, code, &sticky, initial)?;
-    check_pecks_of_block(words, settings, repeats, &pattern)?;
+    peck::check_block(words, settings, repeats, &pattern)?;
     check_spindle(words, modes, settings, cycle, code)?;
     if modes.sticky.is_none() || words.g(GGroup::Motion).is_some() {
         modes.repetition = 0;
@@ -101,34 +102,11 @@ pub(crate) fn cycle<S: Sink>(
     }
     for step in 0..repeats {
         step_in_plane(words, modes, [a, b], step)?;
-        let throw_rpm = chips::throw_after_this(modes, sticky.chips);
+        let throw_rpm = chip_removal::throw_after_this(modes, sticky.chips);
         hole::hole(words, modes, settings, &pattern, throw_rpm, out);
     }
     if !exact {
         out.say(&Call::PathControl { corners: modes.corners, merge: Some(modes.merge) });
-    }
-    Ok(())
-}
-
-/// Pecks are moves that are held in memory until their block is over.
-fn check_pecks_of_block(
-    words: &Words,
-    settings: &Settings,
-    repeats: u32,
-    pattern: &Pattern,
-) -> Outcome {
-    if !matches!(pattern.cycle, Cycle::ChipBreak | Cycle::Peck) {
-        return Ok(());
-    }
-    let letter = settings.rules.repeats;
-    let pecks = f64::from(repeats) * ((pattern.r - pattern.bottom) / pattern.peck).ceil();
-    if pecks > MAX_PECKS_OF_BLOCK {
-        let name = letter as char;
-        let text = format!(
-            "{name}{repeats} of these holes would make {pecks} pecks in one block: at most {MAX_PECKS_OF_BLOCK} are made; \
-             a larger Q or a smaller {name} works"
-        );
-        return refuse("I0511", words.span(letter), text);
     }
     Ok(())
 }
@@ -233,32 +211,20 @@ fn sticky(
         );
     }
     if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) {
-        match peck {
-            None => {
-                return refuse("I0508", span, format!("G{code} needs Q, the depth of each peck"));
-            }
-            Some(q) if q <= 0.0 => {
-                return refuse(
-                    "I0509",
-                    words.span(b'Q'),
-                    format!("Q is the depth of each peck, above 0, found {q}"),
-                );
-            }
-            Some(_) => {}
-        }
+        peck::check_word(words, code, peck)?;
     }
     if matches!(cycle, Cycle::FineBore | Cycle::BoreUpwards) {
-        boring::check_fine_boring(words, modes, cycle, peck)?;
+        fine_bore::check_fine_boring(words, modes, cycle, peck)?;
     }
     let tap = match cycle.tap_sense() {
         Some(_) if cycle.is_synchro() => {
-            synchro::synchro_words(words, modes, cycle, kept.map(|k| k.tap))?
+            synchro_tap::synchro_words(words, modes, cycle, kept.map(|k| k.tap))?
         }
-        Some(_) => rigid::tap_words(words, kept.map(|k| k.tap))?,
+        Some(_) => tap::tap_words(words, kept.map(|k| k.tap))?,
         None => TapWords::default(),
     };
     let chips = kept.and_then(|k| k.chips);
-    let shift = boring::shift_words(words, cycle, kept.and_then(|k| k.shift))?;
+    let shift = back_bore::shift_words(words, cycle, kept.and_then(|k| k.shift))?;
     Ok(Sticky { r, bottom, by_way, dwell, peck, tap, shift, chips, plane: modes.plane })
 }
 
@@ -271,9 +237,9 @@ fn pattern(
     sticky: &Sticky,
     initial: f64,
 ) -> Outcome<Pattern> {
-    if crate::cycles::holes::hole::bores_upwards(cycle) {
+    if fine_bore::bores_upwards(cycle) {
         let [bottom, counterbore] =
-            boring::upward_levels(words, modes, sticky.r, sticky.bottom, initial)?;
+            fine_bore::upward_levels(words, modes, sticky.r, sticky.bottom, initial)?;
         let (dwell, peck) = (sticky.dwell.unwrap_or(0.0), sticky.peck.unwrap_or(0.0));
         let (tap, shift) = (sticky.tap, None);
         let (r, clear) = (initial, initial);
@@ -290,17 +256,13 @@ fn pattern(
         return Err(upside_down(words, modes, settings, code, r, bottom).into());
     }
     let peck = sticky.peck.unwrap_or(f64::INFINITY);
-    if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {
-        let text = format!(
-            "Q{peck} would make more than {MAX_PECKS} pecks: at least {} is needed",
-            short((r - bottom) / MAX_PECKS)
-        );
-        return refuse("I0511", words.span(b'Q'), text);
+    if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) {
+        peck::check_depth(words, peck, r - bottom)?;
     }
-    rigid::check_pecks(words, &sticky.tap, r - bottom)?;
+    tap::check_pecks(words, &sticky.tap, r - bottom)?;
     let clear = if modes.retract_to_initial { initial.max(r) } else { r };
     let dwell = sticky.dwell.unwrap_or(0.0);
-    let counterbore = boring::counterbore(words, modes, sticky.shift, bottom)?;
+    let counterbore = back_bore::counterbore(words, modes, sticky.shift, bottom)?;
     let (tap, shift) = (sticky.tap, sticky.shift);
     Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore })
 }
@@ -343,33 +305,8 @@ fn check_spindle(
 ) -> Outcome {
     let turning = modes.spindle.turning;
     let span = words.place.span;
-    let by_cycle = settings.rules.taps_turn_spindle;
-    let turned = by_cycle && modes.spindle.speed > 0.0;
-    let rigid = modes.rigid != Rigid::Off || turned;
-    match (cycle.tap_sense(), turning) {
-        (Some(_), _) if cycle.is_synchro() && turned => return Ok(()),
-        (Some(_), None) if by_cycle && !rigid => {
-            let text = format!("G{code} needs S, the speed of the tap, in its block or before it");
-            return refuse("I0597", span, text);
-        }
-        (Some(_), None) if rigid => return Ok(()),
-        (Some(sense), None) => {
-            let start = if sense == Sense::Clockwise { "M3" } else { "M4" };
-            let text = format!("G{code} needs a turning spindle: write {start} and S before it");
-            let fault = error("I0512", span, text);
-            return Err(fault.with_help("or M29 and S: the cycle turns it then").into());
-        }
-        (Some(Sense::Clockwise), Some(Sense::Counterclockwise)) => {
-            let text = format!("G{code} taps right-hand threads and needs M3, but M4 is in force");
-            let fault = error("I0513", span, text);
-            return Err(fault.with_help("G74 taps left-hand threads with M4").into());
-        }
-        (Some(Sense::Counterclockwise), Some(Sense::Clockwise)) => {
-            let text = format!("G{code} taps left-hand threads and needs M4, but M3 is in force");
-            let fault = error("I0514", span, text);
-            return Err(fault.with_help("G84 taps right-hand threads with M3").into());
-        }
-        _ => {}
+    if let Some(sense) = cycle.tap_sense() {
+        return tap::check_spindle(words, modes, settings, (cycle, sense), code);
     }
     match (cycle, turning) {
         (

@@ -1,10 +1,10 @@
 //! Brother's tapping centres: the shared language with cycles of their own.
 //!
 //! ```text
-//!   G77, G78   synchronised tapping by its pitch      synchro.rs      
-//!   G100       non-stop tool change                   tool_change.rs
+//!   G77, G78   synchronised tapping by its pitch      cycles/holes/synchro_tap.rs
+//!   G100       non-stop tool change                   auxiliary/tool_change.rs
 //!   K          counts repetitions, in the place of L
-//!   U, E       chip removal on the way                chips.rs
+//!   U, E       chip removal on the way                cycles/holes/chip_removal.rs
 //! ```
 //!
 //! In this dialect G84 and G74 turn the spindle themselves as well: S in their block is enough.

@@ -16,7 +16,7 @@
 //! for CNC-A00 have P in G77, the later ones have not: it is read.
 use crate::{
     call::ReturnSpeed,
-    cycles::holes::rigid,
+    cycles::holes::tap,
     fault::{Outcome, refuse},
     modes::{Cycle, Modes, tapping::TapWords},
     words::Words,
@@ -55,6 +55,6 @@ pub(crate) fn synchro_words(
         return refuse("I0594", words.place.span, text);
     }
     let return_speed = out.map_or(kept.return_speed, ReturnSpeed::Rpm);
-    let peck = rigid::peck_word(words, kept.peck)?;
+    let peck = tap::peck_word(words, kept.peck)?;
     Ok(TapWords { return_speed, peck, lead_mm, ..kept })
 }
