@@ -13,6 +13,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// Public types to which a layer above adds what it brings (snapshots, pieces of long programs), and in how many files at most.
+const OPEN_TO_LAYERS_ABOVE: [(&str, usize); 2] = [("Interpreter", 4), ("Ops", 2)];
+
 #[test]
 fn no_circle_of_files_is_larger_than_before() {
     let listed: BTreeMap<String, usize> = include_str!("circles.txt")
@@ -82,7 +85,9 @@ fn a_type_of_the_interpreter_has_its_methods_in_one_file() {
             homes.entry(of).or_default().insert(name.clone());
         }
     }
-    let spread: Vec<_> = homes.iter().filter(|(_, files)| files.len() > 1).collect();
+    let most =
+        |of: &str| OPEN_TO_LAYERS_ABOVE.iter().find(|(name, _)| *name == of).map_or(1, |(_, n)| *n);
+    let spread: Vec<_> = homes.iter().filter(|(of, files)| files.len() > most(of)).collect();
     assert!(spread.is_empty(), "{spread:#?}");
 }
 

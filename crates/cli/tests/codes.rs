@@ -99,10 +99,10 @@ fn meaning(program: &str, before: &str, dialect: interp::Dialect) -> String {
 
 /// The calls in LinuxCNC's notation without their numbers, and the code of the first error.
 fn listing(program: &str, dialect: interp::Dialect) -> (Vec<String>, Option<&'static str>) {
-    let clamp = interp::UserCode {
+    let clamp = interp::MachineCode {
         number: 101,
         name: "clamp the vice".into(),
-        action: interp::UserAction::None,
+        action: interp::CodeAction::None,
     };
     let file = interp::Subprogram { name: "8".into(), source: b"G0 X2.\nM99\n".to_vec() };
     let setup = interp::Setup {

@@ -71,7 +71,7 @@ pub struct Setup {
     /// Files that `o<name> call` may open.
     pub subprograms: Vec<Subprogram>,
     /// What the machine's own M codes do.
-    pub user_codes: Vec<UserCode>,
+    pub user_codes: Vec<MachineCode>,
     /// Words of the machine's own that call programs.
     pub macro_calls: Vec<MacroCall>,
     /// What a program may leave out.
@@ -125,13 +125,13 @@ impl Increments {
 
 /// An M code of the machine's own.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UserCode {
+pub struct MachineCode {
     /// The number after M.
     pub number: u16,
     /// What it does, for people.
     pub name: String,
     /// What it does, for the machine.
-    pub action: UserAction,
+    pub action: CodeAction,
 }
 
 /// A word that calls a program of the tape, on Fanuc's controls and their variants.
@@ -149,7 +149,7 @@ pub struct MacroCall {
 
 /// What an M code of the machine's own moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum UserAction {
+pub enum CodeAction {
     /// Nothing that this control would know of.
     #[default]
     None,

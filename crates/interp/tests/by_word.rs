@@ -1,6 +1,6 @@
 //! M, G and T that call programs, as a machine's file has set them: Fanuc's parameters 6050 to 6059, 6071 to 6089 and 6001#5.
 use canon::OpKind;
-use interp::{Dialect, MacroCall, MissingTools, Ops, Setup, UserAction, UserCode};
+use interp::{CodeAction, Dialect, MachineCode, MacroCall, MissingTools, Ops, Setup};
 
 /// M31 and G101 take arguments, M32 and T call as M98 does, M6 is a macro that changes the tool itself.
 fn setup(dialect: Dialect) -> Setup {
@@ -10,7 +10,7 @@ fn setup(dialect: Dialect) -> Setup {
         program,
         takes_arguments,
     };
-    let name = |number| UserCode { number, name: "chips".into(), action: UserAction::None };
+    let name = |number| MachineCode { number, name: "chips".into(), action: CodeAction::None };
     Setup {
         dialect,
         missing_tools: MissingTools::StandIn,

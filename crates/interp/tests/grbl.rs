@@ -1,7 +1,7 @@
 //! Programs as hobby CAM posts make them and senders stream them to Grbl.
 use canon::OpKind;
 use diag::Diagnostic;
-use interp::{Dialect, Leaves, MissingTools, Ops, Setup, UserAction, UserCode, looks_like};
+use interp::{CodeAction, Dialect, Leaves, MachineCode, MissingTools, Ops, Setup, looks_like};
 
 fn read(text: &str, setup: &Setup) -> (Vec<OpKind>, Vec<Diagnostic>) {
     let mut ops = Ops::new(text.as_bytes(), setup);
@@ -79,10 +79,10 @@ fn m_codes_of_a_builder_are_named_let_pass_or_refused() {
         let (_, found) = read(&text, &Setup { leaves, dialect, ..grbl() });
         assert_eq!(codes(&found), ["I0646", "I0646"], "{}", dialect.name());
     }
-    let code = |number, action| UserCode { number, name: "blow".into(), action };
+    let code = |number, action| MachineCode { number, name: "blow".into(), action };
     let user_codes = vec![
-        code(31, UserAction::Output { number: 3, on: true }),
-        code(165, UserAction::Wait(units::Time::s(0.5))),
+        code(31, CodeAction::Output { number: 3, on: true }),
+        code(165, CodeAction::Wait(units::Time::s(0.5))),
     ];
     let (kinds, found) = read(text, &Setup { user_codes, ..grbl() });
     assert_eq!(codes(&found), [""; 0]);

@@ -1,6 +1,6 @@
 //! Outputs, inputs, the machine's own codes, and the boring cycles that stop the spindle.
 use canon::{Await, OpKind, Signal};
-use interp::{Ops, Setup, UserCode, check};
+use interp::{MachineCode, Ops, Setup, check};
 
 fn kinds(setup: &Setup, program: &str) -> Vec<OpKind> {
     let text = format!("G21 G90 G94 F300\n{program}\nM2\n");
@@ -83,8 +83,11 @@ fn outputs_and_inputs_want_their_numbers() {
 #[test]
 fn a_code_of_the_machines_own_is_refused_unless_the_machine_names_it() {
     assert_eq!(codes("M101"), ["I0645"]);
-    let clamp =
-        UserCode { number: 101, name: "clamp the vice".into(), action: interp::UserAction::None };
+    let clamp = MachineCode {
+        number: 101,
+        name: "clamp the vice".into(),
+        action: interp::CodeAction::None,
+    };
     let setup = Setup { user_codes: vec![clamp], ..Setup::default() };
     let kinds = kinds(&setup, "M101 P2");
     let OpKind::UserCode(code) = &kinds[0] else { panic!("{kinds:?}") };

@@ -1,6 +1,7 @@
 //! What a letter does beside a code: `P` is seconds to G4 and turns to G2.
 //!
 //! Source: LinuxCNC 2.9 manual, "G codes" and "M codes"; Fanuc, operator's manual of series 30i.
+use gcode::Grammar;
 use interp::Dialect;
 
 /// The drilling, tapping and boring cycles.
@@ -13,46 +14,13 @@ fn is_cycle(code: &str) -> bool {
 
 /// What the word says to the code (such as `G83`), in a few words.
 pub(crate) fn role(dialect: Dialect, letter: u8, code: &str) -> Option<&'static str> {
-    match dialect {
-        Dialect::LinuxCnc | Dialect::Grbl | Dialect::Toyoda => shared(letter, code),
-        Dialect::Brother => match letter {
-            b'K' if is_cycle(code) => Some("how many holes in a row"),
-            _ => shared(letter, code),
-        },
-        Dialect::Fanuc => fanuc(letter, code, is_cycle(code) || code == "G76"),
-        Dialect::Haas => match (letter, code) {
-            (b'P', "M97") => Some("the block N of this program with which it begins"),
-            (b'L', "M97") => Some("how often it is called"),
-            (b'P', "G154") => Some("which of the work offsets beyond G59, 1 to 99"),
-            (b'P', "G187") => Some("1 rough, 2 medium, 3 finish"),
-            (b'E', "G187") => Some("how far the path may leave a corner"),
-            (b'P', "G4") => Some("wait: seconds with a point, milliseconds without"),
-            (b'L', "G12" | "G13") => Some("how many steps of Z, each with all rings (G91)"),
-            _ => pocket(letter, code)
-                .or_else(|| fanuc(letter, code, is_cycle(code) || code == "G76")),
-        },
-        Dialect::Mitsubishi => match (letter, code) {
-            (b'H', "M98") => Some("the block N with which it begins"),
-            _ => pocket(letter, code)
-                .or_else(|| fanuc(letter, code, is_cycle(code) || code == "G76")),
-        },
+    let own = dialect.role(letter, code);
+    own.or_else(|| match (dialect.grammar(), dialect.has_turret()) {
+        (Grammar::Fanuc, false) => fanuc(letter, code, is_cycle(code) || code == "G76"),
         // the numbers of G70 to G76 in two lines are not those of the shared cycles
-        _ if code.starts_with("G7") => shared(letter, ""),
-        Dialect::FanucLatheA | Dialect::FanucLatheB | Dialect::FanucLatheC => {
-            fanuc(letter, code, false)
-        }
-    }
-}
-
-/// G12 and G13 of Haas and Mitsubishi.
-fn pocket(letter: u8, code: &str) -> Option<&'static str> {
-    Some(match (letter, code) {
-        (b'I', "G12" | "G13") => "radius of the circle, of the first one with K",
-        (b'K', "G12" | "G13") => "radius of the last circle",
-        (b'Q', "G12" | "G13") => "how much larger each circle is than the one before",
-        (b'D', "G12" | "G13") => "the offset whose radius is taken away",
-        (b'Z', "G12" | "G13") => "level that is fed to before",
-        _ => return None,
+        (Grammar::Fanuc, true) if code.starts_with("G7") => shared(letter, ""),
+        (Grammar::Fanuc, true) => fanuc(letter, code, false),
+        (Grammar::Rs274 | Grammar::Grbl, _) => shared(letter, code),
     })
 }
 

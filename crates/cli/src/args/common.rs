@@ -32,7 +32,7 @@ pub(crate) struct ProgramArgs {
     pub(crate) clutch_dwell: ClutchDwell,
     /// How programs are read [default: as the machine's file says]
     #[arg(long, value_enum)]
-    pub(crate) dialect: Option<Dialect>,
+    pub(crate) dialect: Option<DialectChoice>,
     /// What a number without a decimal point counts in Fanuc's dialects [default: as the machine's file says, else
     /// increments]
     #[arg(long, value_enum)]
@@ -109,28 +109,26 @@ pub(crate) enum ClutchDwell {
 }
 
 /// How programs are read.
-#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Dialect {
-    /// RS-274/NGC as LinuxCNC 2.9 reads it
-    Linuxcnc,
-    /// Grbl 1.1 and what took its place: as hobby CAM makes programs and senders stream them
-    Grbl,
-    /// Cycles as Brother's tapping centres have them: K repeats, U and E throw chips off
-    Brother,
-    /// Fanuc's machining centres: custom macro B, least input increments
-    Fanuc,
-    /// Haas' machining centres: Fanuc's language, G12, G13, G154, M97, seconds with a point
-    Haas,
-    /// Mitsubishi's machining centres: Fanuc's language, G12, G13, M98 with H, `,R1` of taps
-    Mitsubishi,
-    /// Fanuc's lathes, G code system A
-    FanucLatheA,
-    /// Fanuc's lathes, G code system B
-    FanucLatheB,
-    /// Fanuc's lathes, G code system C
-    FanucLatheC,
-    /// The cam grinding words of Toyoda's grinders: G50 to G53, G55, and G01 and G04 in cam mode
-    Toyoda,
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct DialectChoice(pub(crate) interp::Dialect);
+
+impl ValueEnum for DialectChoice {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [DialectChoice; interp::Dialect::ALL.len()] = {
+            let mut all = [DialectChoice(interp::Dialect::LinuxCnc); interp::Dialect::ALL.len()];
+            let mut i = 0;
+            while i < all.len() {
+                all[i] = DialectChoice(interp::Dialect::ALL[i]);
+                i += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
+        Some(clap::builder::PossibleValue::new(self.0.name()).help(self.0.about()))
+    }
 }
 
 /// What is accepted of programs for other machines.

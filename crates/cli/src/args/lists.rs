@@ -1,5 +1,5 @@
 //! The arguments of `leadscrew codes` and `leadscrew machine`.
-use super::common::Dialect;
+use super::common::DialectChoice;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -47,7 +47,7 @@ pub(crate) struct CodesArgs {
     pub(crate) of: Vec<PathBuf>,
     /// How the programs are read [default: the machine's, else as their words tell]
     #[arg(long, value_enum, requires = "of")]
-    pub(crate) dialect: Option<Dialect>,
+    pub(crate) dialect: Option<DialectChoice>,
     /// A machine whose own codes are known, as its file has them: a name from `machine list`, or a file
     #[arg(long, requires = "of")]
     pub(crate) machine: Option<String>,

@@ -19,7 +19,7 @@ mod trace;
 use crate::progress::Shown;
 pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
 use clap::{Parser, Subcommand};
-pub(crate) use common::{Dialect, Format, ProgramArgs, Switch, WorkSpeedChoice};
+pub(crate) use common::{DialectChoice, Format, ProgramArgs, Switch, WorkSpeedChoice};
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use control::ControlArgs;

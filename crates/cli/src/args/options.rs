@@ -1,7 +1,7 @@
 //! From arguments to the plain options that programs are loaded with.
 use super::common::{
-    Accept, ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, MissingTools, ProgramArgs,
-    Switch, Tapping, TappingPreset, ToolUnit, WorkSpeedChoice,
+    Accept, ClutchDwell, Compensation, DecimalPoint, DialectChoice, Estimator, MissingTools,
+    ProgramArgs, Switch, Tapping, TappingPreset, ToolUnit, WorkSpeedChoice,
 };
 use control::job::DEFAULT_MACHINE;
 use control::job::options::{self, ProgramOptions};
@@ -72,20 +72,9 @@ impl ProgramArgs {
     }
 }
 
-impl From<Dialect> for interp::Dialect {
-    fn from(named: Dialect) -> Self {
-        match named {
-            Dialect::Linuxcnc => Self::LinuxCnc,
-            Dialect::Grbl => Self::Grbl,
-            Dialect::Brother => Self::Brother,
-            Dialect::Fanuc => Self::Fanuc,
-            Dialect::Haas => Self::Haas,
-            Dialect::Mitsubishi => Self::Mitsubishi,
-            Dialect::FanucLatheA => Self::FanucLatheA,
-            Dialect::FanucLatheB => Self::FanucLatheB,
-            Dialect::FanucLatheC => Self::FanucLatheC,
-            Dialect::Toyoda => Self::Toyoda,
-        }
+impl From<DialectChoice> for interp::Dialect {
+    fn from(choice: DialectChoice) -> Self {
+        choice.0
     }
 }
 

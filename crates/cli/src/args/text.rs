@@ -1,5 +1,5 @@
 //! The arguments of the commands that read programs and move nothing: check, time, fmt, canon.
-use super::{Dialect, Format, ProgramArgs};
+use super::{DialectChoice, Format, ProgramArgs};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -60,7 +60,7 @@ pub(crate) struct FormatArgs {
     pub(crate) check: bool,
     /// Whose words the programs use
     #[arg(long, value_enum, default_value = "linuxcnc")]
-    pub(crate) dialect: Dialect,
+    pub(crate) dialect: DialectChoice,
 }
 
 /// `leadscrew canon`.

@@ -3,21 +3,8 @@ use store::machine::{self, BoringAside, Control, CycleDepth, MachineFile};
 
 /// The dialect asked for, or the machine's own.
 pub fn of(asked: Option<interp::Dialect>, machine: &MachineFile) -> interp::Dialect {
-    match asked {
-        Some(asked) => asked,
-        None => match machine.control.dialect {
-            machine::Dialect::LinuxCnc => interp::Dialect::LinuxCnc,
-            machine::Dialect::Grbl => interp::Dialect::Grbl,
-            machine::Dialect::Brother => interp::Dialect::Brother,
-            machine::Dialect::Fanuc => interp::Dialect::Fanuc,
-            machine::Dialect::Haas => interp::Dialect::Haas,
-            machine::Dialect::Mitsubishi => interp::Dialect::Mitsubishi,
-            machine::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
-            machine::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
-            machine::Dialect::FanucLatheC => interp::Dialect::FanucLatheC,
-            machine::Dialect::Toyoda => interp::Dialect::Toyoda,
-        },
-    }
+    let own = || interp::Dialect::named(machine.control.dialect);
+    asked.or_else(own).unwrap_or_default()
 }
 
 /// Fanuc's increment system, as the machine's file has it.
@@ -40,22 +27,24 @@ pub fn leaves(asked: interp::Leaves, control: &Control) -> interp::Leaves {
 }
 
 /// The machine's own M codes.
-pub fn user_codes(codes: &[machine::UserCode]) -> Vec<interp::UserCode> {
-    let code = |code: &machine::UserCode| interp::UserCode {
+pub fn user_codes(codes: &[machine::CodeEntry]) -> Vec<interp::MachineCode> {
+    let code = |code: &machine::CodeEntry| interp::MachineCode {
         number: code.number,
         name: code.name.clone(),
         action: match code.action {
-            machine::UserAction::None => interp::UserAction::None,
-            machine::UserAction::Output(number, on) => interp::UserAction::Output { number, on },
-            machine::UserAction::Wait(time) => interp::UserAction::Wait(time),
+            machine::CodeEntryAction::None => interp::CodeAction::None,
+            machine::CodeEntryAction::Output(number, on) => {
+                interp::CodeAction::Output { number, on }
+            }
+            machine::CodeEntryAction::Wait(time) => interp::CodeAction::Wait(time),
         },
     };
     codes.iter().map(code).collect()
 }
 
 /// Words of the machine's own that call programs.
-pub fn macro_calls(calls: &[machine::MacroCall]) -> Vec<interp::MacroCall> {
-    let call = |call: &machine::MacroCall| interp::MacroCall {
+pub fn macro_calls(calls: &[machine::CallEntry]) -> Vec<interp::MacroCall> {
+    let call = |call: &machine::CallEntry| interp::MacroCall {
         letter: call.letter,
         number: call.number,
         program: call.program,
@@ -79,5 +68,17 @@ pub fn cycles(dialect: interp::Dialect, control: &Control) -> interp::Cycles {
             second: matches!(control.boring_aside, Some(BoringAside::PlusY | BoringAside::MinusY)),
             back: matches!(control.boring_aside, Some(BoringAside::MinusX | BoringAside::MinusY)),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn machine_files_know_the_interpreters_dialects_by_their_names() {
+        let mut known = interp::Dialect::ALL.map(interp::Dialect::name);
+        let mut named = store::machine::DIALECTS;
+        known.sort_unstable();
+        named.sort_unstable();
+        assert_eq!(named, known);
     }
 }

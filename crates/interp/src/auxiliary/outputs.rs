@@ -18,7 +18,7 @@ use crate::{
     codes::MGroup,
     dialect::rules::FrontEndKind,
     fault::{Outcome, error, refuse},
-    setup::UserAction,
+    setup::CodeAction,
     state::executor::{Executor, Settings},
     words::{Words, names::Store},
 };
@@ -144,12 +144,12 @@ pub(crate) fn user_code<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Out
     let (p, q) = (words.get(b'P'), words.get(b'Q'));
     out.say(&Call::User { number, name: &code.name, p, q });
     match code.action {
-        UserAction::None => {}
-        UserAction::Output { number, on } => {
+        CodeAction::None => {}
+        CodeAction::Output { number, on } => {
             let signal = Signal::Digital { on };
             out.say(&Call::Output(Output { number, signal, with_motion: false }));
         }
-        UserAction::Wait(time) => out.say(&Call::Dwell(time.value())),
+        CodeAction::Wait(time) => out.say(&Call::Dwell(time.value())),
     }
     Ok(())
 }

@@ -103,6 +103,26 @@ impl Dialect {
         self.rules().name
     }
 
+    /// The dialect with this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|dialect| dialect.name() == name)
+    }
+
+    /// What its programs are like, in a line for those who choose one.
+    pub const fn about(self) -> &'static str {
+        self.rules().about
+    }
+
+    /// What a letter does beside a code such as `G83`, where the dialect has a meaning of its own for it.
+    pub fn role(self, letter: u8, code: &str) -> Option<&'static str> {
+        let role = self
+            .rules()
+            .roles
+            .iter()
+            .find(|role| role.letter == letter && role.codes.contains(&code));
+        role.map(|role| role.what)
+    }
+
     /// How its text is read.
     pub const fn grammar(self) -> Grammar {
         self.rules().grammar

@@ -13,6 +13,10 @@ pub(crate) struct Rules {
     pub(crate) name: &'static str,
     /// Whose programs these are, as a sentence says it.
     pub(crate) people: &'static str,
+    /// What they are like, in a line for those who choose one.
+    pub(crate) about: &'static str,
+    /// What letters do beside codes, where that is not what they do in the language that it shares.
+    pub(crate) roles: &'static [Role],
     /// How its text is read.
     pub(crate) grammar: Grammar,
     /// What decides which block comes next, and what its words mean in the shared language.
@@ -97,6 +101,17 @@ pub enum DepthFrom {
     RPlane,
     /// The level where the axis stood before the cycle, like R.
     InitialLevel,
+}
+
+/// What a letter does beside some codes, for people.
+#[derive(Clone, Copy)]
+pub(crate) struct Role {
+    /// The letter.
+    pub(crate) letter: u8,
+    /// The codes, as they are written.
+    pub(crate) codes: &'static [&'static str],
+    /// What it does, in a few words.
+    pub(crate) what: &'static str,
 }
 
 /// A dialect's G word whose code is in the shared table.

@@ -12,7 +12,7 @@ use crate::{
     dialect::rules::Rules,
     modes::Modes,
     profile::recording::Recording,
-    setup::{Cycles, Leaves, MacroCall, UserCode},
+    setup::{Cycles, Leaves, MachineCode, MacroCall},
     state::tools::Tools,
     words::{Words, eval::Values, names::Store},
 };
@@ -61,7 +61,7 @@ pub(crate) struct Settings {
     /// Nobody is asked, as by LinuxCNC's stand-alone interpreter.
     pub(crate) stand_alone: bool,
     /// What the machine's own M codes do.
-    pub(crate) user_codes: Vec<UserCode>,
+    pub(crate) user_codes: Vec<MachineCode>,
     /// Words that call programs, where the dialect can.
     pub(crate) macro_calls: Vec<MacroCall>,
     /// What a program may leave out.

@@ -11,7 +11,7 @@ pub struct Control {
     /// Whole periods until a command takes effect, beside the one in which it is computed.
     pub command_delay_periods: u32,
     /// How programs are read, unless the command line says otherwise.
-    pub dialect: Dialect,
+    pub dialect: &'static str,
     /// What Fanuc's parameters set, in its dialects; as most machines have it, if not stated.
     pub fanuc: Option<Fanuc>,
     /// What programs may leave to the machine.
@@ -58,30 +58,19 @@ pub struct Learning {
     pub file: Option<String>,
 }
 
-/// Dialects of G-code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dialect {
-    /// RS-274/NGC as LinuxCNC reads it.
-    LinuxCnc,
-    /// Macro B.
-    Fanuc,
-    /// The same as Haas has it.
-    Haas,
-    /// The same as Mitsubishi has it.
-    Mitsubishi,
-    /// The same of lathes, G code system A.
-    FanucLatheA,
-    /// System B.
-    FanucLatheB,
-    /// System C.
-    FanucLatheC,
-    /// Z and R from the initial level, chip removal words.
-    Brother,
-    /// Grbl and its kin.
-    Grbl,
-    /// Cam grinding words.
-    Toyoda,
-}
+/// Names of the dialects of G-code, the one that holds if a file says none first.
+pub const DIALECTS: [&str; 10] = [
+    "linuxcnc",
+    "fanuc",
+    "haas",
+    "mitsubishi",
+    "fanuc-lathe-a",
+    "fanuc-lathe-b",
+    "fanuc-lathe-c",
+    "brother",
+    "grbl",
+    "toyoda",
+];
 
 /// How Fanuc's dialects count: `[control.fanuc]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -264,21 +253,7 @@ impl Control {
         Self {
             period: Time::s(keys.number("period_us", 50.0..=10_000.0) * 1e-6),
             command_delay_periods: keys.whole("command_delay_periods", 0..=16),
-            dialect: keys.choice(
-                "dialect",
-                &[
-                    ("linuxcnc", Dialect::LinuxCnc),
-                    ("fanuc", Dialect::Fanuc),
-                    ("haas", Dialect::Haas),
-                    ("mitsubishi", Dialect::Mitsubishi),
-                    ("fanuc-lathe-a", Dialect::FanucLatheA),
-                    ("fanuc-lathe-b", Dialect::FanucLatheB),
-                    ("fanuc-lathe-c", Dialect::FanucLatheC),
-                    ("brother", Dialect::Brother),
-                    ("grbl", Dialect::Grbl),
-                    ("toyoda", Dialect::Toyoda),
-                ],
-            ),
+            dialect: keys.choice("dialect", &DIALECTS.map(|name| (name, name))),
             fanuc: keys.optional_section("fanuc", Fanuc::read),
             programs: keys.optional_section("programs", Programs::read).unwrap_or_default(),
             cycle_depth: canned.and_then(|canned| canned.depth),

@@ -56,7 +56,7 @@ pub use axis::{
 };
 pub use change::{changed, value};
 pub use control::{
-    BoringAside, ChipRemoval, Control, CycleDepth, Dialect, Fanuc, Follows, Increments, Learning,
+    BoringAside, ChipRemoval, Control, CycleDepth, DIALECTS, Fanuc, Follows, Increments, Learning,
     Overrides, PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
 };
 pub use drives::{DcBus, Drives};
@@ -69,7 +69,7 @@ pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
-pub use user_code::{MacroCall, OwnCodes, UserAction, UserCode};
+pub use user_code::{CallEntry, CodeEntry, CodeEntryAction, OwnCodes};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;

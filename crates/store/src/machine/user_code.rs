@@ -17,20 +17,20 @@ const LAST_OUTPUT: u8 = 63;
 /// Longest wait, seconds.
 const LONGEST_S: f64 = 3600.0;
 
-/// An M code of the machine's own.
+/// An entry of `[user_codes]`: an M code of the machine's own.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UserCode {
+pub struct CodeEntry {
     /// The number after M.
     pub number: u16,
     /// What it does, for people.
     pub name: String,
     /// What it does, for the machine.
-    pub action: UserAction,
+    pub action: CodeEntryAction,
 }
 
-/// A word that calls a program (Fanuc and its variants).
+/// An entry of `[user_codes]`: a word that calls a program (Fanuc and its variants).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MacroCall {
+pub struct CallEntry {
     /// `G`, `M` or `T`.
     pub letter: char,
     /// The number after G or M; none for T.
@@ -45,14 +45,14 @@ pub struct MacroCall {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OwnCodes {
     /// M codes, with their names.
-    pub codes: Vec<UserCode>,
+    pub codes: Vec<CodeEntry>,
     /// Words that call programs.
-    pub calls: Vec<MacroCall>,
+    pub calls: Vec<CallEntry>,
 }
 
 /// What an M code of the machine's own moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum UserAction {
+pub enum CodeEntryAction {
     /// Nothing that the control would know of.
     None,
     /// It switches a digital output: number, on.
@@ -64,7 +64,7 @@ pub enum UserAction {
 /// What stands behind a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Order {
-    Action(UserAction),
+    Action(CodeEntryAction),
     Call { program: u32, takes_arguments: bool },
 }
 
@@ -75,7 +75,7 @@ impl OwnCodes {
         for ((letter, number), text) in keys.texts(word) {
             let (name, order) = match text.rsplit_once(": ") {
                 Some((name, order)) if is_order(order) => (name, read(order)),
-                _ => (text.as_str(), Some(Order::Action(UserAction::None))),
+                _ => (text.as_str(), Some(Order::Action(CodeEntryAction::None))),
             };
             let fits = order.filter(|order| match order {
                 Order::Action(_) => letter == 'M' && number != Some(6),
@@ -97,13 +97,13 @@ impl OwnCodes {
                 match order {
                     Order::Action(action) => action,
                     Order::Call { program, takes_arguments } => {
-                        all.calls.push(MacroCall { letter, number, program, takes_arguments });
-                        UserAction::None // the plain word, in the program that it calls
+                        all.calls.push(CallEntry { letter, number, program, takes_arguments });
+                        CodeEntryAction::None // the plain word, in the program that it calls
                     }
                 },
             );
             if let Some(number) = number.filter(|number| letter == 'M' && *number != 6) {
-                all.codes.push(UserCode { number, name, action });
+                all.codes.push(CodeEntry { number, name, action });
             }
         }
         all
@@ -153,12 +153,12 @@ fn read(order: &str) -> Option<Order> {
     Some(match words[..] {
         ["output", number, state @ ("on" | "off")] => {
             let number = number.parse().ok().filter(|number| *number <= LAST_OUTPUT)?;
-            Order::Action(UserAction::Output(number, state == "on"))
+            Order::Action(CodeEntryAction::Output(number, state == "on"))
         }
         ["wait", seconds, "s"] => {
             let seconds: f64 = seconds.parse().ok()?;
             let is_short = (0.0..=LONGEST_S).contains(&seconds);
-            Order::Action(is_short.then(|| UserAction::Wait(Time::s(seconds)))?)
+            Order::Action(is_short.then(|| CodeEntryAction::Wait(Time::s(seconds)))?)
         }
         ["call", name] => Order::Call { program: program(name)?, takes_arguments: true },
         ["subprogram", name] => Order::Call { program: program(name)?, takes_arguments: false },
@@ -176,8 +176,8 @@ mod tests {
             Some(Order::Action(action)) => Some(action),
             _ => None,
         };
-        assert_eq!(action("output 3 on"), Some(UserAction::Output(3, true)));
-        assert_eq!(action("wait 0.5 s"), Some(UserAction::Wait(Time::s(0.5))));
+        assert_eq!(action("output 3 on"), Some(CodeEntryAction::Output(3, true)));
+        assert_eq!(action("wait 0.5 s"), Some(CodeEntryAction::Wait(Time::s(0.5))));
         assert_eq!(action("output 64 on"), None);
         assert_eq!(action("wait -1 s"), None);
         assert_eq!(action("wait NaN s"), None);

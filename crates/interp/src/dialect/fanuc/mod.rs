@@ -10,7 +10,7 @@ use crate::{
     dialect::{
         fanuc::kind::Kind,
         linuxcnc,
-        rules::{Family, FrontEndKind, Rules, StartUp},
+        rules::{Family, FrontEndKind, Role, Rules, StartUp},
     },
 };
 use gcode::Grammar;
@@ -19,6 +19,7 @@ use gcode::Grammar;
 pub(crate) const MILL: Rules = Rules {
     name: "fanuc",
     people: "Fanuc's machining centres",
+    about: "Fanuc's machining centres: custom macro B, least input increments",
     grammar: Grammar::Fanuc,
     front_end: FrontEndKind::Fanuc(Kind::Mill),
     codes: Some(&Kind::Mill),
@@ -41,6 +42,7 @@ pub(crate) const MILL: Rules = Rules {
 pub(crate) const LATHE_A: Rules = Rules {
     name: "fanuc-lathe-a",
     people: "Fanuc's lathes (system A)",
+    about: "Fanuc's lathes, G code system A",
     front_end: FrontEndKind::Fanuc(Kind::LatheA),
     codes: Some(&Kind::LatheA),
     evidence: &[Family::Fanuc, Family::FanucLathe],
@@ -52,6 +54,7 @@ pub(crate) const LATHE_A: Rules = Rules {
 pub(crate) const LATHE_B: Rules = Rules {
     name: "fanuc-lathe-b",
     people: "Fanuc's lathes (system B)",
+    about: "Fanuc's lathes, G code system B",
     front_end: FrontEndKind::Fanuc(Kind::LatheB),
     codes: Some(&Kind::LatheB),
     ..LATHE_A
@@ -61,7 +64,21 @@ pub(crate) const LATHE_B: Rules = Rules {
 pub(crate) const LATHE_C: Rules = Rules {
     name: "fanuc-lathe-c",
     people: "Fanuc's lathes (system C)",
+    about: "Fanuc's lathes, G code system C",
     front_end: FrontEndKind::Fanuc(Kind::LatheC),
     codes: Some(&Kind::LatheC),
     ..LATHE_A
 };
+
+/// What letters do beside G12 and G13, on the machining centres that have them.
+pub(crate) const POCKET: [Role; 5] = [
+    of_pocket(b'I', "radius of the circle, of the first one with K"),
+    of_pocket(b'K', "radius of the last circle"),
+    of_pocket(b'Q', "how much larger each circle is than the one before"),
+    of_pocket(b'D', "the offset whose radius is taken away"),
+    of_pocket(b'Z', "level that is fed to before"),
+];
+
+const fn of_pocket(letter: u8, what: &'static str) -> Role {
+    Role { letter, codes: &["G12", "G13"], what }
+}

@@ -22,6 +22,7 @@ use gcode::Grammar;
 pub(crate) const RULES: Rules = Rules {
     name: "grbl",
     people: "Grbl and its kin",
+    about: "Grbl 1.1 and what took its place: as hobby CAM makes programs and senders stream them",
     grammar: Grammar::Grbl,
     evidence: &[Family::Grbl],
     restates_modes: true,

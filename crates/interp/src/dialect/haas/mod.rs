@@ -19,8 +19,8 @@
 use crate::{
     codes::set,
     dialect::{
-        fanuc::{self, kind::Kind, meaning::Meaning},
-        rules::{Family, FrontEndKind, Rules},
+        fanuc::{self, POCKET, kind::Kind, meaning::Meaning},
+        rules::{Family, FrontEndKind, Role, Rules},
     },
 };
 
@@ -28,6 +28,37 @@ use crate::{
 pub(crate) const RULES: Rules = Rules {
     name: "haas",
     people: "Haas' machining centres",
+    about: "Haas' machining centres: Fanuc's language, G12, G13, G154, M97, seconds with a point",
+    roles: &[
+        Role {
+            letter: b'P',
+            codes: &["M97"],
+            what: "the block N of this program with which it begins",
+        },
+        Role { letter: b'L', codes: &["M97"], what: "how often it is called" },
+        Role {
+            letter: b'P',
+            codes: &["G154"],
+            what: "which of the work offsets beyond G59, 1 to 99",
+        },
+        Role { letter: b'P', codes: &["G187"], what: "1 rough, 2 medium, 3 finish" },
+        Role { letter: b'E', codes: &["G187"], what: "how far the path may leave a corner" },
+        Role {
+            letter: b'P',
+            codes: &["G4"],
+            what: "wait: seconds with a point, milliseconds without",
+        },
+        Role {
+            letter: b'L',
+            codes: &["G12", "G13"],
+            what: "how many steps of Z, each with all rings (G91)",
+        },
+        POCKET[0],
+        POCKET[1],
+        POCKET[2],
+        POCKET[3],
+        POCKET[4],
+    ],
     front_end: FrontEndKind::Fanuc(Kind::Haas),
     codes: Some(&Kind::Haas),
     evidence: &[Family::Fanuc, Family::FanucMill, Family::Haas],

@@ -8,6 +8,8 @@ use gcode::Grammar;
 pub(crate) const RULES: Rules = Rules {
     name: "linuxcnc",
     people: "LinuxCNC",
+    about: "RS-274/NGC as LinuxCNC 2.9 reads it",
+    roles: &[],
     grammar: Grammar::Rs274,
     front_end: FrontEndKind::Rs274,
     codes: None,

@@ -14,14 +14,23 @@
 //!
 //! Source: Mitsubishi Electric, programming manual of M700V and M70V, machining centre system.
 use crate::dialect::{
-    fanuc::{self, kind::Kind, meaning::Meaning},
-    rules::{Family, FrontEndKind, Rules},
+    fanuc::{self, POCKET, kind::Kind, meaning::Meaning},
+    rules::{Family, FrontEndKind, Role, Rules},
 };
 
 /// Mitsubishi's machining centres.
 pub(crate) const RULES: Rules = Rules {
     name: "mitsubishi",
     people: "Mitsubishi's machining centres",
+    about: "Mitsubishi's machining centres: Fanuc's language, G12, G13, M98 with H, `,R1` of taps",
+    roles: &[
+        Role { letter: b'H', codes: &["M98"], what: "the block N with which it begins" },
+        POCKET[0],
+        POCKET[1],
+        POCKET[2],
+        POCKET[3],
+        POCKET[4],
+    ],
     front_end: FrontEndKind::Fanuc(Kind::Mitsubishi),
     codes: Some(&Kind::Mitsubishi),
     evidence: &[Family::Fanuc, Family::FanucMill, Family::Mitsubishi],

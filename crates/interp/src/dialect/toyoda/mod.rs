@@ -17,6 +17,7 @@ use crate::dialect::{
 pub(crate) const RULES: Rules = Rules {
     name: "toyoda",
     people: "Toyoda's grinders",
+    about: "The cam grinding words of Toyoda's grinders: G50 to G53, G55, and G01 and G04 in cam mode",
     own_codes: &[
         OwnCode { written: 50, code: 1500, beside: 0 },
         OwnCode { written: 51, code: 1510, beside: 0 },

@@ -12,7 +12,7 @@ pub(crate) mod values;
 use crate::{front_end::fanuc::state::Fanuc, state::executor::Executor};
 
 /// Everything an expression may read.
-pub(crate) struct Values<'a> {
+pub(crate) struct MacroValues<'a> {
     pub(crate) fanuc: &'a Fanuc,
     pub(crate) executor: &'a Executor,
     /// How many steps of what ROUND rounds to make one.

@@ -25,7 +25,7 @@ use crate::{
     front_end::fanuc::{
         offsets::tool_offsets::{ToolVariable, set_tool, tool_value},
         state::{Fanuc, Kept},
-        variables::Values,
+        variables::MacroValues,
     },
     modes::{FeedMode, Motion},
     program::Program,
@@ -185,7 +185,7 @@ fn axis(fanuc: &Fanuc, count: usize) -> Option<usize> {
 }
 
 /// Read one.
-pub(crate) fn system(values: &Values<'_>, number: usize, span: Span) -> Outcome<Option<f64>> {
+pub(crate) fn system(values: &MacroValues<'_>, number: usize, span: Span) -> Outcome<Option<f64>> {
     let modes = &values.executor.modes;
     let kept = &values.fanuc.kept;
     if let Some(at) = slot(number) {
@@ -230,7 +230,12 @@ pub(crate) fn system(values: &Values<'_>, number: usize, span: Span) -> Outcome<
     }
 }
 
-fn coordinate(values: &Values<'_>, count: usize, point: &crate::Point, span: Span) -> Outcome<f64> {
+fn coordinate(
+    values: &MacroValues<'_>,
+    count: usize,
+    point: &crate::Point,
+    span: Span,
+) -> Outcome<f64> {
     match axis(values.fanuc, count) {
         Some(axis) => Ok(values.fanuc.shown(axis, point[axis])),
         None => refuse("I1013", span, format!("this machine has no axis {count}")),
@@ -238,7 +243,7 @@ fn coordinate(values: &Values<'_>, count: usize, point: &crate::Point, span: Spa
 }
 
 /// A modal code, or the last word of a letter.
-fn modal(values: &Values<'_>, number: usize, span: Span) -> Outcome<Option<f64>> {
+fn modal(values: &MacroValues<'_>, number: usize, span: Span) -> Outcome<Option<f64>> {
     let modes = &values.executor.modes;
     let pick = |first, second, is_first| Some(if is_first { first } else { second });
     let mapping = &values.fanuc.mapping;
@@ -293,7 +298,7 @@ fn modal(values: &Values<'_>, number: usize, span: Span) -> Outcome<Option<f64>>
     })
 }
 
-fn plane_code(values: &Values<'_>) -> f64 {
+fn plane_code(values: &MacroValues<'_>) -> f64 {
     match values.executor.modes.plane {
         canon::Plane::XY => 17.0,
         canon::Plane::ZX => 18.0,
@@ -302,12 +307,12 @@ fn plane_code(values: &Values<'_>) -> f64 {
 }
 
 /// A code as this machine writes it.
-fn own_code(values: &Values<'_>, code: u16) -> f64 {
+fn own_code(values: &MacroValues<'_>, code: u16) -> f64 {
     f64::from(values.fanuc.kind.own(code))
 }
 
 /// The code of group 1: a cycle is none of it.
-fn motion_code(values: &Values<'_>) -> f64 {
+fn motion_code(values: &MacroValues<'_>) -> f64 {
     let motion = match values.executor.modes.motion {
         Motion::Cycle(_) | Motion::None => values.fanuc.before_cycle,
         other => other,

@@ -19,7 +19,7 @@ use crate::{
     front_end::fanuc::{
         state::{Fanuc, Variables},
         variables::{
-            Values,
+            MacroValues,
             system::{self, set_system},
         },
     },
@@ -60,8 +60,8 @@ impl Variables {
     }
 }
 
-pub(crate) const fn values<'a>(fanuc: &'a Fanuc, executor: &'a Executor) -> Values<'a> {
-    Values { fanuc, executor, per_unit: 1.0 }
+pub(crate) const fn values<'a>(fanuc: &'a Fanuc, executor: &'a Executor) -> MacroValues<'a> {
+    MacroValues { fanuc, executor, per_unit: 1.0 }
 }
 
 /// The same for a word with so many least input increments in one.
@@ -69,8 +69,8 @@ pub(crate) const fn values_in<'a>(
     fanuc: &'a Fanuc,
     executor: &'a Executor,
     per_unit: f64,
-) -> Values<'a> {
-    Values { fanuc, executor, per_unit }
+) -> MacroValues<'a> {
+    MacroValues { fanuc, executor, per_unit }
 }
 
 /// What a variable has, for people.
@@ -120,7 +120,7 @@ fn set_common(fanuc: &mut Fanuc, it: &mut Program<'_>, number: usize, value: Opt
     }
 }
 
-impl Values<'_> {
+impl MacroValues<'_> {
     /// What a value is worth; nothing for a variable without one.
     pub(crate) fn value(&self, block: &Block, value: Value, span: Span) -> Outcome<Option<f64>> {
         let Value::Expression(id) = value else {
