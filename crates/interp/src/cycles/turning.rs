@@ -9,7 +9,7 @@
 //! | I, R | | from level to level (1); how far a pass comes away (0.5) |
 use crate::{
     call::{Call, Sink, out::Out},
-    compensation,
+    compensation::{self, beside},
     coordinates::target,
     cycles::record,
     fault::{Outcome, error, refuse},
@@ -162,7 +162,7 @@ pub(crate) fn cut<S: Sink>(
         Stroke::Arc { to, centre, turns } => {
             let to = point(&modes.at, to);
             if modes.compensating() {
-                compensation::arc_beside(words, modes, &to, centre, turns, out)?;
+                beside::arc_beside(words, modes, &to, centre, turns, out)?;
             } else {
                 out.say(&Call::Arc { plane: Plane::ZX, to, centre, turns });
             }
@@ -187,7 +187,7 @@ fn go_straight<S: Sink>(
     out: &mut Out<'_, S>,
 ) -> Outcome {
     if modes.compensating() {
-        compensation::straight_beside(words, modes, settings, rapid, to, out)?;
+        beside::straight_beside(words, modes, settings, rapid, to, out)?;
     } else {
         out.say(&if rapid { Call::Rapid(*to) } else { Call::Line(*to) });
     }

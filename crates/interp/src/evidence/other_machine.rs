@@ -1,5 +1,5 @@
 //! A program for another kind of machine than a mill: a printer, a lathe. Its letters alone tell.
-use crate::evidence::other_dialect::{BYTES, LINES, Line};
+use crate::evidence::line::{BYTES, LINES, Line};
 use diag::{Diagnostic, Span};
 
 /// What a program for a 3D printer has, and no machine tool.

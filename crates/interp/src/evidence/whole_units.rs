@@ -9,7 +9,7 @@
 //! Only Fanuc's controls and their variants count so. Read are the first lines, letters alone, as for
 //! [`other_dialect`](crate::evidence::other_dialect).
 use crate::{
-    evidence::other_dialect::{BYTES, LINES, Line},
+    evidence::line::{BYTES, LINES, Line},
     setup::Setup,
 };
 use diag::{Diagnostic, Span};

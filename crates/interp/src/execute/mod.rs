@@ -8,17 +8,16 @@
 //!
 //! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
 //! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
+pub(crate) mod begin;
 pub(crate) mod forbidden;
+pub(crate) mod lenient;
 pub(crate) mod non_modal;
 pub(crate) mod refused;
 
 use crate::{
     auxiliary::{self, switch, tool_change},
-    call::{
-        Call, Sink,
-        out::{Held, Out},
-    },
-    codes::{AXES, CENTRE, GGroup, Letters, MGroup, NON_STOP_CHANGE, POLAR, set},
+    call::{Call, Sink, out::Out},
+    codes::{AXES, CENTRE, GGroup, MGroup, NON_STOP_CHANGE, POLAR},
     compensation,
     coordinates::{distances, offsets},
     cycles::{
@@ -29,16 +28,11 @@ use crate::{
     fault::{Outcome, error, refuse},
     modes::{Modes, Motion},
     motion::{self, arcs, probe, splines, threads},
-    setup::Setup,
-    state::{
-        executor::{Context, Executor, Settings},
-        tools::{ToolTable, Tools},
-    },
-    words::{OwnCodes, Stage, Words, eval::Values, names::Store},
+    state::executor::{Executor, Settings},
+    words::{Stage, Words, eval::Values, names::Store},
 };
 use canon::Plane;
 use gcode::Block;
-use std::collections::BTreeSet;
 
 /// What happens after a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,56 +47,6 @@ pub(crate) enum After {
     Return,
     /// G70 to G72: the subprogram with the profile.
     Profile(u32),
-}
-
-/// Where a program begins.
-pub(crate) fn new(setup: &Setup) -> Executor {
-    let mut new = Executor {
-        modes: Modes::new(),
-        store: Store::new(setup.parameters.clone()),
-        words: Words::new(setup.dialect.rules(), OwnCodes::of(setup)),
-        tools: Tools {
-            library: setup.tools.clone(),
-            missing: setup.missing_tools,
-            written: ToolTable::default(),
-        },
-        contexts: vec![Context::default()],
-        held: Held::default(),
-        settings: Settings {
-            rules: setup.dialect.rules(),
-            stand_alone: setup.stand_alone,
-            fastest_rpm: setup.fastest_spindle.map_or(f64::INFINITY, units::Spin::in_rpm),
-            user_codes: setup.user_codes.clone(),
-            macro_calls: setup.macro_calls.clone(),
-            leaves: setup.leaves,
-            cycles: setup.cycles,
-        },
-        recording: None,
-        idle_told: 0,
-        codes_told: BTreeSet::new(),
-        remarks: Vec::new(),
-    };
-    // where none was called yet LinuxCNC's stand-alone interpreter believes in the first pocket
-    new.modes.current_pocket = u32::from(setup.stand_alone);
-    new.modes.retract_to_initial = new.settings.rules.starts_at_initial_level;
-    offsets::load_offsets(&mut new.modes, &mut new.store, &new.settings);
-    if new.settings.rules.begins_rapidly {
-        new.modes.motion = Motion::Rapid;
-    }
-    let machine = crate::geometry::frame::machine_point(&setup.start);
-    new.modes.at = new.modes.frame.to_program(&machine);
-    new
-}
-
-/// What is said before the first block.
-pub(crate) fn begin<S: Sink>(modes: &Modes, out: &mut Out<'_, S>) {
-    let frame = &modes.frame;
-    out.say(&Call::UseUnits(modes.units));
-    out.say(&Call::WorkOffset(modes.system, frame.origin));
-    out.say(&Call::AddedOffset(frame.added));
-    out.say(&Call::Rotation(frame.rotation()));
-    out.say(&Call::FeedReference);
-    out.say(&Call::Reset);
 }
 
 /// Read a block's words.
@@ -122,7 +66,7 @@ pub(crate) fn execute<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outco
         return stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
     }
     if ex.settings.rules.dwells_by_s {
-        dwell_by_s(ex)?;
+        lenient::dwell_by_s(ex)?;
     }
     let motion = motion(&ex.words, &ex.modes)?;
     if refused::motion_is_unknown(&ex.words, &ex.modes) {
@@ -143,10 +87,10 @@ fn obey<S: Sink>(
     let modal = motion.map_or(0, letters_of);
     let beside = chip_removal::letters_beside(&ex.settings, motion);
     if ex.settings.rules.has_laser {
-        remark_on_laser(ex);
+        lenient::remark_on_laser(ex);
     }
     if ex.settings.rules.idle != 0 {
-        drop_idle(ex, modal | beside);
+        lenient::drop_idle(ex, modal | beside);
     }
     ex.words.check_letters(modal, beside)?;
     let words = &ex.words;
@@ -175,7 +119,7 @@ fn obey<S: Sink>(
     }
     ex.words.stage = Stage::Motion;
     if ex.settings.leaves.feed.is_some() {
-        assume_feed(ex, motion, out);
+        lenient::assume_feed(ex, motion, out);
     }
     if let Some(motion) = motion {
         rigid::rigid_motion(&ex.words, &mut ex.modes, motion)?;
@@ -189,68 +133,6 @@ fn obey<S: Sink>(
         return Ok(After::Profile(ex.words.whole(b'Q', 999_999_999)?.unwrap_or(0)));
     }
     stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out)
-}
-
-/// The machine's feed, where a program has said none.
-fn assume_feed<S: Sink>(ex: &mut Executor, motion: Option<Motion>, out: &mut Out<'_, S>) {
-    let needs = motion.is_some_and(|motion| !matches!(motion, Motion::Rapid | Motion::None));
-    let modes = &mut ex.modes;
-    let Some(feed) = ex.settings.leaves.feed.filter(|_| needs && modes.feed == 0.0) else { return };
-    if modes.feed_mode != crate::modes::FeedMode::PerMinute {
-        return;
-    }
-    let rate = feed.in_mm_per_min() / modes.units.in_mm();
-    modes.feed = rate;
-    out.say(&Call::FeedRate { rate, duration_s: None });
-    let text =
-        format!("no F before this move: it goes with F{}", crate::codes::spelling::short(rate));
-    ex.remarks.push(
-        diag::Diagnostic::warning("I0324", ex.words.place.span, text)
-            .with_help("feed_mm_per_min under [control.programs] of the machine's file says so"),
-    );
-}
-
-/// M4 of a program that was made for a laser.
-fn remark_on_laser(ex: &mut Executor) {
-    if ex.words.m(MGroup::Spindle) != Some(4) || ex.idle_told & set("M") != 0 {
-        return;
-    }
-    ex.idle_told |= set("M");
-    let text = "M4 turns a spindle counter-clockwise here; to a laser it means power that follows the speed";
-    ex.remarks.push(diag::Diagnostic::note("I0647", ex.words.place.span, text).with_help(
-        "Leadscrew does not simulate lasers; a spindle turns clockwise with M3. Said once",
-    ));
-}
-
-/// `G4 S2`: seconds where no P stands.
-fn dwell_by_s(ex: &mut Executor) -> Outcome {
-    if ex.words.g(GGroup::NonModal) != Some(40) || ex.words.get(b'P').is_some() {
-        return Ok(());
-    }
-    let span = ex.words.span(b'S');
-    let Some(seconds) = ex.words.take(b'S') else { return Ok(()) };
-    ex.words.put(b'P', seconds, span)?;
-    if ex.idle_told & set("S") == 0 {
-        ex.idle_told |= set("S");
-        let text = format!("S of G4 is read as a wait of {seconds} s, as Marlin has it");
-        let remark = diag::Diagnostic::warning("I0648", span, text);
-        ex.remarks.push(remark.with_help("Grbl itself takes P. Said once"));
-    }
-    Ok(())
-}
-
-/// Words that the dialect takes without effect.
-fn drop_idle(ex: &mut Executor, modal: Letters) {
-    let Some((letter, span)) = ex.words.drop_idle(ex.settings.rules.idle, modal) else { return };
-    if ex.idle_told & set(letter.encode_utf8(&mut [0; 4])) != 0 {
-        return;
-    }
-    ex.idle_told |= set(letter.encode_utf8(&mut [0; 4]));
-    let text = format!("{letter} has no effect here, and is left out");
-    ex.remarks.push(
-        diag::Diagnostic::warning("I0113", span, text)
-            .with_help("no code of this block takes it. Said once for each letter"),
-    );
 }
 
 /// Which motion this block asks for: its own code, or the one in force if there are axis words for it.

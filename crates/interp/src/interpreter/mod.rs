@@ -5,7 +5,7 @@ pub(crate) mod snapshot;
 
 use crate::{
     call::{Sink, out::Out},
-    execute::{self, refused},
+    execute::{begin, refused},
     fault::unknown::Unknown,
     front_end::FrontEnd,
     interpreter::rounds::Rounds,
@@ -51,7 +51,7 @@ impl<'s> Interpreter<'s> {
         let mut out = Out { sink, held: &mut held, remarks: &mut remarks, place };
         if !it.begun {
             it.begun = true;
-            execute::begin(&it.executor.modes, &mut out);
+            begin::begin(&it.executor.modes, &mut out);
             self.front_end.begin(&mut it.executor, &mut out);
         }
         if !(it.ended || it.piece_over) {

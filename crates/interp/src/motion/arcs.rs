@@ -16,7 +16,7 @@
 use crate::{
     call::{Call, Sink, Units, out::Out},
     codes::set,
-    compensation,
+    compensation::beside,
     coordinates::target,
     fault::{Outcome, error, refuse},
     geometry::{frame::SAME_POINT, offset_curve},
@@ -68,7 +68,7 @@ pub(crate) fn arc<S: Sink>(
     };
     motion::say_feed(words, modes, code, length, out)?;
     if modes.compensating() {
-        compensation::arc_beside(words, modes, &to, centre, turns, out)?;
+        beside::arc_beside(words, modes, &to, centre, turns, out)?;
         modes.at = to;
         return Ok(());
     }

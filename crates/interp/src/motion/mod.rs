@@ -5,12 +5,13 @@
 //! where the move begins.
 pub(crate) mod arcs;
 pub(crate) mod probe;
+pub(crate) mod spline_pieces;
 pub(crate) mod splines;
 pub(crate) mod threads;
 
 use crate::{
     call::{Call, Sink, out::Out},
-    compensation,
+    compensation::beside,
     coordinates::target,
     fault::{Outcome, error, refuse},
     geometry::frame::Point,
@@ -34,7 +35,7 @@ pub(crate) fn straight<S: Sink>(
         if motion == Motion::Feed {
             say_feed(words, modes, "G1", || distance(&modes.at, &to), out)?;
         }
-        compensation::straight_beside(words, modes, settings, motion == Motion::Rapid, &to, out)?;
+        beside::straight_beside(words, modes, settings, motion == Motion::Rapid, &to, out)?;
         modes.at = to;
         return Ok(());
     }

@@ -10,7 +10,7 @@ use crate::{
         polygon,
     },
     fault::unknown::Unknown,
-    motion::{probe, splines, threads},
+    motion::{probe, spline_pieces, threads},
     operations::orders,
     resolve::Resolver,
 };
@@ -37,7 +37,7 @@ impl Sink for Resolver {
                 self.rapid(&to, span);
             }
             Call::Line(to) => self.line(to, span),
-            Call::Spline { order, points } => splines::operation(self, *order, points, span),
+            Call::Spline { order, points } => spline_pieces::operation(self, *order, points, span),
             Call::Probe { to, until_contact, required } => {
                 probe::operation(self, to, (*until_contact, *required), span);
             }

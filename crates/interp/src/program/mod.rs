@@ -6,7 +6,7 @@ pub(crate) mod reread;
 
 use crate::{
     call::{Call, Sink, out::Out},
-    execute::{self, refused},
+    execute::{begin, refused},
     fault::{Outcome, error, unknown::Unknown},
     program::{outline::At, reread::Reread},
     setup::{Limits, Setup},
@@ -75,7 +75,7 @@ impl<'s> Program<'s> {
             parsers,
             file: 0,
             block: Block::new(),
-            executor: execute::new(setup),
+            executor: begin::new(setup),
             ended: false,
             limits: setup.limits,
             ahead: 0,

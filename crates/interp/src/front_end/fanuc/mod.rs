@@ -12,6 +12,17 @@
 //! in the shared language (millimetres or inches, seconds, the shared codes); everything that moves is
 //! the [`Executor`](crate::state::executor::Executor)'s. A variable without a value makes its word vanish.
 //!
+//! ```text
+//!   tape/, calls/    programs, blocks and loops of a tape; jumps, subprograms, macros
+//!   variables/       variables, expressions, system variables, DPRNT
+//!   words/           a block's words with their values, in the shared language
+//!   obey, act        what a block does; on_surface, corner, moves: in other ways than most
+//!   cycles/          what only these controls have: lathe cycles, pockets, threads
+//!   mapping/         polar coordinates, scaling, mirroring, rotation, surfaces
+//!   offsets/         G10, T of a lathe, tool offsets, G45 to G48; reference, stroke beside them
+//!   state            what is kept between two blocks, and of the block at hand
+//! ```
+//!
 //! Source: Fanuc, operator's manuals of series 30i and 0i for machining centres and lathes.
 #![allow(clippy::match_same_arms)] // a row of a table each
 #![allow(clippy::large_types_passed_by_value)] // a macro's variables move into its call
