@@ -25,6 +25,17 @@ fn all() -> Vec<(String, String)> {
     found
 }
 
+/// The same of the machining centres that speak Fanuc's language: the front end asks for their `Variant`.
+#[test]
+fn no_file_outside_the_dialects_folder_names_a_maker_of_machining_centres() {
+    for (file, text) in all().into_iter().filter(|(file, _)| !file.starts_with("dialect/")) {
+        let named = text
+            .lines()
+            .find(|line| line.contains("Kind::Haas") || line.contains("Kind::Mitsubishi"));
+        assert!(named.is_none(), "{file}: {named:?}: ask for a field of `Variant` instead");
+    }
+}
+
 /// Outside of `dialect` the crate asks for rules. The programs of `explain` are examples, each in its dialect.
 #[test]
 fn no_file_outside_the_dialects_folder_names_a_dialect() {

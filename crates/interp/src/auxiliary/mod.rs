@@ -1,4 +1,11 @@
 //! The auxiliary functions of a block in their order: tools, spindle, coolant, overrides, dwell.
+//!
+//! ```text
+//!   switch        feed and spindle modes, tools, coolant, overrides, dwell
+//!   outputs       outputs, inputs, the machine's own codes
+//!   context       modes kept and restored
+//!   tool_change   tool, spindle and way in one block
+//! ```
 pub(crate) mod context;
 pub(crate) mod outputs;
 pub(crate) mod switch;

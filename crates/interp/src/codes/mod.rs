@@ -4,6 +4,11 @@
 //! letters it takes, and what people call it. From the same table come the check that every word
 //! of a block belongs to a code, the sentence when one does not, and the guess when a code is unknown.
 //!
+//! ```text
+//!   spelling   codes and letters as people write them
+//!   number     numbers of words as whole numbers and as codes
+//! ```
+//!
 //! Source: NISTIR 6556 table 5 (modal groups); LinuxCNC 2.9 manual, "G codes" and "M codes".
 pub(crate) mod number;
 pub(crate) mod spelling;

@@ -24,6 +24,12 @@
 //!
 //! A corner that the tool cannot reach without cutting into what was programmed before is an error.
 //!
+//! ```text
+//!   lead_in   the first move after G41 and G42
+//!   beside    the moves that follow, and the corners between them
+//!   push      moves held back until the next one settles their ends
+//! ```
+//!
 //! Source: LinuxCNC 2.9 manual, "Cutter compensation"; NISTIR 6556, appendix B; Fanuc, operator's manual of series 30i for
 //! machining centres, "Tool movement in start-up" (type A, SUP of parameter 5003 is 0). Angles, shifts and
 //! the order of what is held were measured on LinuxCNC's stand-alone interpreter.

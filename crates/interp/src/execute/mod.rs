@@ -7,6 +7,14 @@
 //! ```
 //!
 //! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
+//! ```text
+//!   begin       where a program begins
+//!   non_modal   codes that hold for their block alone
+//!   lenient     what other controls take in another way, or without effect
+//!   forbidden   what cannot be ordered while the tool is kept beside the path
+//!   refused     what follows from a block that was refused
+//! ```
+//!
 //! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
 pub(crate) mod begin;
 pub(crate) mod forbidden;

@@ -1,4 +1,8 @@
 //! How an interpretation stops: with one diagnostic for the block.
+//!
+//! ```text
+//!   unknown   what is not known since a block was refused
+//! ```
 pub(crate) mod unknown;
 
 use diag::{Diagnostic, Span};

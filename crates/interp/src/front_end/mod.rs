@@ -1,4 +1,9 @@
 //! Which front end reads a program: the one place that chooses.
+//!
+//! ```text
+//!   rs274   O-words, words as they are
+//!   fanuc   tapes, custom macros
+//! ```
 pub(crate) mod fanuc;
 pub(crate) mod rs274;
 

@@ -1,4 +1,10 @@
 //! The program, block by block: reads, follows its front end, collects what was found.
+//!
+//! ```text
+//!   rounds     loops that never end
+//!   snapshot   stops an interpretation, and goes on later
+//!   contents   what was read of a text, handed on
+//! ```
 pub(crate) mod contents;
 pub(crate) mod rounds;
 pub(crate) mod snapshot;

@@ -3,6 +3,14 @@
 //! In G17 the place of X and Y can be taken by a distance from the origin (`@`) and an angle (`^`,
 //! degrees): with G90 the one that is missing stays, with G91 both are added to those of the place
 //! where the move begins.
+//!
+//! ```text
+//!   arcs            G2, G3
+//!   splines         G5 to G5.3, as they are written
+//!   spline_pieces   a spline as pieces of the fifth degree
+//!   threads         G33, G33.1
+//!   probe           G38
+//! ```
 pub(crate) mod arcs;
 pub(crate) mod probe;
 pub(crate) mod spline_pieces;

@@ -1,6 +1,11 @@
 //! A program while it is executed: its text and the place in it, what its blocks change, and what was found.
 //!
 //! The front end of a dialect decides which block is next and what it says; it works on this.
+//!
+//! ```text
+//!   outline   where the O-words of a file are
+//!   reread    blocks of loops and subprograms, kept as they were read
+//! ```
 pub(crate) mod outline;
 pub(crate) mod reread;
 

@@ -9,6 +9,13 @@
 //!
 //! What cannot be said as an operation (a tap with an X word, an arc of a plane that the rotation
 //! tilts) is an error with its place. Moves of no length are left out.
+//!
+//! ```text
+//!   stroke   the box of the stored stroke check
+//! ```
+//!
+//! The operations of a cycle are made in its file; which call leads where stands in
+//! [`calls`](crate::operations::calls).
 pub(crate) mod stroke;
 
 use crate::{

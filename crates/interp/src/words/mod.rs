@@ -1,4 +1,9 @@
 //! The words of one block as numbers: each letter once, each modal group once.
+//!
+//! ```text
+//!   names   parameters: numbered, named, and those that the interpreter answers itself
+//!   eval    expressions to numbers
+//! ```
 pub(crate) mod eval;
 pub(crate) mod names;
 

@@ -22,7 +22,7 @@ impl FrontEndCodes for Kind {
                 executed: true,
             });
         }
-        if (*self, letter, tenths) == (Kind::Haas, b'M', 970) {
+        if (letter, tenths) == (b'M', 970) && self.variant().calls_by_m97 {
             let (name, group) = ("call from a block N of this program on, up to its M99", "stop");
             return Some(Meaning::Own { name, group, modal: false, letters: "PL", executed: true });
         }

@@ -1,7 +1,7 @@
 //! Fanuc's G and M codes, and which shared code each of them is.
 use crate::{
     codes::{BORE_UPWARDS, FINE_BORE, LENGTH_BACK},
-    dialect::{fanuc::kind::Kind, haas, mitsubishi},
+    dialect::fanuc::kind::Kind,
 };
 
 pub(crate) use crate::dialect::fanuc::meaning::Meaning;
@@ -12,11 +12,7 @@ pub(crate) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         Back, Box, Check, Cylinder, ExactBlock, Face, Longer, Mapping, Multiple, NotYet, Off,
         Shared, Skip, Smoothing, StrokeCheck, Thread, Unknown,
     };
-    let own = match kind {
-        Kind::Haas => haas::own(tenths),
-        Kind::Mitsubishi => mitsubishi::own(tenths),
-        _ => None,
-    };
+    let own = (kind.variant().own)(tenths);
     if let Some(own) = own {
         return own;
     }
@@ -120,7 +116,7 @@ const fn mapping(tenths: u16) -> &'static str {
 /// M codes that are the same in the shared language. M29 announces a rigid tap on Fanuc's controls alone.
 pub(crate) const fn is_shared_m(kind: Kind, number: u16) -> bool {
     match number {
-        29 => !matches!(kind, Kind::Haas | Kind::Mitsubishi),
+        29 => kind.variant().has_m29,
         _ => matches!(number, 0..=9 | 19 | 30 | 48 | 49 | 60),
     }
 }
@@ -202,5 +198,5 @@ pub(crate) fn stays(kind: Kind, tenths: u16) -> bool {
 pub(crate) const fn has_m(kind: Kind, number: u16) -> bool {
     is_shared_m(kind, number)
         || matches!(number, 98 | 99)
-        || matches!((kind, number), (Kind::Haas, 97))
+        || number == 97 && kind.variant().calls_by_m97
 }

@@ -11,6 +11,11 @@
 //! | absolute, incremental | X Z, U W | G90 G91 | G90 G91 |
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "G code list".
+use crate::dialect::{
+    fanuc::variant::{FANUC, Variant},
+    haas::variant::VARIANT as HAAS,
+    mitsubishi::variant::VARIANT as MITSUBISHI,
+};
 
 /// Whose G codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,14 +43,13 @@ impl Kind {
         matches!(self, Self::Mill | Self::Haas | Self::Mitsubishi)
     }
 
-    /// The last of the work offsets beyond G59.
-    pub(crate) const fn last_offset(self) -> u32 {
-        if matches!(self, Self::Haas) { 99 } else { 48 }
-    }
-
-    /// Whether this is a common variable that Fanuc's controls do not have.
-    pub(crate) fn has_more_variables(self, number: usize) -> bool {
-        self == Self::Mitsubishi && matches!(number, 400..=499 | 900_000..=907_399)
+    /// What it has otherwise than Fanuc's own.
+    pub(crate) const fn variant(self) -> &'static Variant {
+        match self {
+            Self::Haas => &HAAS,
+            Self::Mitsubishi => &MITSUBISHI,
+            Self::Mill | Self::LatheA | Self::LatheB | Self::LatheC => &FANUC,
+        }
     }
 
     /// A code in tenths as machining centres and system B write it; none if this system has no such code.

@@ -4,6 +4,7 @@ pub(crate) mod catalogue;
 pub(crate) mod codes;
 pub(crate) mod kind;
 pub(crate) mod meaning;
+pub(crate) mod variant;
 
 use crate::{
     codes::set,

@@ -13,8 +13,10 @@
 //! | `M29` | the builder's | a rigid tap follows |
 //!
 //! Source: Mitsubishi Electric, programming manual of M700V and M70V, machining centre system.
+pub(crate) mod variant;
+
 use crate::dialect::{
-    fanuc::{self, POCKET, kind::Kind, meaning::Meaning},
+    fanuc::{self, POCKET, kind::Kind},
     rules::{Family, FrontEndKind, Role, Rules},
 };
 
@@ -36,21 +38,3 @@ pub(crate) const RULES: Rules = Rules {
     evidence: &[Family::Fanuc, Family::FanucMill, Family::Mitsubishi],
     ..fanuc::MILL
 };
-
-/// What a code means there, in tenths, where that is not what Fanuc means.
-pub(crate) const fn own(tenths: u16) -> Option<Meaning> {
-    use Meaning::{Circle, NotYet, Shared, Smoothing};
-    Some(match tenths {
-        120 => Circle(true),
-        130 => Circle(false),
-        611 => Shared(640),
-        1201 | 1210 => Smoothing,
-        340 => NotYet("holes on a circle"),
-        350 => NotYet("holes on a line"),
-        360 => NotYet("holes on an arc"),
-        371 => NotYet("holes in a grid"),
-        380 | 390 => NotYet("vector and corner of cutter compensation"),
-        1130 | 1140..=1144 | 1150..=1152 => NotYet("spindles in step"),
-        _ => return None,
-    })
-}

@@ -27,7 +27,7 @@ use crate::{
     },
     dialect::fanuc::{
         codes::{Meaning, meaning},
-        kind::Kind,
+        variant::Circles,
     },
     execute,
     fault::{Outcome, error, refuse},
@@ -58,7 +58,7 @@ struct Pocket {
 
 /// G12 (true) or G13 of the block at hand.
 pub(crate) fn circle_code(fanuc: &Fanuc) -> Option<bool> {
-    if !matches!(fanuc.kind, Kind::Haas | Kind::Mitsubishi) {
+    if fanuc.kind.variant().circles == Circles::None {
         return None;
     }
     fanuc.said.iter().filter(|said| said.letter == b'G').find_map(|said| {
@@ -78,7 +78,8 @@ pub(crate) fn circle<S: Sink>(
 ) -> Outcome {
     let said = core::mem::take(&mut fanuc.said);
     let code = if clockwise { "G12" } else { "G13" };
-    let own: &[u8] = if fanuc.kind == Kind::Haas { b"IKQDZL" } else { b"ID" };
+    let rings = fanuc.kind.variant().circles == Circles::Pocket;
+    let own: &[u8] = if rings { b"IKQDZL" } else { b"ID" };
     let is_code = |word: &Said| word.letter == b'G' && matches!(word.value, 12.0 | 13.0);
     let stray = said.iter().find(|w| !own.contains(&w.letter) && !b"GFSTM".contains(&w.letter));
     if let Some(stray) = stray {
@@ -109,7 +110,7 @@ fn may_mill(fanuc: &Fanuc, ex: &Executor, code: &str) -> Outcome {
         ("G16, G51, G51.1 or G68", "write G15, G50, G50.1 or G69 before it")
     } else if fanuc.surface.is_some() {
         ("G7.1 or G12.1", "end it before")
-    } else if fanuc.kind == Kind::Haas && ex.modes.plane != Plane::XY {
+    } else if fanuc.kind.variant().circles == Circles::Pocket && ex.modes.plane != Plane::XY {
         ("G18 or G19", "write G17 before it")
     } else {
         return Ok(());
@@ -172,7 +173,7 @@ fn pocket(fanuc: &Fanuc, ex: &Executor, said: &[Said], code: &str) -> Outcome<Po
 fn radius_of(fanuc: &Fanuc, ex: &Executor, said: &[Said], code: &str) -> Outcome<f64> {
     let number = match word(said, b'D') {
         Some(d) => whole(d)?,
-        None if fanuc.kind == Kind::Haas => {
+        None if fanuc.kind.variant().circles == Circles::Pocket => {
             near_whole(fanuc.kept.last(b'D')).and_then(|n| u32::try_from(n).ok())
         }
         None => None,

@@ -36,7 +36,7 @@ pub(crate) fn set_offset(
     let span = ex.words.place.span;
     match (l, p) {
         (Some(2), Some(p @ 0..=6)) => set_work(fanuc, ex, p as usize),
-        (Some(20), Some(p)) if (1..=fanuc.kind.last_offset()).contains(&p) => {
+        (Some(20), Some(p)) if (1..=fanuc.kind.variant().more_offsets.1).contains(&p) => {
             set_work(fanuc, ex, 9 + p as usize)
         }
         (Some(2), _) => refuse(
@@ -45,7 +45,7 @@ pub(crate) fn set_offset(
             "G10 L2 needs P: 1 to 6 for G54 to G59, 0 for the external offset",
         ),
         (Some(20), _) => {
-            let last = fanuc.kind.last_offset();
+            let last = fanuc.kind.variant().more_offsets.1;
             let text = format!("G10 L20 needs P: 1 to {last} for G54.1 P1 to P{last}");
             refuse("I0617", span, text)
         }

@@ -20,7 +20,6 @@
 use crate::{
     Parameters,
     call::{Call, Sink, out::Out},
-    dialect::fanuc::kind::Kind,
     fault::{Outcome, refuse},
     front_end::fanuc::{
         offsets::tool_offsets::{ToolVariable, set_tool, tool_value},
@@ -207,7 +206,7 @@ pub(crate) fn system(values: &MacroValues<'_>, number: usize, span: Span) -> Out
         1000..=1035 => Ok(Some(0.0)),
         1100..=1131 => Ok(Some(f64::from(kept.outputs >> (number - 1100) & 1))),
         1132 => Ok(Some(f64::from(kept.outputs))),
-        5401..=5600 | 5701..=5800 if values.fanuc.kind == Kind::Haas => Ok(Some(0.0)),
+        5401..=5600 | 5701..=5800 if values.fanuc.kind.variant().has_tool_timers => Ok(Some(0.0)),
         3001 | 3002 => {
             let timer = &kept.timers[number - 3001];
             timer.set(timer.get() + 1.0);

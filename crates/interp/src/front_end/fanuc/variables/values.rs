@@ -100,7 +100,7 @@ pub(crate) fn assign<S: Sink>(
         match number {
             1..=33 => fanuc.variables.local[number - 1] = value,
             100..=199 | 500..=999 => set_common(fanuc, it, number, value),
-            _ if fanuc.kind.has_more_variables(number) => {
+            _ if (fanuc.kind.variant().has_more_variables)(number) => {
                 _ = match value {
                     Some(value) => fanuc.variables.more.insert(number, value),
                     None => fanuc.variables.more.remove(&number),
@@ -176,7 +176,7 @@ impl MacroValues<'_> {
             0 => None,
             1..=33 => self.fanuc.variables.local[number - 1],
             100..=199 | 500..=999 => self.fanuc.variables.common[number - 100],
-            _ if self.fanuc.kind.has_more_variables(number) => {
+            _ if (self.fanuc.kind.variant().has_more_variables)(number) => {
                 self.fanuc.variables.more.get(&number).copied()
             }
             _ => return system::system(self, number, span),

@@ -10,19 +10,17 @@
 //! ```
 //!
 //! Source: Fanuc, operator's manuals of series 30i and 0i; parameter manual of series 30i, 3403#5 (CIR), which is 0 as delivered.
+use crate::front_end::fanuc::{
+    mapping::incremental,
+    state::Fanuc,
+    words::sense::{Sense, in_force},
+};
 use crate::{
     codes::{AXES, CENTRE, GGroup, POLAR, set},
+    dialect::fanuc::variant::MachinePlace,
     fault::{Outcome, refuse},
     modes::Motion,
     state::executor::Executor,
-};
-use crate::{
-    dialect::fanuc::kind::Kind,
-    front_end::fanuc::{
-        mapping::incremental,
-        state::Fanuc,
-        words::sense::{Sense, in_force},
-    },
 };
 use diag::Diagnostic;
 
@@ -60,14 +58,14 @@ pub(crate) fn accept(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> Out
 
 /// G53 where words are increments.
 fn machine_place_by_increments(fanuc: &mut Fanuc, ex: &mut Executor) {
-    match fanuc.kind {
-        Kind::Haas => {
+    match fanuc.kind.variant().g53_by_increments {
+        MachinePlace::Absolute => {
             ex.words.forget_g(GGroup::Distance);
             ex.modes.incremental = false;
             fanuc.once.back_to_increments = true;
         }
-        Kind::Mitsubishi => ex.words.forget_g(GGroup::NonModal),
-        _ => {
+        MachinePlace::Incremental => ex.words.forget_g(GGroup::NonModal),
+        MachinePlace::Ignored => {
             let named = b"XYZABCUVW".iter().filter_map(|letter| ex.words.get(*letter));
             if !named.clone().all(|value| value == 0.0) {
                 return; // it is refused: nothing says how far that goes

@@ -58,8 +58,8 @@ fn translated(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome<Th
             b'P' if sense.reference => crate::front_end::fanuc::reference::second(word)?,
             b'P' if sense.local => start = Some(*word),
             b'Q' if sense.call => start = Some(*word),
-            b'H' if sense.call && fanuc.kind == Kind::Mitsubishi => start = Some(*word),
-            b'r' if sense.tap && fanuc.kind == Kind::Mitsubishi => rigid(ex, word)?,
+            b'H' if sense.call && fanuc.kind.variant().begins_calls_by_h => start = Some(*word),
+            b'r' if sense.tap && fanuc.kind.variant().taps_by_r => rigid(ex, word)?,
             b'Q' if sense.set_offset => ex.words.put(b'Q', word.value, word.span)?,
             b'c' | b'r' => corner_word(fanuc, word, value)?,
             b'C' | b'R' | b'I' | b'K' if is_corner(fanuc, word, &sense) => {
@@ -71,7 +71,7 @@ fn translated(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome<Th
                 p = Some(*word);
             }
             b'P' if sense.dwell || sense.cycle => {
-                let seconds = fanuc.kind == Kind::Haas && !word.counts;
+                let seconds = fanuc.kind.variant().waits_in_seconds && !word.counts;
                 if !word.counts && word.value.fract() != 0.0 && !seconds {
                     let text =
                         format!("P counts milliseconds, without a point, found P{}", word.value);
@@ -281,8 +281,7 @@ fn more_offsets(fanuc: &Fanuc, number: u32, span: Span) -> Outcome<u8> {
         let text = "G54.1 cannot be used while G51, G51.1 or G68 is in force";
         return refuse("I1045", span, text);
     }
-    let code = if fanuc.kind == Kind::Haas { "G154" } else { "G54.1" };
-    let last = fanuc.kind.last_offset();
+    let (code, last) = fanuc.kind.variant().more_offsets;
     match u8::try_from(number) {
         Ok(number) if number > 0 && u32::from(number) <= last => Ok(number),
         _ => refuse("I1021", span, format!("{code} takes P1 to P{last}")),

@@ -1,10 +1,7 @@
 //! What the codes of a block make of its other words: P of a dwell is a time, P of a call a program.
 use crate::{
     codes::number::tenths,
-    dialect::fanuc::{
-        codes::{Meaning, meaning},
-        kind::Kind,
-    },
+    dialect::fanuc::codes::{Meaning, meaning},
     fault::Outcome,
     front_end::fanuc::{
         mapping::incremental,
@@ -107,7 +104,7 @@ pub(crate) fn sense(fanuc: &mut Fanuc, ex: &Executor, said: &[Said]) -> Sense {
             (b'M', Some(code @ (980 | 1980))) => {
                 (sense.call, sense.in_file) = (true, code == 1980);
             }
-            (b'M', Some(970)) if fanuc.kind == Kind::Haas => {
+            (b'M', Some(970)) if fanuc.kind.variant().calls_by_m97 => {
                 (sense.call, sense.local) = (true, true);
             }
             (b'M', Some(990)) => sense.back = true,
@@ -135,7 +132,7 @@ pub(crate) fn complete(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> O
             ex.words.put(b'P', 0.0, span)?;
         }
     }
-    if fanuc.kind == Kind::Haas && sense.cycle {
+    if fanuc.kind.variant().cycles_without_r && sense.cycle {
         level_where_it_stands(ex)?;
     }
     if sense.thread

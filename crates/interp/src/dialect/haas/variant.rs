@@ -1,0 +1,58 @@
+//! What Haas' machining centres have otherwise than Fanuc's, as the front end asks for it.
+use crate::dialect::fanuc::{
+    meaning::Meaning,
+    variant::{Circles, FANUC, MachinePlace, Variant},
+};
+
+/// Where they differ.
+pub(crate) const VARIANT: Variant = Variant {
+    own,
+    calls_by_m97: true,
+    has_m29: false,
+    waits_in_seconds: true,
+    cycles_without_r: true,
+    g53_by_increments: MachinePlace::Absolute,
+    more_offsets: ("G154", 99),
+    circles: Circles::Pocket,
+    has_tool_timers: true,
+    ..FANUC
+};
+
+/// What a code means there, in tenths, where that is not what Fanuc means.
+const fn own(tenths: u16) -> Option<Meaning> {
+    use Meaning::{Circle, NotYet, Shared, Smoothing, Smoothness, Unknown, WorkOffset};
+    Some(match tenths {
+        120 => Circle(true),
+        130 => Circle(false),
+        1030 => Smoothing,
+        1120 | 1130 => {
+            NotYet("ways on a face, or the third and fourth work offset of old controls")
+        }
+        1100..=1290 if tenths.is_multiple_of(10) => WorkOffset((tenths / 10 - 109) as u8),
+        1540 => Shared(541),
+        1870 => Smoothness,
+        350..=370 if tenths.is_multiple_of(10) => NotYet("automatic measurement of offsets"),
+        1360 => NotYet("automatic measurement of a work offset's centre"),
+        470 => NotYet("text engraving"),
+        450 | 460 | 480 => Unknown,
+        700 => NotYet("holes on a circle"),
+        710 => NotYet("holes on an arc"),
+        720 => NotYet("holes on a line"),
+        770 => NotYet("back boring"),
+        870 => NotYet("boring that the operator ends by hand"),
+        1000 | 1010 => NotYet("mirror image"),
+        1020 => NotYet("output over a serial line"),
+        1070 => NotYet("mapping onto a cylinder"),
+        1410 => NotYet("three-dimensional cutter compensation"),
+        1430 => NotYet("tool length on five axes"),
+        1500 => NotYet("pocket of any shape"),
+        1530 | 1550 | 1610 | 1620 | 1630 | 1640 | 1650 | 1660 | 1690 => {
+            NotYet("cycle on five axes")
+        }
+        1740 | 1840 => NotYet("rigid tapping off the vertical"),
+        1880 => NotYet("a program by the pallet"),
+        2340 | 2350 => NotYet("tool centre point control"),
+        2530 | 2540 | 2550 | 2680 | 2690 => NotYet("tilted or turned work coordinates"),
+        _ => return None,
+    })
+}
