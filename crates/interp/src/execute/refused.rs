@@ -9,7 +9,7 @@
 //!   G0 X0                  X is known again
 //! ```
 //!
-//! A finding that asks for what is unknown ([`needs`]) is not told: it would say again what the first refusal has said,
+//! A finding that asks for what is unknown ([`needs`](crate::fault::unknown::needs)) is not told: it would say again what the first refusal has said,
 //! or what is not so. One that says that something is missing makes that unknown itself, so that it is told once and not
 //! in each of a hundred lines.
 use crate::{

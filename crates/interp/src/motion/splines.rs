@@ -9,7 +9,7 @@
 //! ```
 //!
 //! All three are NURBS: G5 of order 4 with four points, G5.1 of order 3 with three. The machine gets Bézier curves of the
-//! fifth degree ([`Resolver`]): up to that degree, and where all weights are alike, these are the curve itself; else they stay
+//! fifth degree ([`spline_pieces`](crate::motion::spline_pieces)): up to that degree, and where all weights are alike, these are the curve itself; else they stay
 //! within a nanometre of it.
 //!
 //! Source: LinuxCNC 2.9 manual, "G5", "G5.1", "G5.2 G5.3"; L. Piegl, W. Tiller, "The NURBS Book", 2.2 and 4.2.

@@ -89,7 +89,7 @@ impl<'s> Ops<'s> {
     }
 }
 
-/// [`lint`](crate::operations::lint), piece by piece.
+/// [`lint`](crate::lint()), piece by piece.
 pub struct Linter<'s> {
     setup: &'s Setup,
     reader: Reader,

@@ -1,7 +1,7 @@
 //! The drilling, tapping and boring cycles, written once for the three planes.
 //!
 //! What they have in common is here: where the holes are, how often, at which levels. [`hole`] makes one hole of a
-//! [`pattern`], and each cycle has its own file.
+//! [`Pattern`], and each cycle has its own file.
 //!
 //! ```text
 //!   initial ┬ · · · ·●━━━━━━━━━━━┓ · · · · G98 returns here

@@ -9,7 +9,7 @@
 //!   %
 //! ```
 //!
-//! Other files of the search path are further pieces of the same tape. One that does not begin with O1234 or <NAME> is the
+//! Other files of the search path are further pieces of the same tape. One that does not begin with O1234 or `<NAME>` is the
 //! program that its own name says: O1234.nc, 1234.nc, NAME.nc. A program that has a name instead of a number has a number
 //! here all the same, above all that can be written.
 //!

@@ -6,7 +6,7 @@
 //! | #1 – #33 | the macro's own, its arguments first |
 //! | #100 – #199 | common to all programs |
 //! | #500 – #999 | the same, and kept in the parameter file |
-//! | others | [`system`](crate::front_end::fanuc::variables::system) |
+//! | others | [`system`] |
 //!
 //! A variable without a value counts as 0 in arithmetic and differs from 0 in EQ and NE alone.
 //! AND, OR and XOR work on the bits of whole numbers. Angles are in degrees; ATAN of two arguments
