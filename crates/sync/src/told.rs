@@ -3,7 +3,7 @@
 //! ```text
 //!        told S               turns left = N·(1 + u)           slow: its deceleration has shown itself
 //!   In ─────────► at speed ─────────────────────────► Slow ────────────────────────────────────────────┐
-//!                    │                                  told to creep      turns left = N as it showed  │
+//!                    │            told a speed between, then to creep      turns left = N as it showed  │
 //!                    │ turns left = N + early                                                          ▼
 //!                    └────── learnt, and it repeats well enough ─────────────────────────────────────► Turn
 //!                                                          told to turn back, still going in            │
@@ -19,7 +19,9 @@
 //! | early | turns that it was longer at the programmed speed, learnt from the strokes before; it goes with the square of the speed |
 //!
 //! The first stroke of a kind is on the safe side: it leaves the speed so early that even a stopping angle longer by u
-//! would not pass the bottom, and creeps on to it. From the second stroke on the spindle is told to turn back straight from its
+//! would not pass the bottom, and creeps on to it. Creeping takes long, so it goes on at a speed between, where a first part of the
+//! ramp has shown how the drive brakes, and is told to creep when the turns that are left are those that the rest of the ramp takes,
+//! with a quarter of u. From the second stroke on the spindle is told to turn back straight from its
 //! speed, if the turning point repeats well enough: it scatters with the speed times the scatter of the drive's delay, and with the
 //! ramp. Where it does not, the later strokes creep too, but for a moment only, because how the drive stops is known.
 //! A stop on the way tells it to stand; the feed stays on its helix meanwhile, and the stroke goes on, or out, from there.
@@ -32,7 +34,17 @@ use units::{Angle, Spin, SpinAccel, Time};
 
 /// The deceleration has shown itself once the spindle is as slow as this many times its creep …
 const SHOWN: f64 = 1.5;
-/// … where it shall stay for so long before it is told to turn back.
+/// … and a first part of the ramp has, to this share of the speed before: there it goes on until the rest of the ramp is due.
+const BETWEEN: f64 = 0.7;
+/// The first part is measured when so much of it is left.
+const NEARLY: f64 = 0.5;
+/// At the speed between it stays for so long, or does not go there: a ramp that begins anew begins at a steady speed.
+const STEADY_FOR: Time = Time::s(0.01);
+/// By this share of what it may be off before the rest of the ramp may differ from its first part.
+const REST: f64 = 0.25;
+/// Below this uncertainty there is nothing to be learnt on the way.
+const KNOWN: f64 = 0.02;
+/// At its creep it shall stay for so long before it is told to turn back.
 const CREEPS_FOR: Time = Time::s(0.02);
 /// What an observer of an encoder of a thousand lines is late by when a ramp sets in.
 const SEEN_LATE: Time = Time::s(4e-3);
@@ -94,6 +106,10 @@ pub struct Slowing {
     from: (Angle, Spin),
     /// How it really stops, once that is seen.
     shown: Option<Stopping>,
+    /// What it is told, magnitude: a speed between, or the creep.
+    told: Spin,
+    /// The longest that it may take to stop by what the first part of the ramp has shown.
+    rest: Option<Stopping>,
 }
 
 impl Spoken {
@@ -159,7 +175,7 @@ impl Told {
                     let delay = spoken.stopping.delay;
                     let rotation = Rotation { accel: rises * inwards, ..tick.master }.after(delay);
                     let from = (rotation.angle * inwards, rotation.spin * inwards);
-                    Self::Slow(Slowing { from, shown: None })
+                    Self::Slow(Slowing::begin(from, spoken))
                 }
             }
             Self::Slow(slowing) => {
@@ -225,8 +241,8 @@ impl Told {
         let (inwards, outwards) = spoken.speeds;
         let spin = match self {
             Self::In => inwards,
-            Self::Slow(_) if inwards < Spin::ZERO => -spoken.creep,
-            Self::Slow(_) => spoken.creep,
+            Self::Slow(slowing) if inwards < Spin::ZERO => -slowing.told,
+            Self::Slow(slowing) => slowing.told,
             Self::Turn(_) if tap.dwell > Time::ZERO => Spin::ZERO,
             Self::Bottom(..) | Self::Held { .. } | Self::Cleared { .. } => Spin::ZERO,
             Self::Turn(_) | Self::Out(_) | Self::Clear(_) => outwards,
@@ -249,8 +265,20 @@ impl Told {
 }
 
 impl Slowing {
+    /// Told to slow down, from this angle and speed on.
+    fn begin(from: (Angle, Spin), spoken: &Spoken) -> Self {
+        let between = from.1 * BETWEEN;
+        let goes_on = spoken.uncertainty > KNOWN && between > spoken.creep * SHOWN;
+        let told = if goes_on { between } else { spoken.creep };
+        Self { from, shown: None, told, rest: None }
+    }
+
     /// With the longest that it may take to stop, its speed, the turns that are left, and its angle inwards.
     fn next(self, spoken: &Spoken, longest: Stopping, now: (Spin, Angle), angle: Angle) -> Told {
+        if self.told > spoken.creep {
+            return self.between(spoken, longest, now, angle);
+        }
+        let longest = self.rest.unwrap_or(longest);
         let ((at, from), (spin, left)) = (self.from, now);
         let shown = self.shown.or_else(|| {
             let slow = spin <= spoken.creep * SHOWN;
@@ -259,11 +287,47 @@ impl Slowing {
         // until then it is on its way down already: there is no delay to come
         let needed =
             shown.map_or_else(|| stopping_angle(spin, longest.decel), |shown| shown.angle(spin));
-        if left > needed {
+        // one that has not shown how it stops brakes as it can, and its speed is known late
+        let brakes = shown.is_none() && spin > spoken.creep * SHOWN + longest.decel * longest.delay;
+        if left > needed || brakes {
             return Told::Slow(Self { shown, ..self });
         }
         let at_speed = spoken.speeds.0;
         Told::Turn(shown.map(|shown| shown.angle(at_speed) - spoken.stopping.angle(at_speed)))
+    }
+
+    /// The same on the way to the speed between, and at it.
+    fn between(self, spoken: &Spoken, longest: Stopping, now: (Spin, Angle), angle: Angle) -> Told {
+        let ((at, from), (spin, left)) = (self.from, now);
+        let is_slow = spin <= self.told + (from - self.told) * NEARLY;
+        if !is_slow && self.shown.is_none() {
+            return Told::Slow(self); // it brakes as it can
+        }
+        let seen = || spoken.stopping.shown(from, spin, angle - at).unwrap_or(longest);
+        let first = self.shown.unwrap_or_else(seen);
+        let rest = first.slower_by(spoken.uncertainty * REST);
+        // what the rest of the ramp takes from a speed, with what the order may be late by
+        let due = |spin: Spin| {
+            let late = spin * (SEEN_LATE + spoken.late);
+            rest.angle(spin) + spoken.creep * (CREEPS_FOR + rest.delay) + late
+        };
+        let creeps =
+            |from| Told::Slow(Self { from, shown: None, told: spoken.creep, rest: Some(rest) });
+        if self.shown.is_none() {
+            let braking =
+                stopping_angle(spin, first.decel) - stopping_angle(self.told, first.decel);
+            let steady = self.told * STEADY_FOR;
+            // it would stay for too short a time at the speed between: the ramp goes on
+            return if left - braking < due(self.told) + steady {
+                creeps(self.from)
+            } else {
+                Told::Slow(Self { shown: Some(first), ..self })
+            };
+        }
+        if left > due(spin) {
+            return Told::Slow(self);
+        }
+        creeps((angle + spin * rest.delay, spin))
     }
 }
 

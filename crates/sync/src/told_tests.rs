@@ -93,7 +93,18 @@ fn run_ordered(
     holds: core::ops::Range<f64>,
     outs: core::ops::Range<f64>,
 ) -> (Seen, Cycle, f64) {
-    let (decel, accel) = (0.85 * 67.0, 67.0);
+    run_braking(tap, 0.85, delay, holds, outs)
+}
+
+/// The same on a drive whose deceleration is another share of what its file says.
+fn run_braking(
+    tap: &Tap<Unplanned>,
+    share: f64,
+    delay: usize,
+    holds: core::ops::Range<f64>,
+    outs: core::ops::Range<f64>,
+) -> (Seen, Cycle, f64) {
+    let (decel, accel) = (share * 67.0, 67.0);
     let mut orders = std::collections::VecDeque::from(std::vec![0.0; delay]);
     let (mut angle, mut spin, mut cycle) = (0.0_f64, 0.0_f64, Cycle::new());
     let mut seen = Seen { beyond_bottom: -100.0, beyond_start: -100.0, taught: None, seconds: 0.0 };
@@ -227,5 +238,40 @@ fn a_tap_that_is_told_to_come_out_stands_where_it_is_clear_however_long_it_is_to
         let slower = (2000.0_f64 / 60.0).powi(2) / (2.0 * 67.0) * (1.0 / 0.85 - 1.0);
         assert!((-slower - 0.1..0.1).contains(&turns), "held at {at} s: {turns} turns from clear");
         assert_eq!(cycle.ask(&tap, Time::ZERO), Ask::Speed(Rotation::default()));
+    }
+}
+
+/// From a uniform ramp that is anything within what the file leaves open: not beyond the bottom, not far before it, what it
+/// teaches is right, and it takes longer than a known stroke by no more than the closed form of what is left open costs.
+#[test]
+fn a_first_stroke_goes_on_between_and_takes_little_longer_than_a_known_one() {
+    for rpm in [500.0, 1000.0, 2000.0, 2500.0] {
+        for share in [0.84, 0.9, 1.0, 1.2, 1.5] {
+            let n = rpm / 60.0;
+            let run = |known: bool, early: Angle| {
+                let tap = tap_at(rpm, early, known, Time::ZERO, 1.0);
+                let (seen, cycle, _) = run_braking(&tap, share, DELAY, 0.0..0.0, 0.0..0.0);
+                assert_eq!(cycle, Cycle::Done);
+                seen
+            };
+            let first = run(false, Angle::ZERO);
+            let of = std::format!("{rpm} rpm, {share} of the deceleration");
+            assert!(first.beyond_bottom < 1e-3, "{of}: {} rev beyond", first.beyond_bottom);
+            assert!(first.beyond_bottom > -0.01, "{of}: {} rev short", first.beyond_bottom);
+            // n²/2a more than by the file
+            let longer = n * n / (2.0 * 67.0) * (1.0 / share - 1.0);
+            let taught = first.taught.expect("it has slowed down");
+            assert!((taught.value() - longer).abs() < 1e-3, "{of}: {taught:?}");
+            let known = run(true, taught);
+            // what is left open is turned at the speed between instead of at n, and a quarter of it at the creep
+            let open = n * n / 134.0 * 1.2 - n * n / (134.0 * share);
+            let rest = 0.25 * 0.2 * 0.49 * n * n / (134.0 * share);
+            let late = 4e-3 * n;
+            let costs = (open + late) * (1.0 / 0.7 - 1.0) / n + (rest + 0.7 * late) / (0.1 * n);
+            // 20 ms at its creep, three delays, and at the creep what would be too short a time at the speed between
+            let most = 1.15 * costs + 0.02 + 3.0 * 0.01 + 0.7 * 0.01 / 0.1;
+            let more = first.seconds - known.seconds;
+            assert!(more < most, "{of}: {more} s more, {most} at most");
+        }
     }
 }
