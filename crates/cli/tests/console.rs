@@ -175,3 +175,33 @@ fn the_position_of_the_last_program_counts_what_this_run_has_cut_and_not_the_run
     assert_eq!(number("feature"), 1, "{kept}");
     assert!((1..20).contains(&number("operation")), "{kept}");
 }
+
+#[test]
+fn what_an_alarm_has_made_impossible_is_not_waited_for() {
+    for wait in
+        ["completed", "active", "paused", "homed", "activity tap-in", "line 9", "tool in work"]
+    {
+        let script = format!(
+            "power on\nwait ready within 3 s\nemergency stop\nwait {wait} within 86400 s\n"
+        );
+        let (out, errors, code) = said(&led(&[], &script));
+        let expected =
+            format!("\"wait {wait} within 86400 s\" cannot be met any more: alarm 101: ");
+        assert!(errors.contains(&expected) && code == 1, "{code}: {out}{errors}");
+    }
+    let script = "power on\nwait ready within 3 s\nemergency stop\nwait alarm within 1 s\nemergency release\nwait ready within 86400 s\n";
+    let (_, errors, code) = said(&led(&[], script));
+    assert!(
+        errors.contains("cannot be met any more: alarm 101: ") && code == 1,
+        "{code}: {errors}"
+    );
+}
+
+#[test]
+fn what_comes_with_an_alarm_or_after_it_is_waited_for() {
+    let script = format!(
+        "{MORNING}mdi S1000 M3; G1 X-100 F100\nwait active within 5 s\nwait 2 s\nemergency stop\nwait alarm within 5 s\nwait standstill within 20 s\n"
+    );
+    let (out, errors, code) = said(&led(&[], &script));
+    assert_eq!(code, 0, "{out}{errors}");
+}

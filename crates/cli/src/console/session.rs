@@ -20,6 +20,12 @@ impl Failure {
         let (within, status) = (within.value(), show::line(status));
         Self::NotMet(format!("\"{line}\" was not met within {within:.3} s; it is: {status}"))
     }
+
+    /// What a line waited for cannot come any more.
+    fn never_met(line: &str, why: &str, status: &Status) -> Self {
+        let status = show::line(status);
+        Self::NotMet(format!("\"{line}\" cannot be met any more: {why}; it is: {status}"))
+    }
 }
 
 /// Ask the control; what is to be known of it.
@@ -45,6 +51,8 @@ pub(super) fn happened(event: &Event) -> String {
 
 /// A continuous jog is asked for again after this share of its lease.
 const RENEWED: f64 = 0.5;
+/// An alarm that stands for so long, with everything at rest, lets nothing happen that a line could wait for.
+const STOPPED_FOR: Time = Time::s(1.0);
 /// How long moving things may take to come to rest at the end.
 const COMES_TO_REST: Time = Time::s(120.0);
 
@@ -78,7 +86,11 @@ impl Session {
             Command::Leased(request, lasts) => self.leased(&request, lasts)?,
             Command::Wait(condition, within) => {
                 let end = self.control.now() + within;
+                let mut stopped_at = None;
                 while !condition.holds(&self.control) {
+                    if let Some(why) = self.stopped_for_good(&mut stopped_at) {
+                        return Err(Failure::never_met(line, &why, &self.control.status()));
+                    }
                     if self.control.now() >= end || condition.is_answered_at_once() {
                         let status = self.control.status();
                         return Err(Failure::not_met(line, within, &status));
@@ -101,6 +113,17 @@ impl Session {
             Command::Quit => return Ok(false),
         }
         Ok(true)
+    }
+
+    /// Why nothing changes any more unless it is asked for, once that is so for a while; since when it is.
+    fn stopped_for_good(&self, since: &mut Option<Time>) -> Option<String> {
+        let Some(why) = self.control.stopped_by() else {
+            *since = None;
+            return None;
+        };
+        let now = self.control.now();
+        let stopped_at = *since.get_or_insert(now);
+        (now - stopped_at >= STOPPED_FOR).then_some(why)
     }
 
     fn request(&mut self, request: &Request) -> Result<(), Failure> {

@@ -73,6 +73,19 @@ impl Control {
         !self.executor.kernel.faults().is_empty()
     }
 
+    /// Why nothing changes any more unless it is asked for: an alarm stands and everything has come to rest, or the machine is gone.
+    pub fn stopped_by(&self) -> Option<String> {
+        if let Some(why) = self.executor.machine.lost() {
+            return Some(why);
+        }
+        let kernel = &self.executor.kernel;
+        let by_hand = kernel.is_moving_manually() || self.is_referencing();
+        let rests = !by_hand && !self.is_resetting && !self.is_recovering;
+        let stands = kernel.is_off() || kernel.is_standing();
+        let fault = kernel.faults().first().filter(|_| rests && stands)?;
+        Some(fault.to_string())
+    }
+
     /// Every axis is homed.
     pub fn is_homed_all(&self) -> bool {
         self.first_not_homed().is_none()
