@@ -3,6 +3,7 @@
 
 hal-judge.py SAMPLES PITCH BOTTOM DEPTH TAPS
 hal-judge.py threads SAMPLES PITCH FROM TO PASSES SLOWEST FASTEST
+hal-judge.py oriented SAMPLES DEGREES...
 hal-judge.py times MHZ NAME TIMES [NAME TIMES...]
 hal-judge.py beside OURS THEIRS PITCH START BOTTOM DEPTH TAPS
 
@@ -14,6 +15,9 @@ It fails unless there are TAPS of them, each within 10 um of its helix, within 2
 A pass of a thread is where Z goes from FROM down to TO while the spindle turns forwards, PITCH a turn. Its phase is the mean of
 Z + PITCH * revolutions there, of which whole pitches are left out. It fails unless there are PASSES of them, from SLOWEST to FASTEST
 rev/min, within 3 um of one another.
+
+Oriented: it fails unless the spindle stands at these angles within its turn, one after the other, each for a quarter of a second
+and within 0.3 degrees.
 
 Beside: the same program by two controls on the same plant, a row of a table for each tap. Between its arrival at START and its return
 there Z goes down to BOTTOM, and what is judged is the travel within DEPTH of BOTTOM. Ripple is what Z's acceleration changes by from
@@ -119,6 +123,23 @@ def threads(path, pitch, first, last, count, slowest, fastest):
     print(f"{count} passes within {apart:.2f} um of one another")
 
 
+def oriented(path, degrees):
+    turns = [row[4] for row in rows(path)]
+    least, stands, at = int(0.25 / PERIOD), [], 0
+    for k in range(1, len(turns) + 1):
+        # a drive may creep on by some counts
+        if k == len(turns) or abs(turns[k] - turns[at]) > 6 * COUNT:
+            if k - at >= least:
+                stands.append((turns[(at + k) // 2] % 1.0) * 360)
+            at = k
+    left = list(degrees)
+    for stand in stands:
+        if left and abs((stand - left[0] + 180) % 360 - 180) <= 0.3:
+            print(f"the spindle stands at {stand:.2f} degrees: {left.pop(0):g} was ordered")
+    if left:
+        sys.exit(f"the spindle has not stood at {left[0]:g} degrees in {path}: only at {[round(stand, 2) for stand in stands]}")
+
+
 COUNT = 1 / 4096  # revolution
 
 
@@ -217,6 +238,8 @@ def main():
     if sys.argv[1] == "beside":
         numbers = [float(word) for word in sys.argv[4:]]
         return beside(sys.argv[2], sys.argv[3], *numbers[:4], int(numbers[4]))
+    if sys.argv[1] == "oriented":
+        return oriented(sys.argv[2], [float(word) for word in sys.argv[3:]])
     if sys.argv[1] == "threads":
         numbers = [float(word) for word in sys.argv[3:]]
         return threads(sys.argv[2], *numbers[:3], int(numbers[3]), *numbers[4:])

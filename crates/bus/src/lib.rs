@@ -54,6 +54,10 @@ pub struct SpindleFeedback {
     pub ready: bool,
     /// The drive was at its torque or power limit during the last period.
     pub saturated: bool,
+    /// A drive that orients the spindle by itself: it stands at the angle of [`SpindleCommand::orient`].
+    pub oriented: bool,
+    /// A drive that orients the spindle by itself cannot: its fault code; 0 is none.
+    pub orient_fault: i32,
 }
 
 /// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66), outputs that they switch
@@ -124,12 +128,17 @@ pub struct AxisCommand {
 pub struct SpindleCommand {
     /// The drive shall be powered.
     pub enable: bool,
-    /// Setpoint of the angle; follows the actual angle while only the speed is controlled.
+    /// Setpoint of the angle; follows the actual angle while only the speed is controlled. A drive that closes its own
+    /// position loop takes it, and then it always goes on from the last one.
     pub angle: Angle,
     /// Setpoint of speed.
     pub spin: Spin,
     /// Torque reference.
     pub torque: Torque,
+    /// A drive that orients the spindle by itself shall bring it to this angle within a turn, and hold it there.
+    pub orient: Option<Angle>,
+    /// Its drive has said that it stands there: it may be locked.
+    pub locked: bool,
 }
 
 /// What the kernel wants, once a period.

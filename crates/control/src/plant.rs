@@ -28,6 +28,7 @@ pub struct HalDrives {
     /// What its kernel is made with, beside the configuration.
     pub(crate) silent_after: Time,
     pub(crate) obeys_after: [Time; bus::AXES],
+    pub(crate) spindles_obey_after: [Time; bus::SPINDLES],
     period: Time,
     feedback: Feedback,
 }
@@ -63,6 +64,7 @@ pub fn hal(file: &store::machine::MachineFile) -> Result<Plant, Refused> {
         side: Some(side),
         silent_after: hal.silent_after,
         obeys_after: [period * hal.obeys_after_periods; bus::AXES],
+        spindles_obey_after: [period * hal.obeys_after_periods; bus::SPINDLES],
         period,
         feedback: Feedback { tool: Some(0), ..Feedback::default() },
     })))

@@ -1,6 +1,7 @@
 //! The thread beside the servo thread: it makes the kernels that controls ask for, because that takes memory, and releases them.
 use crate::component::ControlSession;
 use crate::parameters::LoadParameters;
+use crate::pins::ObeysAfter;
 use bus::AXES;
 use kernel::Kernel;
 use rtrb::{Consumer, Producer};
@@ -144,6 +145,8 @@ impl Desk {
         let mut kernel = Box::new(Kernel::new(set_up.config));
         kernel.switch_off(); // until its control says otherwise
         let seat = Seat::new(kernel, ServoSide::new(&self.made, session));
-        Ok(Box::new(ControlSession { seat, obeys_after: set_up.obeys_after, most_silent_ns }))
+        let obeys_after =
+            ObeysAfter { axes: set_up.obeys_after, spindles: set_up.spindles_obey_after };
+        Ok(Box::new(ControlSession { seat, obeys_after, most_silent_ns }))
     }
 }

@@ -8,8 +8,8 @@
 use crate::attendant::{Attendant, Desk};
 use crate::ffi::{self, Hal, Member};
 use crate::parameters::LoadParameters;
-use crate::pins::Pins;
-use bus::{AXES, Feedback, SPINDLES, Sample};
+use crate::pins::{ObeysAfter, Pins};
+use bus::{Feedback, SPINDLES, Sample};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
 use servo::{Record, Seat};
@@ -31,7 +31,7 @@ const SESSIONS: usize = 4;
 pub(crate) struct ControlSession {
     pub(crate) seat: Seat<ServoSide>,
     /// Drives obey so much later than they are told.
-    pub(crate) obeys_after: [Time; AXES],
+    pub(crate) obeys_after: ObeysAfter,
     /// For so long its control may show no sign of life, ns.
     pub(crate) most_silent_ns: i64,
 }

@@ -42,6 +42,7 @@ impl Asked {
             let kind = match kind {
                 'b' => "bit",
                 'f' => "float",
+                's' => "s32",
                 _ => "u32",
             };
             let direction = match *direction {
@@ -161,6 +162,17 @@ unsafe extern "C" fn hal_pin_u32_new(
 ) -> c_int {
     // SAFETY: the caller's.
     unsafe { pin('u', name, data, direction) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn hal_pin_s32_new(
+    name: *const c_char,
+    direction: c_int,
+    data: *mut *mut i32,
+    _: c_int,
+) -> c_int {
+    // SAFETY: the caller's.
+    unsafe { pin('s', name, data, direction) }
 }
 
 #[unsafe(no_mangle)]

@@ -40,6 +40,12 @@ unsafe extern "C" {
         data: *mut *mut u32,
         component: c_int,
     ) -> c_int;
+    fn hal_pin_s32_new(
+        name: *const c_char,
+        direction: c_int,
+        data: *mut *mut i32,
+        component: c_int,
+    ) -> c_int;
     fn hal_export_funct(
         name: *const c_char,
         function: Function,
@@ -114,6 +120,7 @@ macro_rules! kind {
 kind!(bool, hal_pin_bit_new);
 kind!(f64, hal_pin_float_new);
 kind!(u32, hal_pin_u32_new);
+kind!(i32, hal_pin_s32_new);
 
 /// A pin: HAL's memory holds where its value is now, which changes when it is linked to a signal.
 #[derive(Debug)]

@@ -8,8 +8,11 @@
 use crate::ffi::{Direction, Hal, Pin, PinKind};
 use crate::index::Unwrapped;
 use crate::parameters::{LETTERS, LoadParameters};
-use bus::{AXES, AxisFeedback, Command, Feedback, Report, SPINDLES, Signals, SpindleFeedback};
-use units::{Coordinate, Time};
+use bus::{
+    AXES, AxisFeedback, Command, Feedback, Report, SPINDLES, Signals, SpindleCommand,
+    SpindleFeedback,
+};
+use units::{Angle, Coordinate, Time};
 
 /// Pins of an axis.
 #[derive(Debug)]
@@ -35,7 +38,22 @@ struct SpindlePins {
     revs: Pin<f64>,
     index_enable: Pin<bool>,
     fault: Pin<bool>,
+    pos_cmd: Pin<f64>,
+    orient: Pin<bool>,
+    orient_angle: Pin<f64>,
+    is_oriented: Pin<bool>,
+    orient_fault: Pin<i32>,
+    locked: Pin<bool>,
     counted: Unwrapped,
+    /// Where it is, by its encoder.
+    at: Angle,
+}
+
+/// Drives that close their own position loop obey so much later than they are told.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ObeysAfter {
+    pub(crate) axes: [Time; AXES],
+    pub(crate) spindles: [Time; SPINDLES],
 }
 
 /// A tool changer that is asked and answers.
@@ -124,11 +142,14 @@ impl Pins {
             if let Some(pins) = pins {
                 let is_set = pins.index_enable.get();
                 let (angle, index) = pins.counted.read(pins.revs.get(), is_set);
+                pins.at = angle;
                 *said = SpindleFeedback {
                     angle,
                     index,
                     ready: enabled && !pins.fault.get(),
-                    ..SpindleFeedback::default()
+                    saturated: false,
+                    oriented: pins.is_oriented.get(),
+                    orient_fault: pins.orient_fault.get(),
                 };
             }
         }
@@ -154,13 +175,14 @@ impl Pins {
         &mut self,
         command: &Command,
         report: &Report,
-        obeys_after: &[Time; AXES],
+        obeys_after: &ObeysAfter,
         marks: [bool; SPINDLES],
     ) {
         for (index, pins) in self.axes.iter().enumerate() {
             if let Some(pins) = pins {
                 let told = &command.axes[index];
-                let ahead = told.position.value() + told.speed.value() * obeys_after[index].value();
+                let ahead =
+                    told.position.value() + told.speed.value() * obeys_after.axes[index].value();
                 pins.write(told.enable, ahead, told.speed.value());
                 self.enabled.0[index] = told.enable;
             }
@@ -171,8 +193,7 @@ impl Pins {
                     pins.index_enable.set(marks[index]);
                 }
                 let told = &command.spindles[index];
-                let rps = if told.enable { told.spin.value() } else { 0.0 };
-                pins.write(told.enable, rps);
+                pins.write(told, obeys_after.spindles[index]);
                 self.enabled.1[index] = told.enable;
             }
         }
@@ -196,7 +217,7 @@ impl Pins {
         self.write(
             &Command { tool, ..Command::default() },
             &Report::default(),
-            &[Time::ZERO; AXES],
+            &ObeysAfter { axes: [Time::ZERO; AXES], spindles: [Time::ZERO; SPINDLES] },
             [false; SPINDLES],
         );
         self.connected.set(false);
@@ -263,17 +284,35 @@ impl SpindlePins {
             revs: input(hal, &name("revs"))?,
             index_enable: named(hal, &name("index-enable"), Direction::Io)?,
             fault: input(hal, &name("fault"))?,
+            pos_cmd: output(hal, &name("pos-cmd"))?,
+            orient: output(hal, &name("orient"))?,
+            orient_angle: output(hal, &name("orient-angle"))?,
+            is_oriented: input(hal, &name("is-oriented"))?,
+            orient_fault: input(hal, &name("orient-fault"))?,
+            locked: output(hal, &name("locked"))?,
             counted: Unwrapped::default(),
+            at: Angle::ZERO,
         })
     }
 
-    fn write(&self, enable: bool, rps: f64) {
+    fn write(&self, told: &SpindleCommand, obeys_after: Time) {
+        let enable = told.enable;
+        let rps = if enable { told.spin.value() } else { 0.0 };
+        // one that is off is told to be where it is, so that nothing jumps when it is switched on
+        let ahead = if enable { told.angle + told.spin * obeys_after } else { self.at };
+        self.pos_cmd.set(ahead.value());
         self.speed_cmd.set(rps * 60.0);
         self.speed_cmd_rps.set(rps);
         self.enable.set(enable);
         self.forward.set(rps > 0.0);
         self.reverse.set(rps < 0.0);
-        self.brake.set(!enable);
+        self.brake.set(!enable || told.locked);
+        let orient = told.orient.filter(|_| enable);
+        if let Some(angle) = orient {
+            self.orient_angle.set(angle.in_deg().rem_euclid(360.0));
+        }
+        self.orient.set(orient.is_some() && !told.locked);
+        self.locked.set(orient.is_some() && told.locked);
     }
 }
 

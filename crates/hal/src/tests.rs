@@ -1,16 +1,19 @@
 //! The component between a HAL that is none and a control that is one: ideal drives, a spindle with ramps of its own.
 #![allow(clippy::unwrap_used)] // a test may panic
+use crate::ffi::Hal;
+use crate::pins::{ObeysAfter, Pins};
 use crate::{fake, rtapi_app_exit, rtapi_app_main};
+use bus::{Command, Report, SpindleCommand};
 use canon::Position;
 use control::job::ProgramOptions;
-use control::operation::{Execution, Request};
+use control::operation::{Event, Execution, Request};
 use control::{Control, ControlOptions};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use units::Time;
+use units::{Angle, Time};
 
 /// Ramps of the converter, rev/s².
 const RAMP: f64 = 66.7;
@@ -25,8 +28,19 @@ struct Running {
 /// Z, mm, and the turns of the spindle, after a period.
 type ZAndTurns = (f64, f64);
 
+/// What the spindle's drive is told.
+#[derive(Clone, Copy, PartialEq)]
+enum TakenBy {
+    Speed,
+    Angle,
+}
+
 impl Running {
     fn start() -> Self {
+        Self::start_with(TakenBy::Speed)
+    }
+
+    fn start_with(drive: TakenBy) -> Self {
         assert_eq!(rtapi_app_main(), 0, "{:?}", fake::with(|hal| hal.said.clone()));
         let stop = Arc::new(AtomicBool::new(false));
         let told = Arc::clone(&stop);
@@ -44,6 +58,9 @@ impl Running {
                     let wanted = hal.float("spindle.0.speed-cmd-rps");
                     speed += (wanted - speed).clamp(-most, most);
                     turned += speed * PERIOD_S;
+                    if drive == TakenBy::Angle {
+                        turned = hal.float("spindle.0.pos-cmd");
+                    }
                     hal.set_float("spindle.0.revs", (turned * 4096.0).floor() / 4096.0);
                     hal.set_bit("tool-changed", hal.bit("tool-change"));
                     places.push((hal.float("z.pos-fb"), turned));
@@ -78,9 +95,14 @@ fn control() -> Result<Control, control::Refused> {
 
 /// With its state in a folder.
 fn control_of(state: Option<&Path>) -> Result<Control, control::Refused> {
-    let mill = concat!(env!("CARGO_MANIFEST_DIR"), "/../../machines/hal/mill.toml");
+    control_on("mill.toml", state)
+}
+
+/// Of a machine of `machines/hal`.
+fn control_on(machine: &str, state: Option<&Path>) -> Result<Control, control::Refused> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../machines/hal/");
     Control::new(ControlOptions {
-        program: ProgramOptions::on(mill),
+        program: ProgramOptions::on(format!("{folder}{machine}")),
         seed: None,
         state: state.map(Path::to_owned),
         simulator: None,
@@ -109,7 +131,10 @@ fn homed() -> Control {
 }
 
 fn homed_of(state: Option<&Path>) -> Control {
-    let mut control = control_of(state).unwrap();
+    home(control_of(state).unwrap())
+}
+
+fn home(mut control: Control) -> Control {
     asked(&mut control, &Request::Power(true));
     until(&mut control, |control| control.status().is_ready);
     asked(&mut control, &Request::Home(None));
@@ -157,11 +182,30 @@ fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running()
     let mut second = homed();
     let deepest = running.end().iter().map(|(z, _)| *z).fold(0.0, f64::min);
     assert!(deepest < -99.0 && deepest > -111.0, "{deepest}");
+    let mut told = Vec::new();
+    let mut note = |control: &mut Control| {
+        while let Some(event) = control.next_event() {
+            match event {
+                Event::Alarm(alarm) => told.push(alarm.text),
+                Event::Notice(text) => told.push(text),
+                _ => {}
+            }
+        }
+    };
     let end = second.now() + Time::s(30.0);
     while !second.status().alarms.iter().any(|alarm| alarm.contains("412")) {
         assert!(second.now() < end, "{:#?}", second.status());
         second.period();
+        note(&mut second);
     }
+    // it is said once, and whatever waits is told that it waits in vain
+    for _ in 0..500 {
+        second.period();
+        note(&mut second);
+    }
+    let about = told.iter().filter(|text| text.contains("HAL component") || text.contains("412"));
+    assert_eq!(about.count(), 1, "{told:#?}");
+    assert!(second.stopped_by().is_some());
 }
 
 /// The component has let go of its control.
@@ -250,4 +294,55 @@ fn a_component_that_is_unloaded_stops_spindle_and_axis_on_the_thread_before() {
         let off = off_thread(&running.end());
         assert!(off < 0.02, "{depth}: {off} mm off its thread");
     }
+}
+
+#[test]
+fn a_spindle_that_is_told_an_angle_taps_on_its_helix_and_is_told_where_it_is_while_it_is_off() {
+    let _one = fake::one_at_a_time();
+    let running = Running::start_with(TakenBy::Angle);
+    let mut control = home(control_on("servo-mill.toml", None).unwrap());
+    asked(&mut control, &Request::ManualDataInput(format!("{TAP}\nM19 R90")));
+    until(&mut control, |control| control.execution() == Execution::ProgramCompleted);
+    until(&mut control, Control::is_at_standstill);
+    let stands = fake::with(|hal| hal.float("spindle.0.pos-cmd"));
+    assert!((stands - stands.floor() - 0.25).abs() < 1e-9, "{stands} rev");
+    asked(&mut control, &Request::Power(false));
+    until(&mut control, |_| !fake::with(|hal| hal.bit("spindle.0.enable")));
+    let off = fake::with(|hal| (hal.float("spindle.0.pos-cmd"), hal.float("spindle.0.revs")));
+    assert!((off.0 - off.1).abs() <= 1.0 / 4096.0, "{off:?}");
+    drop(control);
+    until_free();
+    let places = running.end();
+    let deepest = places.iter().map(|(z, _)| *z).fold(0.0, f64::min);
+    assert!((deepest + 110.0).abs() < 1e-3, "{deepest}");
+    let off = off_thread(&places);
+    assert!(off < 1e-3, "{off} mm off its thread");
+}
+
+#[test]
+fn a_drive_that_orients_the_spindle_has_the_pins_of_linuxcnc() {
+    let _one = fake::one_at_a_time();
+    let hal = Hal::begin("leadscrew").unwrap();
+    let mut pins = Pins::new(&hal, &crate::parameters::read().unwrap()).unwrap();
+    let instantly =
+        ObeysAfter { axes: [Time::ZERO; bus::AXES], spindles: [Time::ZERO; bus::SPINDLES] };
+    let mut write = |orient: Option<f64>, locked: bool| {
+        let mut command = Command::default();
+        let orient = orient.map(Angle::deg);
+        command.spindles[0] =
+            SpindleCommand { enable: true, orient, locked, ..SpindleCommand::default() };
+        pins.write(&command, &Report::default(), &instantly, [false; bus::SPINDLES]);
+        fake::with(|hal| {
+            let bit = |name: &str| hal.bit(&format!("spindle.0.{name}"));
+            ((bit("orient"), bit("locked"), bit("brake")), hal.float("spindle.0.orient-angle"))
+        })
+    };
+    assert_eq!(write(Some(-90.0), false), ((true, false, false), 270.0));
+    assert_eq!(write(Some(-90.0), true), ((false, true, true), 270.0));
+    assert_eq!(write(None, false).0, (false, false, false));
+    fake::with(|hal| hal.set_bit("spindle.0.is-oriented", true));
+    let said = pins.read(Time::ZERO).spindles[0];
+    assert!(said.oriented && said.orient_fault == 0 && said.ready);
+    pins.off();
+    assert!(fake::with(|hal| hal.bit("spindle.0.brake") && !hal.bit("spindle.0.locked")));
 }

@@ -271,8 +271,12 @@ pub struct SpindleControl {
     pub observer_bandwidth_hz: f64,
     /// Limits of turning to an angle.
     pub orient: (Spin, SpinAccel),
-    /// The drive is only told a speed and makes its own ramps; `None`: it is told a torque.
+    /// The drive is only told a speed and makes its own ramps; `None`: it is told a torque, or an angle.
     pub own_ramps: Option<OwnRamps>,
+    /// The drive closes its own position loop and is told an angle, also while the spindle only turns.
+    pub closes_position: bool,
+    /// A drive with ramps of its own that brings the spindle to an angle by itself.
+    pub orients: bool,
     /// Its drive follows the speed that is ordered: what turns otherwise is an alarm.
     pub follows_orders: bool,
     /// Its encoder is checked by a slow turn before the spindle is used; `None`: it is not.

@@ -283,7 +283,11 @@ impl Drives {
     pub(crate) fn check_following(&self) -> Result<(), Finding> {
         (0..AXES).try_for_each(|axis| self.check_axis_follows(axis))?;
         for (index, spindle) in self.spindles.iter().enumerate() {
-            let Some(spindle) = spindle else { continue };
+            // what its encoder counts is not known while that is checked
+            let Some(spindle) = spindle.as_ref().filter(|it| !it.encoder_check.is_under_way())
+            else {
+                continue;
+            };
             let limit = spindle.control.windows.following_stop.value();
             if spindle.error().abs() > limit {
                 let of = Subject::Spindle(index as u8);

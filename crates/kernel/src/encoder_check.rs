@@ -7,7 +7,8 @@
 //! ```
 //!
 //! It is made of spindles whose drive is told a speed: nothing but the encoder says there how they turn, and a tap follows it. Without
-//! an index mark the scale is known as well as the drive keeps its speed; with one, to a count.
+//! an index mark the scale is known as well as the drive keeps its speed; with one, to a count. A drive that is told an angle keeps
+//! that, and the scale is known to its window.
 use crate::fault::FaultKind;
 use crate::spindle::SpindleLoop;
 use units::{Angle, Spin};
@@ -129,9 +130,10 @@ impl EncoderCheck {
 impl Measurement {
     fn new(spindle: &SpindleLoop, sense: f64) -> Self {
         let slow = spindle.control.orient.0.min(spindle.control.highest).value();
-        let ramp = spindle.control.own_ramps.map_or(0.0, |own| {
-            own.delay.value() + slow / own.decel.value() * (1.0 + own.uncertainty)
-        });
+        let ramp = spindle.control.own_ramps.map_or_else(
+            || slow / spindle.unplanned_accel(),
+            |own| own.delay.value() + slow / own.decel.value() * (1.0 + own.uncertainty),
+        );
         Self {
             spin: slow * sense.signum(),
             at_s: 0.0,
@@ -196,7 +198,13 @@ impl Measurement {
     ) -> Result<(), EncoderFinding> {
         let count = spindle.control.encoder_count.value();
         let stated = 1.0 / count;
-        let window = spindle.control.windows.at_speed;
+        let windows = &spindle.control.windows;
+        // one that keeps its angle is within its window at either end of the measurement
+        let window = if spindle.control.closes_position {
+            2.0 * windows.oriented.value() / TURNS
+        } else {
+            windows.at_speed
+        };
         let counts = ratio * stated;
         if ratio.abs() <= STILL {
             return Err((FaultKind::EncoderStandsStill, counts, stated));

@@ -55,6 +55,8 @@ pub enum FaultKind {
     EncoderScale,
     /// The index mark of a spindle's encoder does not come.
     SpindleIndexMissing,
+    /// The drive of a spindle says that it cannot bring it to its angle.
+    OrientationFault,
     /// A spindle did not reach its speed in time.
     NotAtSpeed,
     /// A spindle did not come to the ordered angle in time.
@@ -132,7 +134,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 50] = [
+    pub const ALL: [Self; 51] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -152,6 +154,7 @@ impl FaultKind {
         Self::EncoderReversed,
         Self::EncoderScale,
         Self::SpindleIndexMissing,
+        Self::OrientationFault,
         Self::NotAtSpeed,
         Self::NotOriented,
         Self::NotInPosition,
@@ -272,6 +275,7 @@ impl fmt::Display for Fault {
                 let (counts, stated) = (self.value, self.limit);
                 write!(f, ": it has counted {counts:.0} in a turn, and {stated:.0} would fit")?;
             }
+            FaultKind::OrientationFault => write!(f, ": its fault code is {:.0}", self.value)?,
             _ if unit.is_empty() => {}
             _ => write!(f, ": {:.4} {unit}, limit {:.4} {unit}", self.value, self.limit)?,
         }

@@ -290,7 +290,7 @@ impl Kernel {
         if matches!(self.mode, Mode::Halted) {
             return self.halt(feedback);
         }
-        self.advance_manual();
+        self.advance_manual(feedback);
         self.advance_homing(feedback);
         match self.mode {
             Mode::Halted => return self.halt(feedback),

@@ -9,7 +9,8 @@
 //! A continuous jog is a lease: whoever wants the axis to go on says so again before it ends. A client that is lost, or a
 //! control that hangs, leaves no axis moving.
 use crate::axis::Target;
-use crate::drives::Drives;
+use crate::drives::{Drives, Finding};
+use crate::waits::is_not_oriented;
 use bus::{AXES, SPINDLES};
 use motion::{Goal, OnlineLimits, OnlineState};
 use units::{Angle, Spin, Time};
@@ -54,8 +55,8 @@ pub(crate) struct Manual {
 pub(crate) enum SpindleByHand {
     /// Until its lease is over.
     Until(Time),
-    /// To an angle within its turn, once it stands.
-    To(Angle),
+    /// To an angle within its turn, once it stands; for so long, s.
+    To(Angle, f64),
 }
 
 impl Manual {
@@ -98,17 +99,33 @@ impl Manual {
     }
 
     /// One period; `rests`: all shall come to rest.
-    pub(crate) fn advance(&mut self, now: Time, rests: bool, period_s: f64, drives: &mut Drives) {
-        for (turning, spindle) in self.turning.iter_mut().zip(&mut drives.spindles) {
+    ///
+    /// # Errors
+    /// A spindle does not come to its angle within `oriented`.
+    pub(crate) fn advance(
+        &mut self,
+        (now, oriented): (Time, Time),
+        rests: bool,
+        period_s: f64,
+        drives: &mut Drives,
+    ) -> Result<(), Finding> {
+        let mut found = Ok(());
+        for (index, (turning, spindle)) in
+            self.turning.iter_mut().zip(&mut drives.spindles).enumerate()
+        {
             let Some(spindle) = spindle.as_mut() else { continue };
-            match *turning {
-                Some(SpindleByHand::To(angle)) if !rests => {
-                    spindle.hold(Some(angle));
+            match turning {
+                Some(SpindleByHand::To(angle, waited_s)) if !rests => {
+                    *waited_s += period_s;
+                    spindle.hold(Some(*angle));
                     if spindle.held().is_some() {
                         *turning = None;
+                    } else {
+                        let late = is_not_oriented(index as u8, spindle, *waited_s, oriented);
+                        found = found.and(late);
                     }
                 }
-                Some(SpindleByHand::Until(end)) if !rests && now < end => {}
+                Some(SpindleByHand::Until(end)) if !rests && now < *end => {}
                 Some(_) => {
                     spindle.slew_to(Spin::ZERO);
                     *turning = None;
@@ -136,6 +153,7 @@ impl Manual {
                 *moving = None;
             }
         }
+        found
     }
 }
 

@@ -170,7 +170,7 @@ impl Recovering {
         let Some(angle) = control.held() else {
             let limit = context.config.waits.oriented;
             if waited_s > limit.value() {
-                return Err((FaultKind::NotOriented, of, 0.0, 0.0));
+                return Err((FaultKind::NotOriented, of, waited_s, limit.value()));
             }
             return Ok(Stage::Settle { waited_s });
         };

@@ -16,6 +16,7 @@
 //!
 //! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
 mod observers;
+mod orientation;
 mod surface;
 
 use crate::config::{Config, SpindleControl};
@@ -26,6 +27,7 @@ use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
 use motion::{Profile, SurfaceSpeed};
 use observers::Observers;
+use orientation::ByDrive;
 use sync::{Blend, Rotation, Swing};
 use units::{Angle, Spin, SpinAccel, Time, Torque};
 
@@ -45,6 +47,8 @@ enum Task {
     Turn(Blend, f64),
     /// Position control where it stands.
     Held,
+    /// Its drive brings it to an angle, and holds it there.
+    OrientedByDrive(ByDrive),
     /// Position control, braking a tap's master.
     Brake,
     /// A tap says the angle.
@@ -163,6 +167,11 @@ impl SpindleLoop {
         share * self.limit(self.ordered.spin.value()) / self.inertia
     }
 
+    /// The acceleration from rest of a change of speed that nothing has planned, rev/s².
+    pub(crate) fn unplanned_accel(&self) -> f64 {
+        UNPLANNED * self.accel_at_rest()
+    }
+
     /// The acceleration that all of its torque gives at rest, rev/s².
     pub(crate) fn accel_at_rest(&self) -> f64 {
         self.control.peak_torque.value() / self.inertia
@@ -181,6 +190,7 @@ impl SpindleLoop {
         self.saturated = feedback.saturated;
         let swung = SpinAccel::rev_per_s2(self.swing.0.accel);
         self.observers.read(feedback.angle, self.ordered.accel + swung);
+        self.hear_drive(feedback);
     }
 
     /// How it turns, by the observer.
@@ -235,18 +245,17 @@ impl SpindleLoop {
         self.ordered.spin == Spin::ZERO && self.now().spin.abs() < self.control.windows.at_rest
     }
 
-    /// The angle at which it is held, once it is.
-    pub(crate) fn held(&self) -> Option<Angle> {
-        let within = self.error.abs() <= self.control.windows.oriented.value();
-        (matches!(self.order, Task::Held) && within && self.at_rest()).then_some(self.ordered.angle)
-    }
-
     /// The ordered speed, once the spindle has it.
     pub(crate) fn at_speed(&self) -> Option<Spin> {
         let to = match self.order {
             Task::Slew(to) if self.ordered.spin.value() == to => to,
             Task::Ramp(..) | Task::Slew(_) => return None,
-            Task::Turn(..) | Task::Held | Task::Brake | Task::LedAngle | Task::LedSpeed => 0.0,
+            Task::Turn(..)
+            | Task::Held
+            | Task::OrientedByDrive(_)
+            | Task::Brake
+            | Task::LedAngle
+            | Task::LedSpeed => 0.0,
         };
         let windows = &self.control.windows;
         let window = (to.abs() * windows.at_speed).max(windows.at_rest.value());
@@ -323,38 +332,12 @@ impl SpindleLoop {
         self.order = if self.position_controlled() { Task::Brake } else { Task::Slew(0.0) };
     }
 
-    /// Hold it, at an angle within a turn or where it stands. It should stand; if it does not, it is
-    /// stopped first and the call repeated.
-    pub(crate) fn hold(&mut self, angle: Option<Angle>) {
-        match self.order {
-            Task::Turn(..) => return,
-            Task::Held => {}
-            Task::LedAngle => self.order = Task::Held,
-            Task::Slew(_) | Task::Ramp(..) | Task::LedSpeed | Task::Brake => {
-                if !self.at_rest() {
-                    return self.stop();
-                }
-                self.ordered = Rotation { angle: self.now().angle, ..Rotation::default() };
-                self.before = self.ordered;
-                self.release();
-                self.order = Task::Held;
-            }
-        }
-        let Some(angle) = angle else { return };
-        let from = self.ordered.angle.value();
-        let turns = angle.value() - from;
-        let to = from + turns - libm::round(turns);
-        if (to - from).abs() > 1e-9 {
-            let (spin, accel) = self.control.orient;
-            self.order = Task::Turn(Blend::new(from, to, spin.value(), accel.value()), 0.0);
-        }
-    }
-
     /// A tap leads: the setpoint now, and when the torque acts.
     pub(crate) fn lead(&mut self, now: Rotation, ahead: Rotation, by_angle: bool) {
         self.release();
         self.order = if by_angle { Task::LedAngle } else { Task::LedSpeed };
-        self.ordered = now;
+        let angle = if by_angle { now.angle } else { self.goes_on(now.spin) };
+        self.ordered = Rotation { angle, ..now };
         self.ahead = ahead;
     }
 
@@ -362,17 +345,18 @@ impl SpindleLoop {
     pub(crate) fn advance(&mut self) {
         let h = self.period_s;
         match self.order {
-            Task::Slew(to) if self.pace.is_none() => self.slew(to),
+            Task::Slew(to) if !self.position_controlled() => self.slew(to),
             Task::Slew(to) => self.slew_by_angle(to),
             Task::Brake => self.slew_by_angle(0.0),
             Task::Ramp(at, to) => {
                 let at = at + h;
                 if at >= self.ramp.duration() {
                     self.order = Task::Slew(to);
-                    self.slew(to);
+                    self.advance();
                 } else {
                     let (now, ahead) = (self.ramp.at(at), self.ramp.at(at + self.lookahead_s));
                     let told = self.control.own_ramps.is_some();
+                    self.ordered.angle = self.goes_on(Spin::rev_per_s(now.v));
                     self.set_speed(now.v, if told { 0.0 } else { now.a });
                     self.ahead = rotation(0.0, ahead.v, ahead.a);
                     self.order = Task::Ramp(at, to);
@@ -391,15 +375,22 @@ impl SpindleLoop {
                 self.ordered.accel = SpinAccel::ZERO;
                 self.ahead = self.ordered;
             }
+            Task::OrientedByDrive(_) => self.set_speed(0.0, 0.0),
             Task::LedAngle | Task::LedSpeed => {}
         }
     }
 
     fn slew_by_angle(&mut self, to: f64) {
-        let before = self.ordered.spin;
+        let before = self.ordered;
         self.slew(to);
-        self.ordered.angle += (before + self.ordered.spin) * Time::s(self.period_s / 2.0);
+        self.ordered.angle =
+            before.angle + (before.spin + self.ordered.spin) * Time::s(self.period_s / 2.0);
         self.ahead = self.ordered;
+    }
+
+    /// The angle a period on, of a drive that is told an angle while the speed goes over to this one.
+    fn goes_on(&self, spin: Spin) -> Angle {
+        self.ordered.angle + (self.ordered.spin + spin) * Time::s(self.period_s / 2.0)
     }
 
     fn slew(&mut self, to: f64) {
@@ -432,8 +423,9 @@ impl SpindleLoop {
     pub(crate) const fn position_controlled(&self) -> bool {
         match self.order {
             Task::Turn(..) | Task::Held | Task::LedAngle | Task::Brake => true,
-            Task::Slew(_) => self.pace.is_some(),
-            Task::Ramp(..) | Task::LedSpeed => false,
+            Task::Slew(_) => self.pace.is_some() || self.control.closes_position,
+            Task::Ramp(..) | Task::LedSpeed => self.control.closes_position,
+            Task::OrientedByDrive(_) => false,
         }
     }
 
@@ -474,6 +466,8 @@ impl SpindleLoop {
             angle: ordered.angle,
             spin: ordered.spin,
             torque: Torque::n_m(torque),
+            orient: self.told_to_orient(),
+            locked: self.told_to_orient().is_some() && self.held().is_some(),
         }
     }
 }

@@ -456,7 +456,11 @@ impl TapRun {
         if self.waited_s <= limit.value() {
             return Ok(());
         }
-        Err((kind, Subject::Spindle(plan.spindle), 0.0, 0.0))
+        let (value, limit) = match kind {
+            FaultKind::NotOriented => (self.waited_s, limit.value()),
+            _ => (0.0, 0.0),
+        };
+        Err((kind, Subject::Spindle(plan.spindle), value, limit))
     }
 
     fn figures(&self) -> TapFigures {

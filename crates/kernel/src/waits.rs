@@ -128,8 +128,25 @@ pub(crate) fn await_angle(
         context.note(EventKind::SpindleOriented { spindle });
         return Ok(Progress::Done(0.0));
     }
+    is_not_oriented(spindle, control, waited_s, context.config.waits.oriented)?;
+    Ok(Progress::Busy)
+}
+
+/// A spindle that is on its way to an angle is given so long, unless its drive says that it cannot.
+pub(crate) fn is_not_oriented(
+    spindle: u8,
+    control: &SpindleLoop,
+    waited_s: f64,
+    limit: Time,
+) -> Result<(), Finding> {
     let of = Subject::Spindle(spindle);
-    within(waited_s, context.config.waits.oriented, FaultKind::NotOriented, of)
+    if let Some(code) = control.orient_fault() {
+        return Err((FaultKind::OrientationFault, of, f64::from(code), 0.0));
+    }
+    if waited_s > limit.value() {
+        return Err((FaultKind::NotOriented, of, waited_s, limit.value()));
+    }
+    Ok(())
 }
 
 fn within(waited_s: f64, limit: Time, kind: FaultKind, of: Subject) -> Result<Progress, Finding> {

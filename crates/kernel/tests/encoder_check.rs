@@ -67,6 +67,7 @@ fn mill(index: bool) -> (SimulatedMachine, Config) {
         decel: RAMP,
         ramp_scatter: 0.0,
         speed_scatter: 0.0,
+        orients: None,
     };
     (SimulatedMachine::new(model).unwrap().with_plain_drive(drive), control)
 }

@@ -33,6 +33,7 @@ fn mill(share: f64) -> (sim::Config, Config, sim::PlainDrive) {
         decel: STATED * share,
         ramp_scatter: 0.0,
         speed_scatter: 0.0,
+        orients: None,
     };
     (machine, control, drive)
 }

@@ -186,6 +186,7 @@ mod tests {
         repeats: 0.0,
         turns_within: Length::ZERO,
         creep: 0.1,
+        orients: false,
     };
 
     #[test]

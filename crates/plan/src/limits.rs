@@ -138,6 +138,8 @@ pub struct OwnRamps {
     pub turns_within: Length,
     /// Share of a tap's speed at which strokes creep to their bottom.
     pub creep: f64,
+    /// The drive brings the spindle to an angle by itself (M19).
+    pub orients: bool,
 }
 
 impl OwnRamps {

@@ -3,11 +3,11 @@ use crate::common;
 use crate::common::{
     change, hole, line, machine, mm, planner_at, rapid, steps, steps_of, steps_on, tap, turn,
 };
-use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration};
+use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration, SpindleOrder};
 use motion::Shape;
 use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;
-use units::{Lead, Length, Time};
+use units::{Angle, Lead, Length, Time};
 
 /// Whether a step goes on with the one before, along the same straight line and without a stop between them: a law with
 /// a limit of jerk has more phases than one step holds.
@@ -112,6 +112,17 @@ fn a_spindle_that_turns_is_stopped_and_awaited_before_a_tap() {
         [turn(600.0), OpKind::Dwell { time: Time::s(1.0) }, OpKind::Tap(t)],
     );
     assert_eq!(words(&steps), "turn(600) dwell(1) await turn(0) await tap(-170)");
+}
+
+#[test]
+fn a_spindle_that_is_oriented_stays_so_until_it_is_told_to_turn_again() {
+    let orient = || OpKind::Spindle { spindle: 0, order: SpindleOrder::Orient(Angle::deg(90.0)) };
+    let dwell = || OpKind::Dwell { time: Time::s(1.0) };
+    let ops = [turn(600.0), dwell(), orient(), dwell(), rapid(5.0, 0.0, 0.0), turn(500.0), dwell()];
+    assert_eq!(
+        words(&steps(ops)),
+        "turn(600) dwell(1) await turn(0) await orient dwell(1) rapid(5,0,0) turn(500) dwell(1)"
+    );
 }
 
 #[test]

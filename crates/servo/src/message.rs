@@ -53,4 +53,6 @@ pub struct SetUp {
     /// Drives that close their own position loop obey so much later than they are told, by axis: they are told where the axis shall
     /// be by then.
     pub obeys_after: [Time; bus::AXES],
+    /// The same by spindle, of those whose drives are told an angle.
+    pub spindles_obey_after: [Time; bus::SPINDLES],
 }

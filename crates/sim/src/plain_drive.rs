@@ -14,7 +14,7 @@
 //! [`crate::SimulatedMachine::with_plain_drive`].
 use crate::rng::Rng;
 use core::f64::consts::TAU;
-use units::{SpinAccel, Time};
+use units::{Angle, Spin, SpinAccel, Time};
 
 /// A drive with its scatter; every scatter is one standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,10 +31,14 @@ pub struct PlainDrive {
     pub ramp_scatter: f64,
     /// Scatter of the speed, as a share.
     pub speed_scatter: f64,
+    /// It brings the spindle to an angle by itself, so fast and with such ramps; `None`: it cannot.
+    pub orients: Option<(Spin, SpinAccel)>,
 }
 
 /// An order that changes within this time of its last change is one and the same, on its way, s.
 const ONE_ORDER_S: f64 = 5e-3;
+/// It says that the spindle is oriented when it stands within so much of the angle, rev.
+const ORIENTED: f64 = 0.05 / 360.0;
 /// A ramp is never drawn so fast or so slow that its time changes by more than this factor.
 const MOST_FACTOR: f64 = 2.0;
 
@@ -52,6 +56,10 @@ pub(crate) struct Relay {
     decel: f64,
     speed_factor: f64,
     target: f64,
+    /// The angle within a turn that it brings the spindle to, rev; since when it is told that, s; it stands there.
+    orients_to: Option<f64>,
+    told_s: f64,
+    is_there: bool,
 }
 
 impl Relay {
@@ -67,7 +75,34 @@ impl Relay {
             decel: 0.0,
             speed_factor: 1.0,
             target: 0.0,
+            orients_to: None,
+            told_s: 0.0,
+            is_there: false,
         }
+    }
+
+    /// It shall orient the spindle, or no longer.
+    pub(crate) fn orient(&mut self, to: Option<Angle>) {
+        let to = to.map(Angle::value).filter(|to| to.is_finite() && self.model.orients.is_some());
+        if to != self.orients_to {
+            (self.orients_to, self.told_s, self.is_there) = (to, 0.0, false);
+        }
+    }
+
+    /// The spindle stands at the angle.
+    pub(crate) const fn is_oriented(&self) -> bool {
+        self.is_there
+    }
+
+    /// Speed after a step of `h` seconds on the way to the angle, from `at`, rev.
+    fn step_to_angle(&mut self, omega: f64, at: f64, to: f64, h: f64) -> f64 {
+        let (spin, accel) = self.model.orients.unwrap_or((Spin::ZERO, SpinAccel::ZERO));
+        let (most, accel) = (spin.in_rad_per_s(), accel.value() * TAU);
+        let left = (to - at - (to - at).round()) * TAU;
+        self.is_there = left.abs() < ORIENTED * TAU && omega.abs() < accel * h;
+        // as fast as it can still brake from, and no further than there
+        let fast = (2.0 * accel * left.abs()).sqrt().min(most).min(left.abs() / h);
+        omega + (fast.copysign(left) - omega).clamp(-accel * h, accel * h)
     }
 
     /// What it is told.
@@ -94,10 +129,14 @@ impl Relay {
         self.speed_factor = 1.0 + model.speed_scatter * self.rng.normal();
     }
 
-    /// Speed after a step of `h` seconds.
-    pub(crate) fn step(&mut self, omega: f64, h: f64) -> f64 {
+    /// Speed after a step of `h` seconds; the spindle stands at `at`, rev.
+    pub(crate) fn step(&mut self, omega: f64, at: f64, h: f64) -> f64 {
         self.unchanged_s += h;
         self.since_s += h;
+        self.told_s += h;
+        if let Some(to) = self.orients_to.filter(|_| self.told_s > self.model.delay.value()) {
+            return self.step_to_angle(omega, at, to, h);
+        }
         if self.since_s > self.delay_s {
             self.target = self.ordered * self.speed_factor;
         }
@@ -121,6 +160,7 @@ mod tests {
             decel: SpinAccel::rev_per_s2(50.0 / 0.08),
             ramp_scatter: 0.0,
             speed_scatter: 0.0,
+            orients: None,
         }
     }
 
@@ -129,13 +169,13 @@ mod tests {
         let mut omega = 0.0;
         relay.obey(50.0 * TAU);
         for _ in 0..20_000 {
-            omega = relay.step(omega, STEP);
+            omega = relay.step(omega, 0.0, STEP);
         }
         relay.obey(0.0);
         let (mut turned, mut time) = (0.0, 0.0);
         while omega > 0.0 {
             let before = omega;
-            omega = relay.step(omega, STEP);
+            omega = relay.step(omega, 0.0, STEP);
             turned += f64::midpoint(before, omega) / TAU * STEP;
             time += STEP;
         }
@@ -155,9 +195,34 @@ mod tests {
         let mut omega = 0.0;
         for k in 1..=4000 {
             relay.obey(50.0 * TAU * f64::from(k.min(40)) / 40.0);
-            omega = relay.step(omega, STEP);
+            omega = relay.step(omega, 0.0, STEP);
         }
         assert!((omega - 50.0 * TAU * (0.1 - 0.02) / 0.08).abs() < 1.0, "{omega}");
+    }
+
+    #[test]
+    fn it_orients_by_the_shorter_way_and_says_so_when_it_stands_there() {
+        let orients = Some((Spin::rpm(100.0), SpinAccel::rev_per_s2(10.0)));
+        for (from, to, way) in
+            [(0.1, 0.3, 0.2), (0.1, 0.9, -0.2), (7.75, 0.25, -0.5), (3.0, 0.0, 0.0)]
+        {
+            let mut relay = Relay::new(PlainDrive { orients, ..exact() }, Rng::new(1));
+            let (mut omega, mut at, mut time) = (0.0, from, 0.0);
+            relay.orient(Some(Angle::rev(to)));
+            while !relay.is_oriented() && time < 3.0 {
+                let before: f64 = omega;
+                omega = relay.step(omega, at, STEP);
+                at += f64::midpoint(before, omega) / TAU * STEP;
+                time += STEP;
+            }
+            let turned: f64 = at - from;
+            assert!((turned.abs() - f64::abs(way)).abs() < 1e-3, "{from} to {to}: {turned} rev");
+            // up and down at 10 rev/s²: 2·√(way/10), as it does not come to its speed within 0.14 rev
+            let least = 2.0 * (f64::abs(way) / 10.0).sqrt();
+            assert!(time >= least * 0.9 && time < least + 0.2, "{from} to {to}: {time} s");
+            relay.orient(None);
+            assert!(!relay.is_oriented());
+        }
     }
 
     #[test]

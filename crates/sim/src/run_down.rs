@@ -305,6 +305,8 @@ impl SpindleDrive {
             angle: units::Angle::ZERO,
             spin: units::Spin::ZERO,
             torque: Torque::ZERO,
+            orient: None,
+            locked: false,
         }
     }
 
@@ -323,6 +325,8 @@ impl SpindleDrive {
             angle: units::Angle::rev(self.angle / TAU),
             spin: units::Spin::rev_per_s(slower / TAU),
             torque: Torque::n_m(self.torque),
+            orient: None,
+            locked: false,
         }
     }
 }

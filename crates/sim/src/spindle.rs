@@ -133,6 +133,7 @@ impl Spindle {
         self.saturated = false;
         if let Some(relay) = &mut self.relay {
             relay.obey(if self.on { command.spin.in_rad_per_s() } else { 0.0 });
+            relay.orient(command.orient.filter(|_| self.on));
         }
         // a reference that is no number is no reference
         let torque = command.torque;
@@ -178,7 +179,7 @@ impl Spindle {
     fn step_plainly(&mut self) {
         let Some(relay) = &mut self.relay else { return };
         let before = self.omega;
-        self.omega = relay.step(before, self.h);
+        self.omega = relay.step(before, self.angle_rev, self.h);
         let rubbing =
             self.coulomb * smooth_sign(before * self.per_rounding) + self.viscous * before;
         self.torque = (self.omega - before) / (self.h * self.per_inertia) + rubbing + self.load;
@@ -201,6 +202,8 @@ impl Spindle {
             index: self.index.map(Angle::rev),
             ready: self.on,
             saturated: self.saturated,
+            oriented: self.relay.as_ref().is_some_and(Relay::is_oriented),
+            orient_fault: 0,
         }
     }
 

@@ -17,7 +17,7 @@ pub fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: bool) -> C
     let mut spindles = [None; bus::SPINDLES];
     for (slot, file) in spindles.iter_mut().zip(&machine.spindles) {
         // what is simulated is as its file says, and what another process reads need not be
-        let check = (machine.hal.is_some() && file.own_ramps.is_some())
+        let check = (machine.hal.is_some() && (file.own_ramps.is_some() || file.closes_position))
             .then_some(EncoderCheckControl { index: file.encoder_index });
         let of = spindle(file, control.synchronisation.observer_bandwidth_hz);
         *slot = Some(SpindleControl { encoder_check: check, ..of });
@@ -149,6 +149,8 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
             repeats: (own.repeats_delay, own.repeats_share),
             creep: own.creep_share,
         }),
+        closes_position: file.closes_position,
+        orients: file.own_ramps.is_some_and(|own| own.orients),
         follows_orders: true,
         encoder_check: None,
         windows: SpindleWindows {

@@ -92,6 +92,7 @@ fn own_ramps(file: store::machine::OwnRamps) -> OwnRamps {
         repeats: file.repeats_share,
         turns_within: file.turns_within,
         creep: file.creep_share,
+        orients: file.orients,
     }
 }
 

@@ -234,7 +234,8 @@ fn spindle(file: &Spindle, machine: &MachineFile) -> sim::SpindleModel {
 /// The drive of the first spindle, if it makes its own ramps: as its file says, but for what the simulation knows
 /// better.
 pub fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
-    let own = machine.spindles.first()?.own_ramps?;
+    let spindle = machine.spindles.first()?;
+    let own = spindle.own_ramps?;
     let real = machine.simulation.spindle_drive;
     Some(sim::PlainDrive {
         delay: own.delay,
@@ -243,6 +244,7 @@ pub fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
         decel: own.deceleration * real.deceleration_share,
         ramp_scatter: real.ramp_scatter_share,
         speed_scatter: real.speed_scatter_share,
+        orients: own.orients.then_some((spindle.orient, spindle.orient_acceleration)),
     })
 }
 

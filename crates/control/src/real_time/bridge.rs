@@ -81,6 +81,7 @@ fn begin(drives: &mut HalDrives, kernel: &Kernel) -> Result<ControlSide, String>
         config: kernel.config().clone(),
         silent_after: drives.silent_after,
         obeys_after: drives.obeys_after,
+        spindles_obey_after: drives.spindles_obey_after,
     };
     side.ask(&set_up).map_err(|why| why.to_string())?;
     let asked = now();

@@ -183,6 +183,14 @@ impl FaultKind {
                 cause: "The machine's file says encoder_index = true, and the encoder has none, or its signal is not connected.",
                 remedy: "Check the index signal and its wiring, or set encoder_index = false.",
             },
+            Self::OrientationFault => Text {
+                number: 214,
+                sentence: "the spindle's drive cannot bring the spindle to its angle",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The drive that orients the spindle has said so, with a fault code of its own: orient-fault in HAL.",
+                remedy: "Look the code up in the drive's manual; check the index or the position encoder by which it orients the spindle.",
+            },
             Self::NotAtSpeed => Text {
                 number: 301,
                 sentence: "the spindle did not reach its speed in time",
@@ -194,10 +202,10 @@ impl FaultKind {
             Self::NotOriented => Text {
                 number: 302,
                 sentence: "the spindle did not come to its angle in time",
-                unit: "rev",
+                unit: "s",
                 reaction: Reaction::Halt,
-                cause: "The spindle is held fast, or its position loop is not stable.",
-                remedy: "Turn the spindle by hand; check its loop data; lengthen control.waits.oriented_s.",
+                cause: "The spindle is held fast, its position loop is not stable, or a drive that orients it by itself does not say that it is there.",
+                remedy: "Turn the spindle by hand; check its loop data, and the answer of a drive that orients it (is-oriented in HAL); lengthen control.waits.oriented_s.",
             },
             Self::NotInPosition => Text {
                 number: 303,

@@ -16,7 +16,7 @@ use crate::setpoint_monitor::Led;
 use crate::track::Track;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use motion::THREADING_AXES;
-use units::Axis;
+use units::{Angle, Axis};
 
 impl Kernel {
     /// Whether the feedback is new.
@@ -138,7 +138,11 @@ fn unusable(command: &Command) -> Option<Subject> {
         !(axis.position.is_finite() && axis.speed.is_finite() && axis.force.is_finite())
     });
     let spindle = command.spindles.iter().position(|spindle| {
-        !(spindle.angle.is_finite() && spindle.spin.is_finite() && spindle.torque.is_finite())
+        let turned = spindle.orient.is_none_or(Angle::is_finite);
+        !(spindle.angle.is_finite()
+            && spindle.spin.is_finite()
+            && spindle.torque.is_finite()
+            && turned)
     });
     axis.map(|index| Subject::Axis(Axis::ALL[index]))
         .or_else(|| spindle.map(|index| Subject::Spindle(index as u8)))

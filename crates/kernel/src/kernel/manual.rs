@@ -3,7 +3,7 @@ use super::{Kernel, Mode};
 use crate::execute::Activity;
 use crate::manual::{ManualOrder, ManualRefusal, SpindleByHand};
 use crate::spindle::SpindleLoop;
-use bus::State;
+use bus::{Feedback, State};
 use units::{Angle, Axis, Coordinate, Spin, Time};
 
 impl Kernel {
@@ -111,7 +111,7 @@ impl Kernel {
         };
         turned.stop();
         self.drives.in_force[spindle] = Spin::ZERO;
-        self.manual.turn(spindle, Some(SpindleByHand::To(angle)));
+        self.manual.turn(spindle, Some(SpindleByHand::To(angle, 0.0)));
         Ok(())
     }
 
@@ -166,9 +166,12 @@ impl Kernel {
     }
 
     /// Axes that are moved by hand go on.
-    pub(super) fn advance_manual(&mut self) {
+    pub(super) fn advance_manual(&mut self, feedback: &Feedback) {
         let rests = self.operator.wants_rest();
         let period_s = self.config.period.value();
-        self.manual.advance(self.now, rests, period_s, &mut self.drives);
+        let times = (self.now, self.config.waits.oriented);
+        if let Err(finding) = self.manual.advance(times, rests, period_s, &mut self.drives) {
+            self.raise(finding, feedback);
+        }
     }
 }

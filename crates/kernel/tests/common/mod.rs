@@ -161,6 +161,8 @@ pub fn control(machine: &sim::Config) -> Config {
             observer_bandwidth_hz: 200.0,
             orient: (Spin::rpm(300.0), SpinAccel::rev_per_s2(100.0)),
             own_ramps: None,
+            closes_position: false,
+            orients: false,
             follows_orders: true,
             encoder_check: None,
             windows: SpindleWindows {

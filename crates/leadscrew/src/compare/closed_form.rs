@@ -100,6 +100,7 @@ mod tests {
             decel: accel,
             ramp_scatter: 0.1,
             speed_scatter: 0.01,
+            orients: None,
         };
         let thread: ThreadSize = "M6".parse().expect("a size of ISO 261");
         let scatter = Scatter { thread, depth: Length::mm(14.0), drive };

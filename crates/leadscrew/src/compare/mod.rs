@@ -198,6 +198,7 @@ fn drive(args: &CompareOptions) -> Result<sim::PlainDrive, Refused> {
         decel: speed / stopping,
         ramp_scatter: args.stopping_scatter / 100.0,
         speed_scatter: args.speed_scatter / 100.0,
+        orients: None,
     })
 }
 

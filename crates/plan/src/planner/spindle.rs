@@ -31,12 +31,18 @@ impl Planner {
         let spin = match order {
             SpindleOrder::Stop => Spin::ZERO,
             SpindleOrder::Turn(spin) => *spin,
-            SpindleOrder::Orient(_) if self.limits.tapping.own_ramps.is_some() => {
+            SpindleOrder::Orient(_)
+                if self.limits.tapping.own_ramps.is_some_and(|own| !own.orients) =>
+            {
                 let text = "expected M3, M4 or M5: the drive of this spindle is only told a speed, and cannot stop at an angle";
-                return self.findings.add(Diagnostic::error("M0337", job.span, text));
+                let help = "a drive that orients the spindle by itself is told the angle: `orients = true` under [spindles.drive]";
+                let found = Diagnostic::error("M0337", job.span, text).with_help(help);
+                return self.findings.add(found);
             }
             SpindleOrder::Orient(angle) => {
                 self.rest(job, usize::from(index));
+                // what was in force before turns it no more
+                self.spindles[usize::from(index)].order(Spin::ZERO);
                 let order = SpindleStep::Orient(*angle);
                 return self.hand_on(job, StepKind::Spindle { spindle: index, order });
             }

@@ -4,7 +4,7 @@ use super::hal::Hal;
 use super::writer::{MachineWriter, RemarkKind};
 
 /// LinuxCNC's name, Leadscrew's. `N` is a number; of a joint it becomes the axis' letter `L`.
-pub const PINS: [(&str, &str); 39] = [
+pub const PINS: [(&str, &str); 51] = [
     ("joint.N.motor-pos-cmd", "leadscrew.L.pos-cmd"),
     ("joint.N.pos-cmd", "leadscrew.L.pos-cmd"),
     ("joint.N.vel-cmd", "leadscrew.L.vel-cmd"),
@@ -23,6 +23,12 @@ pub const PINS: [(&str, &str); 39] = [
     ("spindle.N.revs", "leadscrew.spindle.N.revs"),
     ("spindle.N.index-enable", "leadscrew.spindle.N.index-enable"),
     ("spindle.N.amp-fault-in", "leadscrew.spindle.N.fault"),
+    ("spindle.N.orient", "leadscrew.spindle.N.orient"),
+    ("spindle.N.orient-angle", "leadscrew.spindle.N.orient-angle"),
+    ("spindle.N.is-oriented", "leadscrew.spindle.N.is-oriented"),
+    ("spindle.N.orient-fault", "leadscrew.spindle.N.orient-fault"),
+    ("spindle.N.locked", "leadscrew.spindle.N.locked"),
+    ("spindle.N.orient-mode", "nothing: the shorter way is taken, as with mode 0"),
     ("motion.spindle-speed-out", "leadscrew.spindle.0.speed-cmd"),
     ("motion.spindle-speed-out-rps", "leadscrew.spindle.0.speed-cmd-rps"),
     ("motion.spindle-on", "leadscrew.spindle.0.enable"),
@@ -30,6 +36,12 @@ pub const PINS: [(&str, &str); 39] = [
     ("motion.spindle-reverse", "leadscrew.spindle.0.reverse"),
     ("motion.spindle-brake", "leadscrew.spindle.0.brake"),
     ("motion.spindle-revs", "leadscrew.spindle.0.revs"),
+    ("motion.spindle-orient", "leadscrew.spindle.0.orient"),
+    ("motion.spindle-orient-angle", "leadscrew.spindle.0.orient-angle"),
+    ("motion.spindle-is-oriented", "leadscrew.spindle.0.is-oriented"),
+    ("motion.spindle-orient-fault", "leadscrew.spindle.0.orient-fault"),
+    ("motion.spindle-locked", "leadscrew.spindle.0.locked"),
+    ("motion.spindle-orient-mode", "nothing: the shorter way is taken, as with mode 0"),
     ("motion.probe-input", "leadscrew.probe-in"),
     ("motion.digital-in-N", "leadscrew.din-N"),
     ("motion.digital-out-N", "leadscrew.dout-N"),

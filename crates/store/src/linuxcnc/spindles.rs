@@ -41,6 +41,7 @@ fn spindle(w: &mut MachineWriter, ini: &Ini, hal: &Hal, number: usize, period_us
     w.line("kind", "\"speed\"", "LinuxCNC tells spindles a speed");
     ramps(w, hal);
     w.text += REPEATS;
+    orientation(w, hal, number);
     has_encoder
 }
 
@@ -124,6 +125,26 @@ fn encoder(w: &mut MachineWriter, hal: &Hal, number: usize) -> bool {
         }
     }
     true
+}
+
+/// Whether the drive orients the spindle by itself: what M19 asks of it and what it answers are both wired.
+fn orientation(w: &mut MachineWriter, hal: &Hal, number: usize) {
+    let wired = |what: &str| {
+        let names = [format!("spindle.{number}.{what}"), format!("motion.spindle-{what}")];
+        let names = &names[..if number == 0 { 2 } else { 1 }];
+        let found = hal.pins.iter().find(|(_, pin, _)| names.contains(pin));
+        found.map(|(_, pin, place)| (pin, place))
+    };
+    match (wired("orient"), wired("is-oriented")) {
+        (Some((pin, place)), Some(_)) => w.taken("orients", "true", &format!("{place} {pin}")),
+        (Some((pin, place)), None) => {
+            let why = format!(
+                "{place} wires {pin}, and nothing answers at is-oriented: M19 is refused until it is wired, and orients = true"
+            );
+            w.say(RemarkKind::Missing, "orients", &why);
+        }
+        (None, _) => {}
+    }
 }
 
 /// Ramps that a HAL file limits speed with.

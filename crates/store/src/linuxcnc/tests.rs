@@ -162,6 +162,28 @@ fn the_encoder_of_a_spindle_is_what_the_hal_file_connects_with_its_revs() {
 }
 
 #[test]
+fn a_drive_that_orients_the_spindle_is_one_whose_request_and_answer_are_both_wired() {
+    const ASKED: &str = "net orient spindle.0.orient => orient.0.enable\n";
+    const ANSWERED: &str = "net in-pos orient.0.is-oriented => spindle.0.is-oriented\n";
+    let orients = |wiring: &str| {
+        let (file, remarks) = imported(MILL, &format!("{HAL}{wiring}"));
+        (file.spindles[0].own_ramps.unwrap().orients, remarks)
+    };
+    let (both, remarks) = orients(&format!("{ASKED}{ANSWERED}"));
+    assert!(both);
+    has(&remarks, "taken    spindles.0.drive.orients: true from small.hal:");
+    has(
+        &remarks,
+        "rewire   spindle.0.is-oriented: leadscrew.spindle.0.is-oriented on signal in-pos",
+    );
+    let (asked, remarks) = orients(ASKED);
+    assert!(!asked);
+    has(&remarks, "nothing answers at is-oriented");
+    let (neither, remarks) = orients("");
+    assert!(!neither && !remarks.iter().any(|remark| remark.contains("orient")), "{remarks:#?}");
+}
+
+#[test]
 fn a_gantry_is_one_axis_and_what_it_loses_is_said() {
     let gantry = MILL
         .replace("coordinates=XZ", "coordinates=XZX kinstype=BOTH")

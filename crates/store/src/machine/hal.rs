@@ -26,3 +26,31 @@ impl Hal {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::machine::parse;
+
+    /// A machine in HAL whose spindle has such a drive.
+    fn with(drive: &str) -> Result<crate::machine::MachineFile, String> {
+        let hal = "[hal]\nsilent_after_ms = 500\nobeys_after_periods = 1\n";
+        let text =
+            format!("extends = \"tapping-center\"\nname = \"x\"\n{hal}[[spindles]]\n{drive}");
+        parse(&text, 0).map_err(|found| format!("{found:?}"))
+    }
+
+    #[test]
+    fn a_drive_in_hal_takes_a_speed_or_an_angle() {
+        let told_an_angle = with("[spindles.drive]\nkind = \"position\"\n").unwrap();
+        assert!(told_an_angle.spindles[0].closes_position);
+        assert!(told_an_angle.spindles[0].own_ramps.is_none());
+        for drive in ["", "[spindles.drive]\nkind = \"torque\"\n"] {
+            let why = with(drive).unwrap_err();
+            assert!(why.contains("S0406") && why.contains("or `kind = "), "{why}");
+        }
+        let why =
+            with("encoder_index = true\n[spindles.drive]\nkind = \"position\"\n").unwrap_err();
+        assert!(why.contains("S0406") && why.contains("expected false"), "{why}");
+    }
+}

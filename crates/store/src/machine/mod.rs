@@ -296,9 +296,32 @@ impl MachineFile {
                 keys.conflict("tool_change", message);
             }
         }
+        if self.hal.is_some() {
+            self.refuse_drives_of_hal(keys);
+        }
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
         if names.len() == 2 && names[0] == names[1] {
             keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));
+        }
+    }
+}
+
+impl MachineFile {
+    /// What a drive in LinuxCNC's HAL cannot be told.
+    fn refuse_drives_of_hal(&self, keys: &Keys<'_>) {
+        for Spindle { name, own_ramps, closes_position, encoder_index, .. } in &self.spindles {
+            if own_ramps.is_none() && !closes_position {
+                let text = format!(
+                    "the drive of spindle \"{name}\" is told a torque, and HAL's drives take a speed or an angle: expected `kind = \"speed\"` or `kind = \"position\"` under [spindles.drive]"
+                );
+                keys.conflict("spindles", text);
+            }
+            if *closes_position && *encoder_index {
+                let text = format!(
+                    "`encoder_index` of spindle \"{name}\": its drive is told an angle, which counts on from the drive's own zero: expected false"
+                );
+                keys.conflict("spindles", text);
+            }
         }
     }
 }

@@ -49,8 +49,10 @@ pub struct Spindle {
     pub orient_acceleration: SpinAccel,
     /// What holds it back.
     pub friction: SpindleFriction,
-    /// Its drive is only told a speed and makes its own ramps; `None`: it is told a torque.
+    /// Its drive is only told a speed and makes its own ramps; `None`: it is told a torque, or an angle.
     pub own_ramps: Option<OwnRamps>,
+    /// Its drive closes its own position loop and is told an angle: `[spindles.drive]` of the kind "position".
+    pub closes_position: bool,
     /// How it is controlled.
     pub loops: Loops,
     /// What it is watched for.
@@ -78,6 +80,15 @@ pub struct OwnRamps {
     pub turns_within: Length,
     /// Share of a tap's speed at which strokes creep to their bottom.
     pub creep_share: f64,
+    /// It brings the spindle to an angle by itself (M19).
+    pub orients: bool,
+}
+
+/// What a drive is told.
+enum SpindleDriveKind {
+    Torque,
+    Speed(OwnRamps),
+    Angle,
 }
 
 /// Friction of a spindle: c0·tanh(ω/ω0) + c1·ω.
@@ -108,6 +119,14 @@ pub struct SpindleWindows {
 
 impl Spindle {
     pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        let told = keys
+            .optional_section("drive", SpindleDriveKind::read)
+            .unwrap_or(SpindleDriveKind::Torque);
+        let (own_ramps, closes_position) = match told {
+            SpindleDriveKind::Torque => (None, false),
+            SpindleDriveKind::Speed(own) => (Some(own), false),
+            SpindleDriveKind::Angle => (None, true),
+        };
         let spindle = Self {
             name: read_name(keys),
             inertia: Inertia::kg_m2(keys.number("inertia_kg_m2", 1e-6..=1e4)),
@@ -130,7 +149,8 @@ impl Spindle {
                 keys.number("orient_rev_per_s2", 0.01..=1e6),
             ),
             friction: keys.section("friction", SpindleFriction::read),
-            own_ramps: keys.optional_section("drive", OwnRamps::read).flatten(),
+            own_ramps,
+            closes_position,
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", SpindleWindows::read),
             errors: keys.optional_section("errors", SpindleErrors::read).unwrap_or_default(),
@@ -178,14 +198,21 @@ fn read_name(keys: &mut Keys<'_>) -> String {
     name
 }
 
-impl OwnRamps {
-    fn read(keys: &mut Keys<'_>) -> Option<Self> {
-        let told_a_speed = keys.choice("kind", &[("torque", false), ("speed", true)]);
-        if !told_a_speed {
-            return None;
+impl SpindleDriveKind {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let kinds = [("torque", None), ("speed", Some(false)), ("position", Some(true))];
+        match keys.choice("kind", &kinds) {
+            None => Self::Torque,
+            Some(false) => Self::Speed(OwnRamps::read(keys)),
+            Some(true) => Self::Angle,
         }
+    }
+}
+
+impl OwnRamps {
+    fn read(keys: &mut Keys<'_>) -> Self {
         let accel = 0.1..=1e5;
-        Some(Self {
+        Self {
             delay: Time::s(keys.number("delay_ms", 0.0..=1000.0) * 1e-3),
             acceleration: SpinAccel::rev_per_s2(
                 keys.number("acceleration_rev_per_s2", accel.clone()),
@@ -196,7 +223,8 @@ impl OwnRamps {
             repeats_share: percent(keys, "repeats_percent", 0.0..=100.0),
             turns_within: Length::um(keys.number("turns_within_um", 0.0..=10_000.0)),
             creep_share: percent(keys, "creep_percent", 1.0..=100.0),
-        })
+            orients: keys.has("orients") && keys.flag("orients"),
+        }
     }
 }
 

@@ -60,6 +60,8 @@ fn observed(time: f64) -> Observed {
         index: Some(Angle::rev(12.0)),
         ready: true,
         saturated: true,
+        oriented: true,
+        orient_fault: -3,
     };
     observed.feedback.tool = Some(11);
     let mut truth = Truth::default();
@@ -89,6 +91,8 @@ fn command() -> Command {
         angle: Angle::rev(-3.25),
         spin: Spin::rpm(-1000.0),
         torque: Torque::n_m(4.5),
+        orient: Some(Angle::deg(90.0)),
+        locked: true,
     };
     command.outputs.switch(3, true);
     command.outputs.analogue[0] = 0.75;
@@ -263,13 +267,14 @@ fn a_command_that_no_drive_can_obey_is_no_command() {
         decode(&frame).map(|_| ()).map_err(|e| e.to_string())
     };
     assert_eq!(read(command()), Ok(()));
-    let spoil: [fn(&mut Command, f64); 9] = [
+    let spoil: [fn(&mut Command, f64); 10] = [
         |c, wrong| c.axes[8].position = Coordinate::new(wrong),
         |c, wrong| c.axes[8].speed = CoordinateSpeed::new(wrong),
         |c, wrong| c.axes[8].force = Force::n(wrong),
         |c, wrong| c.spindles[1].angle = Angle::rev(wrong),
         |c, wrong| c.spindles[1].spin = Spin::rev_per_s(wrong),
         |c, wrong| c.spindles[1].torque = Torque::n_m(wrong),
+        |c, wrong| c.spindles[1].orient = Some(Angle::rev(wrong)),
         |c, wrong| c.outputs.analogue[0] = wrong,
         |c, wrong| c.coupled.as_mut().unwrap().place = Length::mm(wrong),
         |c, wrong| c.coupled.as_mut().unwrap().lead = Lead::mm_per_rev(wrong),
