@@ -239,7 +239,9 @@ fn circles(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
         }
         let circle: Vec<usize> =
             (0..needs.len()).filter(|j| reach[i][*j] && reach[*j][i]).collect();
-        circle.iter().for_each(|j| seen[*j] = true);
+        for j in circle {
+            seen[*j] = true;
+        }
         found.push(circle);
     }
     found

@@ -108,8 +108,9 @@ fn the_files_that_documents_name_are_there() {
     let mut gone = Vec::new();
     for page in pages() {
         let text = read(&page);
-        for name in
-            text.split('`').filter(|name| name.ends_with(".rs") && !name.contains([' ', '*']))
+        for name in text
+            .split('`')
+            .filter(|name| name.split('.').next_back() == Some("rs") && !name.contains([' ', '*']))
         {
             let name = name.trim_start_matches("../");
             named += 1;

@@ -1,7 +1,6 @@
 //! A spindle whose drive is told a speed and orients it by itself: M19 is handed to the drive, and its answer is waited for.
-mod common;
+use crate::common::*;
 use bus::{Command, Feedback, Machine, Truth};
-use common::*;
 use kernel::{Config, FaultKind, OwnRamps, Prediction, SyncMode};
 use plan::{SpindleStep, StepKind};
 use sim::{PlainDrive, SimulatedMachine};

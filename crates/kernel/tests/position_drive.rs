@@ -1,7 +1,6 @@
 //! A spindle whose drive closes its own position loop: it is told an angle in every period, whatever it does.
-mod common;
+use crate::common::*;
 use bus::{Command, Feedback, Machine, State};
-use common::*;
 use kernel::{Config, EncoderCheckControl, Fault, FaultKind};
 use plan::{SpindleStep, StepKind};
 use sim::SimulatedMachine;
