@@ -239,7 +239,7 @@ fn circles(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
         }
         let circle: Vec<usize> =
             (0..needs.len()).filter(|j| reach[i][*j] && reach[*j][i]).collect();
-        for j in circle {
+        for j in &circle {
             seen[*j] = true;
         }
         found.push(circle);

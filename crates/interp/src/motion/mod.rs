@@ -101,7 +101,7 @@ pub(crate) fn check_feed(words: &Words, modes: &Modes, code: impl Display) -> Ou
             let unit = if mode == FeedMode::PerMinute { "minute" } else { "revolution" };
             let text = format!("{code} has no feed: write F above 0, units per {unit}");
             let fault = error("I0408", words.place.span, text);
-            let help = "G94 and G95 clear the feed, also when they were in force already: write F after them";
+            let help = "write F here, or in a block before it and after G94 and G95, which clear it also where they were in force already; feed_mm_per_min under [control.programs] of the machine's file is for programs that leave it to the machine";
             Err(fault.with_help(help).into())
         }
     }
