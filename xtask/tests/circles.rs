@@ -206,7 +206,9 @@ fn taken(own: &str, text: &str) -> Vec<(String, bool)> {
             if !inside {
                 let path = &text[at..];
                 let path = &path[..path.find(|c| !in_path(c)).unwrap_or(path.len())];
-                found.extend(absolute(own, path.trim_end_matches(':')).map(|path| (path, false)));
+                // what ends so is the root of a tree of imports, which was read above
+                let path = Some(path).filter(|path| !path.ends_with("::"));
+                found.extend(path.and_then(|path| Some((absolute(own, path)?, false))));
             }
         }
     }

@@ -26,6 +26,7 @@ impl Sink for Resolver {
         self.missed
     }
 
+    #[inline]
     fn call(&mut self, place: &Place, call: &Call<'_>) {
         let span = place.span;
         if self.missed != Unknown::default() {

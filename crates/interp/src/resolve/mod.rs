@@ -181,6 +181,7 @@ impl Resolver {
         }
     }
 
+    #[inline]
     pub(crate) fn push(&mut self, span: Span, kind: OpKind) {
         if !self.with_motion.is_empty()
             && matches!(
@@ -221,6 +222,7 @@ impl Resolver {
     }
 
     /// Reported.
+    #[inline]
     pub(crate) fn is_too_far(&mut self, to: &Point, span: Span) -> bool {
         let Some(i) = (0..9).find(|i| to[*i].is_nan() || to[*i].abs() > FARTHEST) else {
             return false;
@@ -233,6 +235,7 @@ impl Resolver {
     }
 
     /// Whether a move to this point is one to be made; remembers where it ends.
+    #[inline]
     pub(crate) fn arrives(&mut self, to: &Point, span: Span) -> bool {
         if self.is_too_far(to, span) {
             return false;
@@ -246,6 +249,7 @@ impl Resolver {
     }
 
     /// The path mode, where it has changed since the last move.
+    #[inline]
     pub(crate) fn say_path(&mut self, span: Span) {
         if self.path_said != Some(self.path) {
             self.path_said = Some(self.path);
@@ -253,6 +257,7 @@ impl Resolver {
         }
     }
 
+    #[inline]
     pub(crate) fn rapid(&mut self, to: &Point, span: Span) {
         let from = self.at;
         if self.arrives(to, span) {
@@ -261,6 +266,7 @@ impl Resolver {
         }
     }
 
+    #[inline]
     pub(crate) fn line(&mut self, program: &Point, span: Span) {
         let to = self.machine(program);
         let from = self.at;
@@ -275,6 +281,7 @@ impl Resolver {
     }
 
     /// Refuse a straight move that goes where the box of G22 forbids it.
+    #[inline]
     pub(crate) fn check_stroke(&mut self, from: &Point, to: &Point, span: Span) {
         if self.zone.is_some() {
             self.check_way(&stroke::straight(from, to), span);
@@ -313,6 +320,7 @@ impl Resolver {
     }
 
     /// F as it counts on this way.
+    #[inline]
     pub(crate) fn feed(&mut self, from: &Point, to: &Point, span: Span) -> Feed {
         if let Some(seconds) = self.feed.duration_s.take() {
             return Feed::Duration(Time::s(seconds));

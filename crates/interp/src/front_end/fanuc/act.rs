@@ -89,6 +89,7 @@ pub(crate) fn move_block<S: Sink>(
 }
 
 /// G80 ends a cycle, and the motion that was in force before it is in force again.
+#[inline]
 pub(crate) fn group_one(fanuc: &mut Fanuc, motion: &mut Motion) {
     match *motion {
         Motion::None if fanuc.lathe_cycle.is_none() => *motion = fanuc.before_cycle,

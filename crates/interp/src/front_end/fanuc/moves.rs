@@ -20,6 +20,7 @@ use crate::{
 };
 
 /// Whether the block at hand is one of them.
+#[inline]
 pub(crate) fn only_moves(fanuc: &Fanuc, ex: &Executor) -> bool {
     let motion = matches!(
         ex.modes.motion,
@@ -47,6 +48,7 @@ pub(crate) fn only_moves(fanuc: &Fanuc, ex: &Executor) -> bool {
 }
 
 /// Do what it says; whether it moves.
+#[inline]
 pub(crate) fn move_only<S: Sink>(
     fanuc: &mut Fanuc,
     ex: &mut Executor,
@@ -86,6 +88,7 @@ pub(crate) fn only_calls(fanuc: &Fanuc, ex: &Executor) -> Option<Then> {
     }
 }
 
+#[inline]
 fn put_move(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome {
     warn_of_points(fanuc, ex, said);
     let per_revolution = ex.modes.feed_mode == FeedMode::PerRevolution;
@@ -106,6 +109,7 @@ fn put_move(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome {
 }
 
 /// A motion, plane or way to count, in tenths.
+#[inline]
 fn code(said: &Said) -> Option<u16> {
     let code = (said.letter == b'G').then(|| tenths(said.value))??;
     matches!(code, 0 | 10 | 20 | 30 | 170 | 180 | 190 | 900 | 910).then_some(code)

@@ -26,6 +26,7 @@ use crate::{
 const TOOL: usize = 149;
 
 /// The word of the block at hand that calls a program, and which.
+#[inline]
 pub(crate) fn calling_word(fanuc: &Fanuc, it: &Program<'_>) -> Option<(Said, MacroCall)> {
     let calls = &it.executor.settings.macro_calls;
     if calls.is_empty() || it.executor.recording.is_some() {

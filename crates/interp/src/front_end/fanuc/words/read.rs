@@ -14,10 +14,12 @@ use diag::Diagnostic;
 use gcode::{Block, Value};
 
 /// Evaluate the block's words; those without a value vanish.
+#[inline]
 pub(crate) fn read(fanuc: &mut Fanuc, it: &Program<'_>) -> Outcome {
     read_words(fanuc, &it.block, it.sources[it.file], &it.executor)
 }
 
+#[inline]
 pub(crate) fn read_words(
     fanuc: &mut Fanuc,
     block: &Block,
@@ -63,6 +65,7 @@ pub(crate) fn counts_inches(fanuc: &Fanuc, block: &Block, ex: &Executor) -> bool
 }
 
 /// How many least input increments make one unit of what a letter counts; 1 for what counts itself.
+#[inline]
 pub(crate) fn per_unit(fanuc: &Fanuc, letter: u8, inch: bool) -> f64 {
     let per_unit = fanuc.increments.per_unit();
     match letter {
@@ -75,6 +78,7 @@ pub(crate) fn per_unit(fanuc: &Fanuc, letter: u8, inch: bool) -> f64 {
 }
 
 /// A value in the program's unit of length (or degrees): increments counted.
+#[inline]
 pub(crate) fn scaled(fanuc: &Fanuc, executor: &Executor, said: &Said) -> f64 {
     if !said.counts || fanuc.calculator {
         return said.value;
@@ -84,6 +88,7 @@ pub(crate) fn scaled(fanuc: &Fanuc, executor: &Executor, said: &Said) -> f64 {
     said.value / per_unit(fanuc, if face { b'R' } else { said.letter }, fanuc.inch && !angle)
 }
 
+#[inline]
 pub(crate) fn feed(fanuc: &Fanuc, said: &Said, sense: &Sense) -> f64 {
     if !said.counts || fanuc.calculator {
         return said.value;
@@ -102,6 +107,7 @@ pub(crate) fn thread_lead(fanuc: &Fanuc, said: &Said) -> f64 {
     feed(fanuc, said, &Sense { thread: true, ..Sense::default() })
 }
 
+#[inline]
 pub(crate) fn warn_of_points(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) {
     if fanuc.warned_of_point || fanuc.calculator {
         return;
