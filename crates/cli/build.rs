@@ -1,4 +1,5 @@
-//! Names the commit that the program is built from, for `leadscrew --version`; `unknown` where there is no git.
+//! Names the commit that the program is built from, for `leadscrew --version`; `unknown` where
+//! there is no git.
 use std::path::Path;
 use std::process::Command;
 
@@ -21,7 +22,8 @@ fn main() {
     watch("packed-refs");
 }
 
-/// Build again when this file of the repository changes. One that does not exist is not named: cargo would build each time.
+/// Build again when this file of the repository changes. One that does not exist is not named:
+/// cargo would build each time.
 fn watch(name: &str) {
     if let Some(file) = git(&["rev-parse", "--git-path", name])
         && Path::new(&file).exists()

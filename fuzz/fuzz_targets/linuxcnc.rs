@@ -1,4 +1,5 @@
-//! Any INI and HAL files: a machine file that loads or is refused by its reader, or remarks that say why there is none.
+//! Any INI and HAL files: a machine file that loads or is refused by its reader, or remarks that
+//! say why there is none.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -14,7 +15,8 @@ fuzz_target!(|text: &str| {
     let wrong = remarks.iter().any(|remark| remark.kind == RemarkKind::Wrong);
     assert!(made.is_some() != wrong);
     if let Some(made) = made {
-        // it is one of our files: the reader may find a value out of bounds, and never a key or a notation that it does not know
+        // it is one of our files: the reader may find a value out of bounds, and never a key or a
+        // notation that it does not know
         if let Err(found) = store::machine::parse(&made, 0) {
             for d in found {
                 assert!(!matches!(d.code, "S0401" | "S0402" | "S0403"), "{d:?}\n{made}");

@@ -1,5 +1,6 @@
-//! Any bytes in the memory that a control shares with the HAL component: the servo thread's side takes what can be meant and no more,
-//! comes to an end each time, and believes nothing of a control once it has found damage.
+//! Any bytes in the memory that a control shares with the HAL component: the servo thread's side
+//! takes what can be meant and no more, comes to an end each time, and believes nothing of a
+//! control once it has found damage.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

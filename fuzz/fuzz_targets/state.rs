@@ -1,4 +1,5 @@
-//! Any bytes: a file of a control's state, or a sentence; what was read, written and read again is the same.
+//! Any bytes: a file of a control's state, or a sentence; what was read, written and read again is
+//! the same.
 #![no_main]
 use canon::ToolLibrary;
 use libfuzzer_sys::fuzz_target;
@@ -15,7 +16,8 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn check<D: Datum + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
-    // a checksum that a fuzzer will not guess: also with the right one, and as a file that was edited
+    // a checksum that a fuzzer will not guess: also with the right one, and as a file that was
+    // edited
     let text = String::from_utf8_lossy(bytes);
     let edited = format!("# leadscrew {} {}, edited\n{text}", D::KIND, D::VERSION);
     for bytes in [bytes, seal::sealed::<D>(&text).as_bytes(), edited.as_bytes()] {

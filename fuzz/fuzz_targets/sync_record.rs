@@ -1,4 +1,5 @@
-//! Any bytes in the two generations' files are a record or refused; what was read, written and read again is the same.
+//! Any bytes in the two generations' files are a record or refused; what was read, written and read
+//! again is the same.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 use std::io;

@@ -1,7 +1,7 @@
 // The control is killed with a tap in its thread. The machine lives on; what the next control knows of it, the page shows on the
 // whole screen, and one key takes the tap out.
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { browser, Machine, open, press, ready, Server, until } from './helpers.mjs';
@@ -12,7 +12,6 @@ before(async () => {
   if (shots) mkdirSync(shots, { recursive: true });
   machine = await Machine.start();
   server = await Server.start(['--simulator', machine.socket]);
-  shorten('plate-12xM6.ngc', 'plate-4xM6.ngc');
   on = await browser();
   page = await open(on, server);
   await ready(page, server);
@@ -23,21 +22,12 @@ after(async () => {
   machine?.stop();
 });
 
-/** The plate's first row alone: its taps come after eight holes, not after twenty-four. */
-function shorten(plate, row) {
-  const programs = join(server.folder, 'programs');
-  const text = readFileSync(join(programs, plate), 'utf8');
-  const first = text.replaceAll('Y40\nX76\nX44\nX12\nY68\nX44\nX76\nX108\n', '');
-  assert.equal(text.split('\n').length - first.split('\n').length, 3 * 8);
-  writeFileSync(join(programs, row), first);
-}
-
-/** The row is cut until a tap is deep in its thread. */
+/** The plate is cut until a tap is deep in its thread. */
 async function untilInTap() {
   await page.goto(`${server.url}/#program`);
-  await page.getByRole('button', { name: /^plate-4xM6\.ngc/ }).click();
+  await page.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();
   await press(page, 'Load');
-  await until('it is loaded', async () => (await server.status()).program?.name === 'plate-4xM6.ngc');
+  await until('it is loaded', async () => (await server.status()).program?.name === 'plate-12xM6.ngc');
   await press(page, 'Start');
   await until('a tap is deep in its thread', async () => {
     const status = await server.status();
@@ -83,7 +73,7 @@ test('killed in a tap, it begins again, says what is known on the whole screen, 
   await page.getByRole('heading', { name: 'A tool stands in its thread' }).waitFor({ timeout: 20_000 });
   const { left_in_work: left } = await server.status();
   const text = await page.locator('.recovery').innerText();
-  assert.match(text, new RegExp(`Tool 3, left in hole ${left.hole} of .*plate-4xM6\\.ngc \\(line ${left.line}\\)`));
+  assert.match(text, new RegExp(`Tool 3, left in hole ${left.hole} of .*plate-12xM6\\.ngc \\(line ${left.line}\\)`));
   assert.match(text, /µm off its thread, known within [\d.]+ µm/);
   assert.match(text, /follows it along the thread/);
   // Z is not homed: where the tap stands is known by its depth alone
@@ -104,15 +94,15 @@ test('killed in a tap, it begins again, says what is known on the whole screen, 
   await press(page, 'Home all');
   await until('all axes are homed', async () => (await server.status()).axes.every((axis) => axis.is_homed), 60_000);
   await page.goto(`${server.url}/#program`);
-  await page.getByRole('button', { name: /^plate-4xM6\.ngc/ }).click();
+  await page.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();
   await press(page, 'Load');
-  await until('it is loaded', async () => (await server.status()).program?.name === 'plate-4xM6.ngc');
+  await until('it is loaded', async () => (await server.status()).program?.name === 'plate-12xM6.ngc');
   await page.getByLabel('Number').fill(String(left.hole));
   await press(page, 'Search');
   await press(page, 'Start');
   await until('the end', async () => (await server.status()).execution === 'PROGRAM_COMPLETED', 120_000);
   const features = await server.get('features');
-  assert.equal(features.length, 3 * 4 - left.hole + 1);
+  assert.equal(features.length, 36 - left.hole + 1);
   assert.deepEqual(features.filter((feature) => feature.verdict !== 'good'), []);
   assert.deepEqual(page.faults, []);
   await server.stop();

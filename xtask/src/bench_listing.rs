@@ -1,9 +1,11 @@
-//! `cargo xtask bench-listing`: how fast a long program becomes canonical calls, and in how much memory.
+//! `cargo xtask bench-listing`: how fast a long program becomes canonical calls, and in how much
+//! memory.
 //!
-//! The same program, one of each [kind](Kind), goes through `leadscrew canon --format linuxcnc` and through
-//! LinuxCNC's `rs274 -g`, by turns in the same run, each into nowhere; the medians are compared. First the
-//! two listings are compared in full, so that nobody wins by doing less. `--memory LINES` runs `canon` and `check`
-//! on that many lines of each kind and says the most memory they held, and when the first byte came out.
+//! The same program, one of each [kind](Kind), goes through `leadscrew canon --format linuxcnc` and
+//! through LinuxCNC's `rs274 -g`, by turns in the same run, each into nowhere; the medians are
+//! compared. First the two listings are compared in full, so that nobody wins by doing less.
+//! `--memory LINES` runs `canon` and `check` on that many lines of each kind and says the most
+//! memory they held, and when the first byte came out.
 #![allow(clippy::disallowed_methods)] // a bench measures: it has a clock
 
 use crate::bench_programs::Kind;
@@ -22,8 +24,8 @@ const GOAL: f64 = 10.0;
 /// Most memory that a program of any length may need, MB.
 const MEMORY_GOAL_MB: f64 = 50.0;
 
-/// Measures on programs of about so many lines. A ratio below the goal is marked and fails nothing: times of a shared
-/// machine are no verdict. A listing that differs is an error.
+/// Measures on programs of about so many lines. A ratio below the goal is marked and fails nothing:
+/// times of a shared machine are no verdict. A listing that differs is an error.
 pub(crate) fn run(lines: usize) -> Result<bool, String> {
     let leadscrew = build()?;
     let rs274 = Rs274::new()?;

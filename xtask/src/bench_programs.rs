@@ -1,4 +1,5 @@
-//! Long programs of six kinds, for the bench: what machines are fed, and what costs an interpreter most.
+//! Long programs of six kinds, for the bench: what machines are fed, and what costs an interpreter
+//! most.
 
 use std::fmt::Write;
 
@@ -35,7 +36,8 @@ impl Kind {
         }
     }
 
-    /// Executed lines for so many lines of the bench: LinuxCNC takes ten times as long for a cycle as for a move.
+    /// Executed lines for so many lines of the bench: LinuxCNC takes ten times as long for a cycle
+    /// as for a move.
     pub(crate) const fn lines(self, lines: usize) -> usize {
         match self {
             Self::Lines | Self::FullWords | Self::Loops | Self::Arcs => lines,

@@ -1,4 +1,5 @@
-//! The licences of everything that is linked into the `leadscrew` program: who passes a binary on passes them on with it.
+//! The licences of everything that is linked into the `leadscrew` program: who passes a binary on
+//! passes them on with it.
 //!
 //! ```text
 //!   cargo metadata ─► what `cli` needs, proc macros apart ─► LICENSE, COPYING, NOTICE of each ─► one text

@@ -1,4 +1,5 @@
-//! `cargo xtask real-time`: the plate by the clock, again and again, and how well the servo thread kept its time on this computer.
+//! `cargo xtask real-time`: the plate by the clock, again and again, and how well the servo thread
+//! kept its time on this computer.
 use control::{RealTimeFigures, RealTimeOptions};
 use leadscrew::{Ending, Program, RunOptions};
 use std::time::Duration;

@@ -1,4 +1,5 @@
-//! LinuxCNC's stand-alone interpreter (`rs274`, Debian package `linuxcnc-uspace`), run on a program.
+//! LinuxCNC's stand-alone interpreter (`rs274`, Debian package `linuxcnc-uspace`), run on a
+//! program.
 #![allow(clippy::disallowed_methods)] // a time limit needs a clock
 
 use crate::listing::{Outcome, calls, tool_table};

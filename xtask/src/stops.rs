@@ -6,8 +6,8 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-/// Of one line of the campaign: cases, recovered, nothing to do, refused, broken; and how far off its thread the tap stood
-/// and came out, µm.
+/// Of one line of the campaign: cases, recovered, nothing to do, refused, broken; and how far off
+/// its thread the tap stood and came out, µm.
 struct Row {
     title: String,
     counts: [u64; 5],

@@ -1,11 +1,13 @@
-//! Files of a crate that need one another in a circle: a reader has to hold them all in the head at once. How large the largest
-//! circle of each crate may be stands in `circles.txt`, and may only shrink; a crate that is not listed has none.
+//! Files of a crate that need one another in a circle: a reader has to hold them all in the head at
+//! once. How large the largest circle of each crate may be stands in `circles.txt`, and may only
+//! shrink; a crate that is not listed has none.
 //!
 //! ```text
 //!   a ──► b: file a names something of file b, by `use` or by a path      circle: a ──► b ──► … ──► a
 //! ```
 //!
-//! The interpreter is held to more: its folders make no circle either, and what a type does stands beside the type.
+//! The interpreter is held to more: its folders make no circle either, and what a type does stands
+//! beside the type.
 #![allow(clippy::unwrap_used)] // a test may panic
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -13,7 +15,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Public types to which a layer above adds what it brings (snapshots, pieces of long programs), and in how many files at most.
+/// Public types to which a layer above adds what it brings (snapshots, pieces of long programs),
+/// and in how many files at most.
 const OPEN_TO_LAYERS_ABOVE: [(&str, usize); 2] = [("Interpreter", 4), ("Ops", 2)];
 
 #[test]
@@ -69,7 +72,8 @@ fn the_interpreters_folders_make_no_circle() {
     assert!(named.is_empty(), "folders that need one another: {named:?}");
 }
 
-/// Functions take the parts that they need; a structure that has methods in many files is known to all of them.
+/// Functions take the parts that they need; a structure that has methods in many files is known to
+/// all of them.
 #[test]
 fn a_type_of_the_interpreter_has_its_methods_in_one_file() {
     let mut homes: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
@@ -181,8 +185,8 @@ fn paths_of(tree: &str) -> Vec<String> {
     inner.flat_map(|part| paths_of(part)).map(|path| format!("{head}{path}")).collect()
 }
 
-/// The paths from the crate's root that a file names, and whether it hands them on: by `use`, and by what begins with `crate::`,
-/// `super::` or `self::`.
+/// The paths from the crate's root that a file names, and whether it hands them on: by `use`, and
+/// by what begins with `crate::`, `super::` or `self::`.
 fn taken(own: &str, text: &str) -> Vec<(String, bool)> {
     let mut found = Vec::new();
     let mut rest = text;
@@ -215,7 +219,8 @@ fn taken(own: &str, text: &str) -> Vec<(String, bool)> {
     found
 }
 
-/// A path from the crate's root; one that begins with a name is a child of the module, or of another crate.
+/// A path from the crate's root; one that begins with a name is a child of the module, or of
+/// another crate.
 fn absolute(own: &str, path: &str) -> Option<String> {
     let mut here: Vec<&str> = own.split("::").filter(|part| !part.is_empty()).collect();
     let mut rest: Vec<&str> = path.split("::").map(str::trim).filter(|p| *p != "self").collect();

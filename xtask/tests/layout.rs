@@ -1,4 +1,5 @@
-//! What there is one of stays one: the command line's library in one crate, one call of the servo loop.
+//! What there is one of stays one: the command line's library in one crate, one call of the servo
+//! loop.
 #![allow(clippy::unwrap_used)] // a test may panic
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -61,8 +62,8 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
-/// A crate whose tests are linked into one program names them in its manifest and in `tests/all.rs`: what is named in neither
-/// would never run.
+/// A crate whose tests are linked into one program names them in its manifest and in
+/// `tests/all.rs`: what is named in neither would never run.
 #[test]
 fn every_file_of_tests_is_run() {
     let mut forgotten = Vec::new();

@@ -70,8 +70,8 @@ fn the_manuals_pages_and_the_programs_they_name_exist() {
     }
 }
 
-/// Items of the code that ARCHITECTURE.md and GLOSSARY.md name stand in the file that their link leads to: `Type::function()`, `function()`,
-/// or `Type`.
+/// Items of the code that ARCHITECTURE.md and GLOSSARY.md name stand in the file that their link
+/// leads to: `Type::function()`, `function()`, or `Type`.
 #[test]
 fn what_the_architecture_and_the_glossary_name_is_in_the_file_that_it_links_to() {
     let doc = read(&root().join("docs/ARCHITECTURE.md"));

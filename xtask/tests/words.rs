@@ -1,5 +1,5 @@
-//! Names in the code are words of the trade: types, functions and files have none of the pictures that
-//! `docs/GLOSSARY.md` replaces.
+//! Names in the code are words of the trade: types, functions and files have none of the pictures
+//! that `docs/GLOSSARY.md` replaces.
 #![allow(clippy::unwrap_used)] // a test may panic
 use std::{collections::BTreeSet, fs, path::Path};
 
@@ -53,7 +53,8 @@ fn collect(folder: &Path, found: &mut BTreeSet<String>) {
     }
 }
 
-/// Whether one of the words of a name is not to be used: words begin at a capital, or after `_`, `-` or `.`.
+/// Whether one of the words of a name is not to be used: words begin at a capital, or after `_`,
+/// `-` or `.`.
 fn is_picture(name: &str) -> bool {
     let mut words = vec![String::new()];
     for c in name.chars() {

@@ -9,8 +9,9 @@
 //!   Sample = Feedback + Command + Report (the kernel's own view) + Truth (what only a simulator can know)
 //! ```
 //!
-//! One writer per datum: `Feedback` is the machine's, `Command` and `Report` the kernel's. Signs: an
-//! axis' force is positive along the axis; a spindle turns positive clockwise seen from behind (M3).
+//! One writer per datum: `Feedback` is the machine's, `Command` and `Report` the kernel's. Signs:
+//! an axis' force is positive along the axis; a spindle turns positive clockwise seen from behind
+//! (M3).
 #![no_std]
 use units::{Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Spin, Time, Torque};
 
@@ -37,8 +38,8 @@ pub struct AxisFeedback {
     pub home_switch: bool,
     /// The limit switches at the negative and at the positive end of the travel are actuated.
     pub limit_switches: [bool; 2],
-    /// Position, by the encoder that `position` is read from, at which its index mark passed, if it did during the last
-    /// period.
+    /// Position, by the encoder that `position` is read from, at which its index mark passed, if it
+    /// did during the last period.
     pub index: Option<Coordinate>,
 }
 
@@ -54,14 +55,15 @@ pub struct SpindleFeedback {
     pub ready: bool,
     /// The drive was at its torque or power limit during the last period.
     pub saturated: bool,
-    /// A drive that orients the spindle by itself: it stands at the angle of [`SpindleCommand::orient`].
+    /// A drive that orients the spindle by itself: it stands at the angle of
+    /// [`SpindleCommand::orient`].
     pub oriented: bool,
     /// A drive that orients the spindle by itself cannot: its fault code; 0 is none.
     pub orient_fault: i32,
 }
 
-/// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66), outputs that they switch
-/// (M62 to M65, M67, M68).
+/// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66),
+/// outputs that they switch (M62 to M65, M67, M68).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Signals {
@@ -101,7 +103,8 @@ pub struct Feedback {
     pub emergency_stop: bool,
     /// The probe is deflected, or its circuit is closed.
     pub probe: bool,
-    /// How long before `time` the probe changed, if it did during the last period and the machine has seen when.
+    /// How long before `time` the probe changed, if it did during the last period and the machine
+    /// has seen when.
     pub probe_age: Option<Time>,
     /// Inputs of the machine and of its surroundings.
     pub inputs: Signals,
@@ -128,14 +131,15 @@ pub struct AxisCommand {
 pub struct SpindleCommand {
     /// The drive shall be powered.
     pub enable: bool,
-    /// Setpoint of the angle; follows the actual angle while only the speed is controlled. A drive that closes its own
-    /// position loop takes it, and then it always goes on from the last one.
+    /// Setpoint of the angle; follows the actual angle while only the speed is controlled. A drive
+    /// that closes its own position loop takes it, and then it always goes on from the last one.
     pub angle: Angle,
     /// Setpoint of speed.
     pub spin: Spin,
     /// Torque reference.
     pub torque: Torque,
-    /// A drive that orients the spindle by itself shall bring it to this angle within a turn, and hold it there.
+    /// A drive that orients the spindle by itself shall bring it to this angle within a turn, and
+    /// hold it there.
     pub orient: Option<Angle>,
     /// Its drive has said that it stands there: it may be locked.
     pub locked: bool,
@@ -161,8 +165,8 @@ pub struct Command {
     pub coupled: Option<Coupled>,
 }
 
-/// An axis tied to a spindle: `place + lead·(θ − angle)`. Drives that can, brake both together on this line when the
-/// control falls silent or the power fails.
+/// An axis tied to a spindle: `place + lead·(θ − angle)`. Drives that can, brake both together on
+/// this line when the control falls silent or the power fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupled {
@@ -178,7 +182,8 @@ pub struct Coupled {
     pub lead: Lead,
 }
 
-/// What drives do by themselves when they are left alone: the control has fallen silent, or the mains have failed.
+/// What drives do by themselves when they are left alone: the control has fallen silent, or the
+/// mains have failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveReaction {
     /// Outputs off: brakes clamp, spindles coast.
@@ -315,10 +320,11 @@ pub struct Truth {
     /// Torque of each spindle's drive.
     pub spindle_torques: [Torque; SPINDLES],
     /// Axial offset of the tool's edges from where the axis holds them: the holder's deflection.
-    /// The cutting edges stand at `axis + tool_deflection` along the tool axis; on a grinder the wheel does, along
-    /// its infeed axis, pressed back by the work and worn off.
+    /// The cutting edges stand at `axis + tool_deflection` along the tool axis; on a grinder the
+    /// wheel does, along its infeed axis, pressed back by the work and worn off.
     pub tool_deflection: Length,
-    /// How far the tool's edges stand ahead of the spindle's nose; zero unless a clutch holder has let go.
+    /// How far the tool's edges stand ahead of the spindle's nose; zero unless a clutch holder has
+    /// let go.
     pub tool_turn: Angle,
     /// Torque of the cut on the spindle.
     pub cutting_torque: Torque,

@@ -1,4 +1,5 @@
-//! Cam grinding: the wheel follows the work's angle by a profile, cuts in by so much a turn, and sparks out.
+//! Cam grinding: the wheel follows the work's angle by a profile, cuts in by so much a turn, and
+//! sparks out.
 //!
 //! ```text
 //!   X │ retreat ─╮                                        ╭─ retreat      X = centre + D(θ − phase) + offset
@@ -47,7 +48,8 @@ pub enum CamOrder {
         /// Speed of the work.
         spin: Spin,
     },
-    /// Turn on without infeed: spark out after grinding, else an idle turn in the air where the wheel stands.
+    /// Turn on without infeed: spark out after grinding, else an idle turn in the air where the
+    /// wheel stands.
     SparkOut {
         /// Speed of the work.
         spin: Spin,
@@ -67,8 +69,8 @@ pub struct CamProfile {
     pub nodes: Vec<f64>,
     /// Radius of the wheel that they are for.
     pub wheel: Length,
-    /// Largest first, second and third derivative of that distance: mm a revolution, its square, its cube. At a speed of n
-    /// rev/s the axis needs so many times n, n², n³.
+    /// Largest first, second and third derivative of that distance: mm a revolution, its square,
+    /// its cube. At a speed of n rev/s the axis needs so many times n, n², n³.
     pub steepest: [f64; 3],
 }
 

@@ -5,14 +5,15 @@
 //!                    └── Σ a·cos(2π·m·θ) + b·sin(2π·m·θ) ──► an axis, or the tool spindle's phase
 //! ```
 //!
-//! Source: `G51.2`/`G50.2` of polygon turning (P:Q ratio, R phase), and the oscillation of JP7525593B2.
+//! Source: `G51.2`/`G50.2` of polygon turning (P:Q ratio, R phase), and the oscillation of
+//! JP7525593B2.
 use crate::{Axis, Position, Ratio};
 use alloc::vec::Vec;
 use units::{Angle, Lead, Length};
 
 impl Polygon {
-    /// Turns of the work after which the tool passes the same facets again: those of a ratio of a few turns; of one that
-    /// winds a little more or less, in which time the facets turn that much.
+    /// Turns of the work after which the tool passes the same facets again: those of a ratio of a
+    /// few turns; of one that winds a little more or less, in which time the facets turn that much.
     pub fn period(&self) -> f64 {
         let settled = self.ratio.settled().unwrap_or(self.ratio);
         f64::from(settled.master) * (settled.value() / self.ratio.value())
@@ -32,22 +33,26 @@ pub struct Polygon {
     pub phase: Angle,
     /// What swings with the work spindle, as it is sent; none: nothing does.
     pub oscillations: Vec<Oscillation>,
-    /// What swings beside that by a share of the distance of the axes at the cut, which only the cuts that follow say:
-    /// amplitudes are shares of it.
+    /// What swings beside that by a share of the distance of the axes at the cut, which only the
+    /// cuts that follow say: amplitudes are shares of it.
     pub by_distance: Vec<Oscillation>,
-    /// What shall come of it at the tool, where what is sent has the answers of the loops in it already; empty: the same.
+    /// What shall come of it at the tool, where what is sent has the answers of the loops in it
+    /// already; empty: the same.
     pub wanted: Vec<Oscillation>,
-    /// The control computes what swings, within the limits of the machine; `oscillations` is empty then.
+    /// The control computes what swings, within the limits of the machine; `oscillations` is empty
+    /// then.
     pub auto: Option<Actuator>,
     /// What swings is sent as a measurement kept from before has it compensated.
     pub compensated: bool,
-    /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in force.
+    /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in
+    /// force.
     pub zero: Position,
     /// Where another work offset than the first (G55 and on) has its zero; `None`: G54 is in force.
     pub own_zero: Option<Position>,
 }
 
-/// Hobbing: the work turns with the hob, tooth by tooth, and a turn more for each lead of its helix that Z travels.
+/// Hobbing: the work turns with the hob, tooth by tooth, and a turn more for each lead of its helix
+/// that Z travels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hob {
     /// The hob's spindle, which leads; counted from 0.
@@ -62,7 +67,8 @@ pub struct Hob {
     pub module: Length,
     /// Helix angle on the pitch cylinder; positive: right hand.
     pub helix: Angle,
-    /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in force.
+    /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in
+    /// force.
     pub zero: Position,
     /// Where another work offset than the first (G55 and on) has its zero; `None`: G54 is in force.
     pub own_zero: Option<Position>,
@@ -77,8 +83,8 @@ impl Hob {
         Ratio { follower: self.starts, master: teeth }
     }
 
-    /// Travel along Z in which a tooth winds once around: π·m·z/sin β, positive for a right-hand helix; `None` of
-    /// straight teeth.
+    /// Travel along Z in which a tooth winds once around: π·m·z/sin β, positive for a right-hand
+    /// helix; `None` of straight teeth.
     pub fn lead(&self) -> Option<Lead> {
         let sine = libm::sin(self.helix.in_rad());
         let around = core::f64::consts::PI * self.module.value() * f64::from(self.teeth);
@@ -128,8 +134,9 @@ pub enum Oscillating {
     ToolPhase,
 }
 
-/// One harmonic, `cosine·cos(2π·m·θ) + sine·sin(2π·m·θ)`; with m = 0 the cosine is a constant. θ counts in the turns of
-/// the work after which the tool passes the same facets again ([`Polygon::period`]): one, or P of a ratio P:Q.
+/// One harmonic, `cosine·cos(2π·m·θ) + sine·sin(2π·m·θ)`; with m = 0 the cosine is a constant. θ
+/// counts in the turns of the work after which the tool passes the same facets again
+/// ([`Polygon::period`]): one, or P of a ratio P:Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
     /// Periods in the turns of the work after which the tool passes the same facets again, m.

@@ -6,8 +6,8 @@
 //!   X250 of G54      the same place as machine X-40, where G54 has its zero at X-290
 //! ```
 //!
-//! Operations carry machine coordinates in millimetres and nothing else; this is what was in force when one of them
-//! was written. Nothing is computed from it but words.
+//! Operations carry machine coordinates in millimetres and nothing else; this is what was in force
+//! when one of them was written. Nothing is computed from it but words.
 use crate::{Axis, Position};
 use units::{Angle, Length, MM_PER_INCH};
 
@@ -51,7 +51,8 @@ pub enum Counting {
     IncrementalLetters,
 }
 
-/// The program's frame and units when an operation was written. The default is the machine's own: millimetres, no offsets.
+/// The program's frame and units when an operation was written. The default is the machine's own:
+/// millimetres, no offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProgramFrame {
     /// Unit of lengths.
@@ -83,14 +84,16 @@ impl ProgramFrame {
         }
     }
 
-    /// How a block in machine coordinates is written (G53): in the program's unit, without any offset.
+    /// How a block in machine coordinates is written (G53): in the program's unit, without any
+    /// offset.
     #[must_use]
     pub fn of_machine(self) -> Self {
         Self { unit: self.unit, x_is_diameter: self.x_is_diameter, ..Self::default() }
     }
 
-    /// Coordinate of an axis as the program would write it, in its unit (degrees for a rotary axis), where the machine's
-    /// is `value` mm; `None` where the frame is turned about Z so that X and Y mix.
+    /// Coordinate of an axis as the program would write it, in its unit (degrees for a rotary
+    /// axis), where the machine's is `value` mm; `None` where the frame is turned about Z so that X
+    /// and Y mix.
     pub fn written(&self, axis: Axis, value: f64) -> Option<f64> {
         if self.rotation != Angle::ZERO && matches!(axis, Axis::X | Axis::Y) {
             return None;
@@ -105,8 +108,9 @@ impl ProgramFrame {
         Some(radius * factor / self.unit.in_mm())
     }
 
-    /// A way along an axis as the program would write it in an incremental word, from its length in mm (degrees for a rotary
-    /// axis), with the letter; `None`: the block does not count so, or X and Y mix.
+    /// A way along an axis as the program would write it in an incremental word, from its length in
+    /// mm (degrees for a rotary axis), with the letter; `None`: the block does not count so, or X
+    /// and Y mix.
     pub fn increment(&self, axis: Axis, way: f64) -> Option<(char, f64)> {
         let letter = match (self.counting, axis) {
             (Counting::Absolute, _) => return None,

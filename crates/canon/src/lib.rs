@@ -1,10 +1,10 @@
 //! What to machine: the narrow waist between programs and motion.
 //!
-//! An interpreter, whatever its dialect, ends in [`Op`]s; planner, kernel and judge begin with them.
-//! Everything the text could say in several ways is said here in one: millimetres, revolutions and
-//! seconds; *machine coordinates of the axes* (work offsets, rotation, tool length offset, diameter
-//! mode, G91 and inches are already applied); arcs with an absolute centre. What an op knows of its
-//! text is its [`Span`], and nothing else.
+//! An interpreter, whatever its dialect, ends in [`Op`]s; planner, kernel and judge begin with
+//! them. Everything the text could say in several ways is said here in one: millimetres,
+//! revolutions and seconds; *machine coordinates of the axes* (work offsets, rotation, tool length
+//! offset, diameter mode, G91 and inches are already applied); arcs with an absolute centre. What
+//! an op knows of its text is its [`Span`], and nothing else.
 //!
 //! ```text
 //!   Op ─┬─ motion     Rapid, Line, Arc, Tap, Threading
@@ -14,8 +14,9 @@
 //!       └─ meaning    Hole (what the moves that follow are for), Message
 //! ```
 //!
-//! An axis coordinate is where the *axis* stands. The tool's tip is `axis − tool length offset` along
-//! the tool axis; the judge and the simulated workpiece know the mounted tool and do that subtraction.
+//! An axis coordinate is where the *axis* stands. The tool's tip is `axis − tool length offset`
+//! along the tool axis; the judge and the simulated workpiece know the mounted tool and do that
+//! subtraction.
 #![no_std]
 extern crate alloc;
 

@@ -49,9 +49,11 @@ pub enum OpKind {
     /// Tap a hole, synchronised with the spindle, in and out. The axes stand at the start already.
     /// Afterwards the spindle stands still; an M3 or M4 in force is restored before the next cut.
     Tap(Tap),
-    /// Turn a straight stretch of a thread; stretches one after another go on into one another without a stop.
+    /// Turn a straight stretch of a thread; stretches one after another go on into one another
+    /// without a stop.
     Threading(Threading),
-    /// The moves that follow, up to the next op whose span differs or to the next `Hole`, make this hole.
+    /// The moves that follow, up to the next op whose span differs or to the next `Hole`, make this
+    /// hole.
     Hole(Hole),
     /// Wait.
     Dwell {
@@ -69,7 +71,8 @@ pub enum OpKind {
     Polygon(Polygon),
     /// End of it (G50.2): what swings comes to rest, then the tool spindle stops.
     PolygonEnd,
-    /// Measure what swings while nothing is cut, and compensate it (G51.4): so many looks, a correction after each.
+    /// Measure what swings while nothing is cut, and compensate it (G51.4): so many looks, a
+    /// correction after each.
     PolygonMeasure {
         /// How many.
         looks: u32,
@@ -117,7 +120,8 @@ pub enum OpKind {
     Output(Output),
     /// Read an input or wait for it (M66); the program learns what was read.
     Input(InputWait),
-    /// Move until a probe touches, or leaves what it touches (G38.2 … G38.5); the program learns where.
+    /// Move until a probe touches, or leaves what it touches (G38.2 … G38.5); the program learns
+    /// where.
     Probe(Probe),
     /// A code of the machine's own (M100 … M199): what its file says that it does.
     UserCode(Box<UserCode>),
@@ -235,8 +239,8 @@ pub enum Feed {
 /// A curve in X and Y, from where the axes stand; all others stay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
-    /// Bézier curves of the fifth degree, one after another: of each its four control points between its ends, and its end, in
-    /// machine coordinates.
+    /// Bézier curves of the fifth degree, one after another: of each its four control points
+    /// between its ends, and its end, in machine coordinates.
     pub pieces: Vec<[[Length; 2]; 5]>,
 }
 
@@ -293,12 +297,14 @@ pub struct Tap {
     /// Where the material is taken to begin, as a coordinate of `axis`: the work's zero if it lies
     /// between start and bottom, else the start.
     pub surface: Length,
-    /// The program's zero, as a coordinate of `axis`: with the work offset and the tool length offset in force.
+    /// The program's zero, as a coordinate of `axis`: with the work offset and the tool length
+    /// offset in force.
     pub zero: Length,
-    /// Where another work offset than the first (G55 and on) has its zero, without what G52, G92 and the tool add; `None`:
-    /// G54 is in force, whose place the set-up states.
+    /// Where another work offset than the first (G55 and on) has its zero, without what G52, G92
+    /// and the tool add; `None`: G54 is in force, whose place the set-up states.
     pub own_zero: Option<Length>,
-    /// Advance along the tap's own direction per revolution; positive right-hand, negative left-hand.
+    /// Advance along the tap's own direction per revolution; positive right-hand, negative
+    /// left-hand.
     pub lead: Lead,
     /// Spindle speed inwards (magnitude; the hand gives the sense).
     pub spin: Spin,
@@ -314,12 +320,13 @@ pub struct Tap {
     pub peck: Option<Length>,
 }
 
-/// A straight stretch of a thread turned with a single point (G33, G32, G34, G76). Coordinates are machine coordinates.
+/// A straight stretch of a thread turned with a single point (G33, G32, G34, G76). Coordinates are
+/// machine coordinates.
 ///
-/// The stretches of a chain are one function of the spindle's angle: where the first one starts, the spindle stands at
-/// `start_angle`, and from there on the tool goes `lead` along the path with each revolution; where the lead grows,
-/// `lead·n + growth·n²/2` in the n revolutions since the stretch began. So passes over the same thread find the same groove,
-/// at any speed.
+/// The stretches of a chain are one function of the spindle's angle: where the first one starts,
+/// the spindle stands at `start_angle`, and from there on the tool goes `lead` along the path with
+/// each revolution; where the lead grows, `lead·n + growth·n²/2` in the n revolutions since the
+/// stretch began. So passes over the same thread find the same groove, at any speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threading {
     /// Where it ends.
@@ -332,8 +339,8 @@ pub struct Threading {
     pub start_angle: Angle,
     /// The axis along which the thread runs: the one that goes farthest.
     pub axis: Axis,
-    /// Where the material is taken to begin, as a coordinate of `axis`: the work's zero if it lies between start and
-    /// end, else the start.
+    /// Where the material is taken to begin, as a coordinate of `axis`: the work's zero if it lies
+    /// between start and end, else the start.
     pub surface: Length,
 }
 

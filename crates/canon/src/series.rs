@@ -1,6 +1,8 @@
-//! Which standard thread a pitch and a diameter mean: a program that turns a thread states its lead alone.
+//! Which standard thread a pitch and a diameter mean: a program that turns a thread states its lead
+//! alone.
 //!
-//! Diameters by pitch: ISO 261, table 2 (choices 1 to 3, coarse and fine, up to 64 mm); UNC and UNF of ASME B1.1.
+//! Diameters by pitch: ISO 261, table 2 (choices 1 to 3, coarse and fine, up to 64 mm); UNC and UNF
+//! of ASME B1.1.
 use crate::thread::{COARSE_MM, UNIFIED};
 use crate::{Family, Hand, ThreadSize};
 use alloc::{format, string::String, vec::Vec};

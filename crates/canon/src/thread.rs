@@ -15,7 +15,8 @@
 //! | `-LH`, `left` at the end | left-hand |
 //! | `-6H`, `-2B` at the end | a class: read over, a tap's own pitch diameter is [`TapTool::oversize`](crate::TapTool::oversize) |
 //!
-//! A name that contradicts its series ("1/4-28 UNC") is refused: one of the two is a slip, and nobody knows which.
+//! A name that contradicts its series ("1/4-28 UNC") is refused: one of the two is a slip, and
+//! nobody knows which.
 use alloc::{
     format,
     string::{String, ToString},
@@ -61,8 +62,8 @@ pub(crate) const COARSE_MM: [(f64, f64); 34] = [
     (64.0, 6.0),
 ];
 
-/// Unified threads of ASME B1.1: nominal diameter in inches, threads per inch of the coarse and of the fine series;
-/// 0 where there is none.
+/// Unified threads of ASME B1.1: nominal diameter in inches, threads per inch of the coarse and of
+/// the fine series; 0 where there is none.
 pub(crate) const UNIFIED: [(f64, f64, f64); 26] = [
     (0.060, 0.0, 80.0),
     (0.073, 64.0, 72.0),
@@ -288,7 +289,8 @@ fn unified(text: &str, hand: Hand) -> Option<ThreadSize> {
     })
 }
 
-/// The series as it is stated, or as the standard has it; nothing where the two contradict each other.
+/// The series as it is stated, or as the standard has it; nothing where the two contradict each
+/// other.
 fn series(stated: Option<&'static str>, inches: f64, per_inch: f64) -> Option<&'static str> {
     let known = UNIFIED.iter().find(|(nominal, ..)| (nominal - inches).abs() < 1e-9);
     let standard = match known {
@@ -303,8 +305,9 @@ fn series(stated: Option<&'static str>, inches: f64, per_inch: f64) -> Option<&'
     }
 }
 
-/// How a unified diameter is written, and its inches. A bare whole number is a number size if its pitch is one of
-/// theirs: none of them has fewer than 24 threads per inch, no inch size of a whole number more.
+/// How a unified diameter is written, and its inches. A bare whole number is a number size if its
+/// pitch is one of theirs: none of them has fewer than 24 threads per inch, no inch size of a whole
+/// number more.
 fn inches(text: &str, per_inch: f64) -> Option<(String, f64)> {
     const LARGEST_NUMBER: u32 = 14;
     let numbered = |n: u32| {

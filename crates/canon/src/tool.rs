@@ -28,7 +28,8 @@ pub struct Tool {
     pub stand_in: bool,
 }
 
-/// What stands behind the edges of a tool, as far as the table says: what it does not say is not judged.
+/// What stands behind the edges of a tool, as far as the table says: what it does not say is not
+/// judged.
 ///
 /// ```text
 ///        ┌──────┐ holder            drill, tap, mill: from the tip upwards
@@ -165,8 +166,8 @@ pub struct TouchProbe {
 pub struct PolygonCutter {
     /// From the tool spindle's axis to an insert's tip.
     pub radius: Length,
-    /// Where each insert stands in the head, rising from zero. At zero of the tool spindle the first one
-    /// points to −X, where the work is.
+    /// Where each insert stands in the head, rising from zero. At zero of the tool spindle the
+    /// first one points to −X, where the work is.
     pub inserts: Vec<Angle>,
     /// Radius of the inserts' noses, in the plane of the axis.
     pub nose_radius: Length,
@@ -186,7 +187,8 @@ pub struct Insert {
     pub angle: Angle,
     /// Its point; `None`: the table does not say.
     pub point: Option<InsertPoint>,
-    /// From its point to the edge that cuts the crest; `None`: partial profile, which leaves the crest as it is.
+    /// From its point to the edge that cuts the crest; `None`: partial profile, which leaves the
+    /// crest as it is.
     pub crest_height: Option<Length>,
 }
 
@@ -261,8 +263,9 @@ pub enum Holder {
         /// Travel each way.
         travel: Length,
     },
-    /// Clutch (floating) holder: its splines part when the tap has pulled it out far enough, so that the tap stops at
-    /// a depth which the spindle's coasting does not change; a pawl drives it back out.
+    /// Clutch (floating) holder: its splines part when the tap has pulled it out far enough, so
+    /// that the tap stops at a depth which the spindle's coasting does not change; a pawl drives it
+    /// back out.
     Clutch {
         /// D: pulled out so far, the splines part.
         spline_length: Length,

@@ -100,7 +100,8 @@ impl Tool {
 
 /// Counts the uses of the tools in a program's operations, in their order.
 ///
-/// A hole or a tap is a use of the tool in the spindle; of other cuts the first one after a tool change.
+/// A hole or a tap is a use of the tool in the spindle; of other cuts the first one after a tool
+/// change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UseCount {
     tool: u32,

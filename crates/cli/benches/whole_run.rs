@@ -1,5 +1,6 @@
-//! How fast whole runs are: interpreting, planning, ticking, simulating, judging and recording of a shipped
-//! program, as `leadscrew run --timings` states it. Prints the median of some runs, without and with report files.
+//! How fast whole runs are: interpreting, planning, ticking, simulating, judging and recording of a
+//! shipped program, as `leadscrew run --timings` states it. Prints the median of some runs, without
+//! and with report files.
 //!
 //! ```text
 //!   cargo bench -p cli

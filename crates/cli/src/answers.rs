@@ -1,8 +1,9 @@
-//! What commands answer, as values and without printing: for other programs that are built on this one.
+//! What commands answer, as values and without printing: for other programs that are built on this
+//! one.
 //!
 //! What is asked is asked in the words of the command line, and read by the same reader:
-//! `["check", "part.ngc", "--machine=lathe"]`. A program's text and a machine may be handed over beside the words, so that
-//! neither has to lie in a file.
+//! `["check", "part.ngc", "--machine=lathe"]`. A program's text and a machine may be handed over
+//! beside the words, so that neither has to lie in a file.
 //!
 //! ```text
 //!   words ─► args ─┬─► check, canon, time, polygon, cam ─► the value that --format json prints
@@ -172,7 +173,8 @@ pub fn run(asked: &CommandWords) -> Result<Run, Refused> {
     Ok(run)
 }
 
-/// A machine's file, with what the simulated one may be and for a seed is, as `machine show` prints it.
+/// A machine's file, with what the simulated one may be and for a seed is, as `machine show` prints
+/// it.
 ///
 /// # Errors
 /// There is none of this name, or it cannot be read.

@@ -1,4 +1,5 @@
-//! `leadscrew cam`: from a lift table or a closed form to the wheel's path, with what it asks of the machine.
+//! `leadscrew cam`: from a lift table or a closed form to the wheel's path, with what it asks of
+//! the machine.
 //!
 //! ```text
 //!   lift.csv | --form … ─► Cam ─► wheel path ─► checks, highest speed, even removal ─► table, G-code, pictures

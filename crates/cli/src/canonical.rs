@@ -53,7 +53,8 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     Ok(good)
 }
 
-/// As rs274 does it: from machine zero, with no offsets unless a parameter file says so, up to the first error.
+/// As rs274 does it: from machine zero, with no offsets unless a parameter file says so, up to the
+/// first error.
 fn listing(session: &Session, text: &[u8], out: impl Write) -> (io::Result<()>, Vec<Diagnostic>) {
     let setup = session.bare_setup();
     let mut interpreter = interp::Interpreter::new(text, &setup);

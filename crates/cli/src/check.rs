@@ -187,7 +187,8 @@ fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<
     told.tell(&found, &Source { name: &name, text, drawn: &session.drawn })
 }
 
-/// A long program that cannot be read in pieces, for its O-words lead here and there: what is found is told as it goes.
+/// A long program that cannot be read in pieces, for its O-words lead here and there: what is found
+/// is told as it goes.
 fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<(), Refused> {
     let name = path.display().to_string();
     let mut session = Session::load(&args.source.options(), path, text)?;
@@ -208,8 +209,8 @@ fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Resu
     Ok(())
 }
 
-/// The session of a program that is read in pieces. To find the tools that are to be stood in for, the whole program
-/// is needed.
+/// The session of a program that is read in pieces. To find the tools that are to be stood in for,
+/// the whole program is needed.
 fn long_session(args: &CheckArgs, path: &Path) -> Result<Option<Session>, Refused> {
     let options = args.source.options();
     match options.missing_tools {
@@ -218,7 +219,8 @@ fn long_session(args: &CheckArgs, path: &Path) -> Result<Option<Session>, Refuse
     }
 }
 
-/// Interpreter, planner and remarks, piece by piece; what is found in a piece is told before the next one is read.
+/// Interpreter, planner and remarks, piece by piece; what is found in a piece is told before the
+/// next one is read.
 fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Result<(), Refused> {
     let setup = session.interp_setup();
     told.tools_from.clone_from(&session.tools_from);
@@ -326,7 +328,8 @@ fn is_program(path: &Path) -> bool {
             && stem.strip_prefix(['O', 'o']).is_some_and(is_number)
 }
 
-/// The programs in a folder and in those below it. Links to folders are not followed: they may lead in a circle.
+/// The programs in a folder and in those below it. Links to folders are not followed: they may lead
+/// in a circle.
 fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Refused> {
     let unreadable = |e| Refused::because(format!("cannot read {}: {e}", folder.display()));
     let (mut inside, mut below) = (Vec::new(), Vec::new());

@@ -1,14 +1,16 @@
-//! What `leadscrew machine check` says of taps whose spindle is left to coast: up to which speed they survive that.
+//! What `leadscrew machine check` says of taps whose spindle is left to coast: up to which speed
+//! they survive that.
 //!
-//! Drives that brake, together or each along its ramp, stop a tap within its planned braking from every speed ([`plan::overrun`] is of
-//! those that coast): of those nothing is said.
+//! Drives that brake, together or each along its ramp, stop a tap within its planned braking from
+//! every speed ([`plan::overrun`] is of those that coast): of those nothing is said.
 use canon::Flute;
 use store::machine::MachineFile;
 use units::{Lead, Length};
 
 /// Taps that the sentence is about: name, diameter, pitch, mm.
 const TAPS: [(&str, f64, f64); 2] = [("M6", 6.0, 1.0), ("M8", 8.0, 1.25)];
-/// Room below the tap in a usual hole, mm: what tables of tap makers leave under a blind thread of these sizes.
+/// Room below the tap in a usual hole, mm: what tables of tap makers leave under a blind thread of
+/// these sizes.
 const ROOM: Length = Length::mm(5.0);
 
 /// One sentence for each event in which the spindle coasts.

@@ -1,4 +1,5 @@
-//! `leadscrew compare`: the same holes with a clutch holder and without, on a spindle that scatters.
+//! `leadscrew compare`: the same holes with a clutch holder and without, on a spindle that
+//! scatters.
 use crate::args::CompareArgs;
 use crate::progress::Progress;
 use crate::{say, tables};

@@ -1,4 +1,5 @@
-//! `leadscrew compensation`: what each way of compensating a cam's phase error leaves of the contour error.
+//! `leadscrew compensation`: what each way of compensating a cam's phase error leaves of the
+//! contour error.
 use crate::args::{CompensationArgs, CompensationOutput, Switch};
 use crate::{progress, say, tables};
 use control::Refused;

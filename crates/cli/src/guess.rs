@@ -29,8 +29,8 @@ const MILLS: [&str; 8] = [
 const ROUTERS: [&str; 4] = ["router", "machining-center", "mill-5-axis", "portal-mill"];
 /// Those that turn.
 const LATHES: [&str; 3] = ["lathe", "turning-center", "lathe-chuck-zero"];
-/// Findings that another machine would not have: travel, feed, an axis, the speed of the spindle, taps, the pocket; spindles
-/// for polygons, cams and gears.
+/// Findings that another machine would not have: travel, feed, an axis, the speed of the spindle,
+/// taps, the pocket; spindles for polygons, cams and gears.
 const OF_THE_MACHINE: [&str; 10] =
     ["M0301", "M0303", "M0305", "M0308", "M0317", "M0321", "M0401", "M0411", "M0431", "A0403"];
 
@@ -59,7 +59,8 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
     let default = Session::load(&asked, path, text)?.dialect;
     let is_asked = asked.dialect.is_some();
     let words = if is_asked { None } else { interp::looks_like(text, default) };
-    // a program without an end may have been cut off: one of a folder that is summed up is read as it stands
+    // a program without an end may have been cut off: one of a folder that is summed up is read as
+    // it stands
     let is_free = args.summary && !is_asked && words.is_none() && default == Dialect::LinuxCnc;
     let unended = interp::unended(text).filter(|_| is_free && !interp::is_turned(text));
     let told = words.or(unended.map(|_| Dialect::Grbl));
@@ -89,7 +90,8 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
     let is_free = told.is_some() || turned || args.summary;
     let mut best = match nearest(&options, &machines[1..], &first.found, path, text)? {
         Some(nearest) if is_free => nearest,
-        // what is checked is what is run: on the default machine, with a word of one that is large enough
+        // what is checked is what is run: on the default machine, with a word of one that is large
+        // enough
         Some(nearest) if errors(&nearest.found) == 0 => {
             let hint = Some(too_small(&first.found, &first.machine, &nearest.machine));
             Fitted { hint, ..first }
@@ -124,7 +126,8 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
 /// A way to read a program.
 type Reading = (Dialect, Option<DecimalPoint>);
 
-/// How else a program may be meant, whose words tell nothing, or which is one of Fanuc's with numbers without a point.
+/// How else a program may be meant, whose words tell nothing, or which is one of Fanuc's with
+/// numbers without a point.
 fn other_readings(
     asked: &ProgramOptions,
     tried: Dialect,
@@ -216,7 +219,8 @@ fn is_sound_without_table(
     Ok(errors(&on(&options, machine.into(), path, text)?.found) == 0)
 }
 
-/// Why the numbers without a point of a program in a folder that is summed up are read as whole units, if nothing else is asked.
+/// Why the numbers without a point of a program in a folder that is summed up are read as whole
+/// units, if nothing else is asked.
 fn whole_units(
     args: &CheckArgs,
     asked: &ProgramOptions,
@@ -230,8 +234,8 @@ fn whole_units(
     interp::counts_whole_units(text, &interp::Setup { dialect, ..interp::Setup::default() })
 }
 
-/// Of these machines the one on which the least is wrong; none, if none is better than the one of before, or if no machine
-/// would be.
+/// Of these machines the one on which the least is wrong; none, if none is better than the one of
+/// before, or if no machine would be.
 fn nearest(
     options: &impl Fn(&str) -> ProgramOptions,
     machines: &[&str],

@@ -1,7 +1,9 @@
-//! Ctrl-C while report files are being written: the run stops, and its half-written folder is removed.
+//! Ctrl-C while report files are being written: the run stops, and its half-written folder is
+//! removed.
 //!
-//! A process that is simply ended leaves the hidden folder in which its report files were in the making
-//! ([`store::output`]). Only a run that has one watches for the signal; anything else ends at once.
+//! A process that is simply ended leaves the hidden folder in which its report files were in the
+//! making ([`store::output`]). Only a run that has one watches for the signal; anything else ends
+//! at once.
 use control::Refused;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,7 +1,8 @@
 //! What a program leaves behind: the numbered parameters and the tool table, in LinuxCNC's files.
 //!
-//! They are what the interpreter holds at the program's end: settings, work offsets (G10 L2, G92), reference points,
-//! and the entries of tools that G10 L1, L10 or L11 has changed. Lengths are in mm.
+//! They are what the interpreter holds at the program's end: settings, work offsets (G10 L2, G92),
+//! reference points, and the entries of tools that G10 L1, L10 or L11 has changed. Lengths are in
+//! mm.
 use crate::args::LeftArgs;
 use control::Refused;
 use control::job::Left;

@@ -1,5 +1,5 @@
-//! The `leadscrew` program: arguments in, tables and pages out. What it does is done by the library `leadscrew`; what it
-//! answers in JSON, [`answers`] hands to other programs that are built on it.
+//! The `leadscrew` program: arguments in, tables and pages out. What it does is done by the library
+//! `leadscrew`; what it answers in JSON, [`answers`] hands to other programs that are built on it.
 //!
 //! ```text
 //!   args ─► run           leadscrew::Run ─► report files, summary
@@ -98,7 +98,8 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// A command line that is none, or that asks for help: as clap has it, and in JSON where that is asked for.
+/// A command line that is none, or that asks for help: as clap has it, and in JSON where that is
+/// asked for.
 fn misread(wrong: &clap::Error) -> u8 {
     let plain = wrong.render().to_string();
     if say::shown(&plain) == plain {

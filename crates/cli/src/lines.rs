@@ -1,4 +1,5 @@
-//! Lines of a log that hold up no machine: their reader may be slow, a machine in real time may not wait.
+//! Lines of a log that hold up no machine: their reader may be slow, a machine in real time may not
+//! wait.
 //!
 //! ```text
 //!   in lock-step ─► standard output                                 time waits for the reader

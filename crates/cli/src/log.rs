@@ -1,7 +1,8 @@
 //! `--log`: what happened, a line for each change of state, as a machinist would note it.
 //!
-//! Positions are the tool *tip's*, in the work's frame (machine position less G54 less the tool's length); the spindle
-//! angle is not shown modulo a turn, so that in a tap it can be checked against the lead by hand.
+//! Positions are the tool *tip's*, in the work's frame (machine position less G54 less the tool's
+//! length); the spindle angle is not shown modulo a turn, so that in a tap it can be checked
+//! against the lead by hand.
 use crate::lines::Lines;
 use bus::{Sample, State};
 use canon::{Position, ToolLibrary};

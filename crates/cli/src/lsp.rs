@@ -4,7 +4,8 @@
 //!   Content-Length: 52\r\n\r\n{…}  ─► thread ─► messages ─► server ─► messages ─► thread ─► standard output
 //! ```
 //!
-//! What an editor says of the length of a message is not believed before the bytes are there: memory is taken for what has come.
+//! What an editor says of the length of a message is not believed before the bytes are there:
+//! memory is taken for what has come.
 use control::Refused;
 use control::job::options::ProgramOptions;
 use leadscrew::editor::{Files, Machines};

@@ -65,7 +65,8 @@ fn remarks(all: &[Remark]) -> String {
     all.iter().fold(String::new(), |text, remark| text + &remark.to_string() + "\n")
 }
 
-/// The text of a machine's file, with what the simulated one may be; one that is wrong is shown as it is.
+/// The text of a machine's file, with what the simulated one may be; one that is wrong is shown as
+/// it is.
 pub(crate) fn shown(
     source: impl Into<MachineSource>,
     seed: Option<u64>,

@@ -1,4 +1,5 @@
-//! The short tables of what was cut: one for each kind of feature, a row for each size, with what matters for that kind.
+//! The short tables of what was cut: one for each kind of feature, a row for each size, with what
+//! matters for that kind.
 //!
 //! Lengths are in the unit in which the program is written.
 use crate::tables;

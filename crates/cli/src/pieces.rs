@@ -6,7 +6,8 @@
 //!               └───────────── the begin of the next line is kept ◄──────────────────────────┘
 //! ```
 //!
-//! So the first findings of a program of any length are there at once, and memory stays what a piece needs.
+//! So the first findings of a program of any length are there at once, and memory stays what a
+//! piece needs.
 use crate::say;
 use control::Refused;
 use control::job::Session;

@@ -1,4 +1,5 @@
-//! What the control believes of a machine beside what the simulated one may be, or for a seed is: a table of comment lines.
+//! What the control believes of a machine beside what the simulated one may be, or for a seed is: a
+//! table of comment lines.
 use crate::tables::table;
 use canon::ToolLibrary;
 use control::config;

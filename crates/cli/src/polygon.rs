@@ -1,4 +1,5 @@
-//! `leadscrew polygon`: from the form wanted to the block that cuts it; table, G-code, JSON and page.
+//! `leadscrew polygon`: from the form wanted to the block that cuts it; table, G-code, JSON and
+//! page.
 use crate::args::{Format, PolygonArgs};
 use crate::tables::table;
 use crate::{progress, say};

@@ -1,7 +1,7 @@
 //! Findings, for people (carets), programs (JSON) and code hosts (SARIF).
 //!
-//! A finding is shown with its own line only, cut to a width that fits a screen, so that a finding in a
-//! line of a hundred megabytes is as cheap and as readable as any other.
+//! A finding is shown with its own line only, cut to a width that fits a screen, so that a finding
+//! in a line of a hundred megabytes is as cheap and as readable as any other.
 use crate::say;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, renderer::DecorStyle};
 use control::job::subprograms::Drawn;
@@ -238,7 +238,8 @@ fn uri(path: &str) -> String {
     })
 }
 
-/// What a kind of finding means, with a wrong and a right program where there is one; else what was said first.
+/// What a kind of finding means, with a wrong and a right program where there is one; else what was
+/// said first.
 fn rule(id: &str, results: &[Value]) -> Value {
     let said = || {
         let first = results.iter().find(|result| result["ruleId"] == id);

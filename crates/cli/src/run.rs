@@ -1,4 +1,5 @@
-//! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the report files.
+//! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave
+//! the report files.
 use crate::args::{Format, RunArgs};
 use crate::lines::Lines;
 use crate::log::Log;

@@ -1,10 +1,12 @@
 //! Words to standard output and standard error.
 //!
-//! `print!` panics when nobody reads any more (`leadscrew check part.ngc | head -1`) or the disk that takes the
-//! output is full. Here a reader that has gone away is no error, and anything else is one sentence.
+//! `print!` panics when nobody reads any more (`leadscrew check part.ngc | head -1`) or the disk
+//! that takes the output is full. Here a reader that has gone away is no error, and anything else
+//! is one sentence.
 //!
-//! A terminal obeys control characters: a name of a file or a message of a program could retitle it, clear it or write over what was
-//! said. So they are written as the characters that picture them; only what this program itself colours goes out as it is.
+//! A terminal obeys control characters: a name of a file or a message of a program could retitle
+//! it, clear it or write over what was said. So they are written as the characters that picture
+//! them; only what this program itself colours goes out as it is.
 use control::Refused;
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -14,7 +16,8 @@ pub(crate) fn out(text: &str) -> Result<(), Refused> {
     coloured_out(&shown(text))
 }
 
-/// To standard output, as it stands: what [`shown`] has been through, and then been coloured; or what is read by a program.
+/// To standard output, as it stands: what [`shown`] has been through, and then been coloured; or
+/// what is read by a program.
 pub(crate) fn coloured_out(text: &str) -> Result<(), Refused> {
     let mut out = io::stdout().lock();
     written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))

@@ -1,4 +1,5 @@
-//! `leadscrew simulator`: the machine simulator as a process of its own, and orders to one that listens.
+//! `leadscrew simulator`: the machine simulator as a process of its own, and orders to one that
+//! listens.
 use crate::args::SimulatorArgs;
 use crate::say;
 use control::Refused;

@@ -1,7 +1,7 @@
 //! Tables on a terminal: a line above, one below the header, one at the end; no ink between rows.
 //!
-//! A table is as wide as the terminal at most; where there is none, as a page of text. What does not fit is wrapped
-//! within its column, numbers never.
+//! A table is as wide as the terminal at most; where there is none, as a page of text. What does
+//! not fit is wrapped within its column, numbers never.
 use comfy_table::{
     Cell, CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Row, Table, TableStyle,
 };
@@ -27,8 +27,8 @@ pub(crate) fn fit(table: &mut Table) {
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
 }
 
-/// A table of measures: the first column names them, all others are numbers, aligned to the right and never wrapped. A
-/// column in which no row has anything is left out.
+/// A table of measures: the first column names them, all others are numbers, aligned to the right
+/// and never wrapped. A column in which no row has anything is left out.
 pub(crate) fn figures(heads: &[&str], rows: &[Vec<String>]) -> Table {
     let used = |column: &usize| {
         *column == 0 || rows.iter().any(|r| r.get(*column).is_some_and(|cell| !cell.is_empty()))

@@ -10,7 +10,8 @@ use leadscrew::{Job, Program};
 use serde_json::{Value, json};
 use units::Time;
 
-/// Say how long it takes. Nothing is kept of a program but what is added up: it may have any length.
+/// Say how long it takes. Nothing is kept of a program but what is added up: it may have any
+/// length.
 pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     let mut job = Program::open(&args.program)?.on(args.source.options())?;
     let began = args.timings.then(now);

@@ -1,7 +1,9 @@
-//! What was typed behind `leadscrew run`, kept so that the recovery can print the whole command that goes on.
+//! What was typed behind `leadscrew run`, kept so that the recovery can print the whole command
+//! that goes on.
 //!
-//! Where the machine simulator is, where its state is kept, where to begin and what the operator ordered belong to one run; everything else (machine, tools,
-//! dialect, cams, parameters, learning, report files) belongs to the job.
+//! Where the machine simulator is, where its state is kept, where to begin and what the operator
+//! ordered belong to one run; everything else (machine, tools, dialect, cams, parameters, learning,
+//! report files) belongs to the job.
 
 use std::sync::OnceLock;
 

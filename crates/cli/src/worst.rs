@@ -1,4 +1,5 @@
-//! What an engineer asks of a good run: which feature is nearest to its limit, and how the taps' torque goes.
+//! What an engineer asks of a good run: which feature is nearest to its limit, and how the taps'
+//! torque goes.
 //!
 //! ```text
 //!   headroom   least share of a tolerance that is left, over all features and tolerances
@@ -8,8 +9,8 @@ use crate::check::plural;
 use report::{Measure, Standing, headroom_text, why_nearest};
 use verify::{Feature, FeatureKind, Summary, Tolerances, TorqueTrend};
 
-/// A line for the worst feature and why, one for each tap that cut two threads or more of one size, and one for torques that
-/// the formula does not explain.
+/// A line for the worst feature and why, one for each tap that cut two threads or more of one size,
+/// and one for torques that the formula does not explain.
 pub(crate) fn text(features: &[Feature], tolerances: &Tolerances, measure: Measure) -> String {
     // what was not cut or not judged is not near to anything
     let measured =

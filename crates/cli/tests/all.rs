@@ -1,4 +1,5 @@
-//! What people do with `leadscrew`, and what they are told: one test program, so that it is linked once.
+//! What people do with `leadscrew`, and what they are told: one test program, so that it is linked
+//! once.
 #![allow(clippy::expect_used, clippy::needless_pass_by_value, clippy::unwrap_used, dead_code)] // tests may panic, and what they share is not used by each
 
 mod common;

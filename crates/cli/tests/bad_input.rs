@@ -133,7 +133,8 @@ fn drives_that_switch_off_in_a_tap_are_warned_of_and_no_others_are() {
         assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
         let text = said(&output);
         says(&text, &[&format!("warning: [drives] {key} is \"off\""), words[0], words[1]]);
-        // and up to which speed a tap survives that; of a spindle that coasts that alone: on a power cut the DC bus pays for braking
+        // and up to which speed a tap survives that; of a spindle that coasts that alone: on a
+        // power cut the DC bus pays for braking
         assert_eq!(text.matches("warning").count(), 2, "{text}");
         let coasts = u32::from(key == "on_link_loss");
         for (reaction, warnings) in [("quick-stop", 0), ("coast", coasts)] {

@@ -1,5 +1,5 @@
-//! Programs begun in their middle (`run --from`): what the part before has left in the work is known to the simulated machine and
-//! to the judge, and what was left out is not judged.
+//! Programs begun in their middle (`run --from`): what the part before has left in the work is
+//! known to the simulated machine and to the judge, and what was left out is not judged.
 //!
 //! ```text
 //!   run part             features  1 … n
@@ -31,7 +31,8 @@ fn lines(features: &[Value]) -> Vec<u64> {
 const PLATE: &str = "G21 G90 G54 G17\nT2 M6\nS3000 M3\nG0 X0 Y0\nG43 H2 Z20\nG99 G81 X10 Y10 Z-18 R3 F300\nX30\nX50\nG80\n\
 T3 M6\nS1000 M3\nG0 X10 Y10\nG43 H3 Z20\nG99 G84 X10 Y10 Z-12 R4 F1000\nX30\nX50\nG80\nG0 Z50\nM2\n";
 
-/// Holes of 5.4 mm for M6, whose minor diameter is 5.236 mm at most (ISO 965-1, 6H): each thread is bad, begun where it may be.
+/// Holes of 5.4 mm for M6, whose minor diameter is 5.236 mm at most (ISO 965-1, 6H): each thread is
+/// bad, begun where it may be.
 #[test]
 fn a_tap_finds_the_holes_that_were_drilled_before_the_beginning() {
     let shop = std::fs::read_to_string(root().join("programs/tools.toml")).unwrap();
@@ -50,7 +51,8 @@ fn a_tap_finds_the_holes_that_were_drilled_before_the_beginning() {
     assert_eq!((code, lines(&begun)), (Some(0), vec![15, 16]), "{told}");
 }
 
-/// A program that asks for an input is interpreted while it runs, from its beginning; what is left out asks nothing.
+/// A program that asks for an input is interpreted while it runs, from its beginning; what is left
+/// out asks nothing.
 #[test]
 fn a_program_that_asks_the_machine_is_begun_before_and_behind_its_question() {
     let asks = PLATE.replace("G80\nT3 M6", "G80\nM66 P0 L3 Q2\nT3 M6");
@@ -67,7 +69,8 @@ fn a_program_that_asks_the_machine_is_begun_before_and_behind_its_question() {
     }
 }
 
-/// The bar of 20 mm is turned to 16 mm; a thread M16x1.5 is cut on it, and one on the bar that is left behind the groove.
+/// The bar of 20 mm is turned to 16 mm; a thread M16x1.5 is cut on it, and one on the bar that is
+/// left behind the groove.
 const TURNED: &str = "%\nO1\nG21 G18 G97 G99\nT3333\nS1000 M3\nG0 X24. Z5.\nX18.\nG1 Z-30. F0.15\nG0 X24. Z5.\nX16.\nG1 Z-30. F0.15\nG0 X60. Z60.\n\
 T3232\nS800 M3\nG0 X20. Z6.\nG92 X15.4 Z-20. F1.5\nX15.\nX14.6\nX14.3\nX14.1\nX14.03\nX14.03\nG0 X60. Z60.\nM30\n%\n";
 const LATHE: [&str; 4] = ["--machine", "lathe", "--dialect", "fanuc-lathe-a"];

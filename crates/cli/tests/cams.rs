@@ -1,4 +1,5 @@
-//! Cams: the document's programs, what each compensation leaves, work speeds that vary, wheels and tables that are refused.
+//! Cams: the document's programs, what each compensation leaves, work speeds that vary, wheels and
+//! tables that are refused.
 use crate::common::{complained, leadscrew, root, said};
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -110,8 +111,9 @@ fn a_shaft_of_four_is_within_two_micrometres_after_spark_out_with_the_speed_vari
         for cam in cams {
             assert_eq!(cam["verdict"], "pass");
             assert!(number(cam, "contour_error_max_um") < 2.0, "{cam}");
-            // the wheel loses 0.3 µm a cam, and goes so much farther; 220 mm of a scale of ±2 µm a metre are 0.44 µm, and the
-            // encoder of C is off by up to 2.75 arcsec: 0.1 to 0.2 µm on a flank
+            // the wheel loses 0.3 µm a cam, and goes so much farther; 220 mm of a scale of ±2 µm a
+            // metre are 0.44 µm, and the encoder of C is off by up to 2.75 arcsec: 0.1 to 0.2 µm on
+            // a flank
             assert!(number(cam, "contour_error_rms_um") < 0.2 + 0.44 + 0.2, "{cam}");
             assert!(number(cam, "removal_rate_peak") < most, "{cam}");
             assert!(number(cam, "removal_rate_peak_even") > 1.6, "{cam}");
@@ -122,7 +124,8 @@ fn a_shaft_of_four_is_within_two_micrometres_after_spark_out_with_the_speed_vari
     assert!(same.abs() < 0.01, "{first}");
 }
 
-/// Only X loses its feed-forward: with Z lagging by its speed over its gain this program used to end in an alarm.
+/// Only X loses its feed-forward: with Z lagging by its speed over its gain this program used to
+/// end in an alarm.
 #[test]
 fn without_feed_forward_a_shaft_can_be_moved_along_and_only_the_wheel_lags() {
     let run =

@@ -1,4 +1,5 @@
-//! What the certificate says: the same as the report and the trace, and nothing of what was not cut.
+//! What the certificate says: the same as the report and the trace, and nothing of what was not
+//! cut.
 use crate::common::leadscrew;
 use serde_json::Value;
 use std::path::Path;

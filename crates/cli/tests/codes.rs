@@ -1,7 +1,7 @@
 //! `spec/codes.md` has every G and M code with a program of its own, and what that program means.
 //!
-//! `UPDATE_SPEC=1 cargo test -p cli --test codes` writes the page anew; the programs in its fourth column are
-//! written by hand and kept.
+//! `UPDATE_SPEC=1 cargo test -p cli --test codes` writes the page anew; the programs in its fourth
+//! column are written by hand and kept.
 #![allow(clippy::unwrap_used)] // a test may panic
 use std::{collections::HashMap, fs, path::Path};
 
@@ -60,7 +60,8 @@ fn every_code_has_a_program_that_does_what_the_page_says() {
     );
 }
 
-/// What is wrong with a row: its program shows nothing, has not its code, or is refused where the list says executed.
+/// What is wrong with a row: its program shows nothing, has not its code, or is refused where the
+/// list says executed.
 fn mistake(code: &interp::CodeInfo, program: &str, meaning: &str) -> Option<String> {
     let executed = !meaning.starts_with("refused");
     let named = code.code.contains('–') || program.split([' ', '/']).any(|word| word == code.code);

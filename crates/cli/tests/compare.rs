@@ -22,14 +22,16 @@ fn compare(speed: &str) -> String {
     said
 }
 
-/// The mean of the conventional cycle is H·n·(delay + t/2), and its 1σ what relay, stopping time and speed make of it.
+/// The mean of the conventional cycle is H·n·(delay + t/2), and its 1σ what relay, stopping time
+/// and speed make of it.
 #[test]
 fn the_conventional_cycle_is_shown_at_long_stopping_times_as_well() {
     for (stopping, overrun) in [("0.1", 1.458), ("0.3", 3.542), ("0.6", 6.667)] {
         let arguments = ["compare", "--size", "M8", "--speed", "1000", "--depth", "14"];
         let more = ["--samples", "20", "--stopping-time", stopping];
         let (code, table) = run(&[&arguments[..], &more[..]].concat());
-        // at 0.6 s the clutch holder's dwell scatters by more than its travel: some of its holes are lost, and named
+        // at 0.6 s the clutch holder's dwell scatters by more than its travel: some of its holes
+        // are lost, and named
         assert!(
             code == Some(0) || stopping == "0.6" && table.contains("clutch holder: "),
             "{table}"
@@ -42,7 +44,8 @@ fn the_conventional_cycle_is_shown_at_long_stopping_times_as_well() {
 
 #[test]
 fn holes_that_were_not_cut_are_counted_and_named_and_in_no_figure() {
-    // a program of its own: its R plane is too low for the holder that is pulled out, so the tap is torn beside the first hole
+    // a program of its own: its R plane is too low for the holder that is pulled out, so the tap is
+    // torn beside the first hole
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("low.ngc");
     let program = "G21 G17 G40 G49 G80 G90 G94 G54\nT3 M6\nG43 H3\nS1500 M3\nG0 X0 Y0 Z10\n\
@@ -74,7 +77,8 @@ fn a_clutch_holder_keeps_its_depth_where_the_conventional_cycle_scatters_with_th
         let (holes, mean, sigma) = row(&table, "clutch");
         assert!(holes == 60.0 && mean.abs() < 0.02 && sigma < 5.0, "{table}");
         let (holes, mean, sigma) = row(&table, "conventional");
-        // the relay's 5 ms alone scatter by n·5 ms; with speed and stopping time it is at most twice that
+        // the relay's 5 ms alone scatter by n·5 ms; with speed and stopping time it is at most
+        // twice that
         assert!(holes == 60.0 && mean > n * 0.02, "{table}");
         assert!((130.0..=330.0).contains(&sigma) && sigma > n * 5.0 * 0.8, "{table}");
     }
@@ -151,7 +155,8 @@ const JERK: f64 = 800e3;
 /// By how much the axis' loop is late at most, s.
 const LOOP: f64 = 0.001;
 
-/// A spindle that taps conventionally: it goes on turning for the relay's delay, and then as far as a ramp of its stopping time.
+/// A spindle that taps conventionally: it goes on turning for the relay's delay, and then as far as
+/// a ramp of its stopping time.
 struct Spindle {
     pitch: f64,
     revs_per_s: f64,
@@ -169,8 +174,9 @@ impl Spindle {
         self.pitch * self.revs_per_s * (DELAY + self.stopping / 2.0)
     }
 
-    /// What the tap really cuts: the relay is ordered to switch when the feed stands, and the spindle goes on while it brakes. With
-    /// limits of jerk and acceleration that takes v/a + a/j; where the speed is too low to reach a, 2·√(v/j).
+    /// What the tap really cuts: the relay is ordered to switch when the feed stands, and the
+    /// spindle goes on while it brakes. With limits of jerk and acceleration that takes v/a + a/j;
+    /// where the speed is too low to reach a, 2·√(v/j).
     fn cut(&self) -> f64 {
         let feed = self.pitch * self.revs_per_s;
         let acceleration = self.acceleration.min((feed * JERK).sqrt());
@@ -192,9 +198,10 @@ proptest! {
         cases: 10, max_shrink_iters: 6, failure_persistence: None, ..ProptestConfig::default()
     })]
 
-    /// H·n·(delay + t/2), worked out here, is what is printed and what the simulated spindle cuts, with the way on which the
-    /// feed brakes: the mean of the holes within five of its standard deviations, each hole within five and a half; 10 µm
-    /// are for the holder's spring, and 1 ms of the spindle's turns for the axis' loop, which the form leaves out.
+    /// H·n·(delay + t/2), worked out here, is what is printed and what the simulated spindle cuts,
+    /// with the way on which the feed brakes: the mean of the holes within five of its standard
+    /// deviations, each hole within five and a half; 10 µm are for the holder's spring, and 1 ms of
+    /// the spindle's turns for the axis' loop, which the form leaves out.
     #[test]
     fn the_closed_form_and_the_simulated_cut_agree_or_the_hole_is_named(
         (size, pitch) in prop::sample::select(COARSE.to_vec()),
@@ -219,7 +226,8 @@ proptest! {
         }
         let (code, table) = run(&words);
         if code == Some(2) {
-            // refused before motion: with a number that works, or the limit of depth, or of the machine
+            // refused before motion: with a number that works, or the limit of depth, or of the
+            // machine
             prop_assert!(table.contains("work") || table.contains("expected"), "{words:?}: {table}");
             return Ok(());
         }
@@ -246,8 +254,8 @@ proptest! {
         }
     }
 
-    /// The control's table states the tap longer than it is: what stays above the work is no hole and in no figure, and what
-    /// is cut with a clutch holder is too shallow.
+    /// The control's table states the tap longer than it is: what stays above the work is no hole
+    /// and in no figure, and what is cut with a clutch holder is too shallow.
     #[test]
     fn a_tool_length_that_is_off_never_passes(by in 3_u32..400, stopping in 5_u32..25) {
         let by = f64::from(by) / 10.0;

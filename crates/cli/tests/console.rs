@@ -1,4 +1,5 @@
-//! `leadscrew control` as a user leads it: what is refused moves nothing and says why; a script that fails comes to rest.
+//! `leadscrew control` as a user leads it: what is refused moves nothing and says why; a script
+//! that fails comes to rest.
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -1,9 +1,11 @@
-//! What README and docs tell a reader to type does what they say: every shipped program is accepted by its machine in its
-//! dialect, every fenced block of commands (`sh`, `console`) runs line by line with the exit code that it states, and so does
-//! every command in the text that runs a shipped program.
+//! What README and docs tell a reader to type does what they say: every shipped program is accepted
+//! by its machine in its dialect, every fenced block of commands (`sh`, `console`) runs line by
+//! line with the exit code that it states, and so does every command in the text that runs a
+//! shipped program.
 //!
-//! A block that takes a network, a release build or minutes begins with a comment that a reader sees too:
-//! `# not run by the tests: WHY`. The real command line reads its options all the same (`args/documented.rs`).
+//! A block that takes a network, a release build or minutes begins with a comment that a reader
+//! sees too: `# not run by the tests: WHY`. The real command line reads its options all the same
+//! (`args/documented.rs`).
 use crate::common::{complained, root, said};
 use std::{collections::BTreeSet, fs, os::unix::fs::symlink, path::Path, process::Command};
 
@@ -138,7 +140,8 @@ fn block(console: bool, lines: &[&str]) -> Result<Block, String> {
     if commands.is_empty() { Err("an empty block".into()) } else { Ok(Block::Run(commands)) }
 }
 
-/// As a script that stops at the first line with another exit code. A simulator in the background listens before it goes on.
+/// As a script that stops at the first line with another exit code. A simulator in the background
+/// listens before it goes on.
 fn script(commands: &[(String, i32)]) -> String {
     let mut script = String::from("trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT\n");
     for (command, code) in commands {
@@ -173,14 +176,16 @@ fn shell(folder: &Path, commands: &[(String, i32)]) -> Result<(), String> {
     if output.status.success() { Ok(()) } else { Err(text()) }
 }
 
-/// Commands in the text of a page (`between backticks`) whose program is a shipped one; what is left out with `…` is not run.
+/// Commands in the text of a page (`between backticks`) whose program is a shipped one; what is
+/// left out with `…` is not run.
 fn spans(text: &str) -> Vec<String> {
     let fenced = text.split("\n```").step_by(2).flat_map(str::lines);
     let spans = fenced.flat_map(|line| line.split('`').skip(1).step_by(2));
     let spans = spans.filter(|span| span.starts_with("leadscrew "));
     let concrete = |command: &str| {
         let words: Vec<&str> = command.split_whitespace().skip(1).collect();
-        // ten speeds of a polygon, each cut twice; every cam at every speed: they are read as commands only
+        // ten speeds of a polygon, each cut twice; every cam at every speed: they are read as
+        // commands only
         let long = command.contains("--simulate") || words.first() == Some(&"compensation");
         !long
             && !command.contains('…')

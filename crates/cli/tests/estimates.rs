@@ -10,7 +10,8 @@ fn planned(machine: &str) -> f64 {
     value["total_time_s"].as_f64().unwrap()
 }
 
-/// The spindle's straight ramp of 0.5 s stands in the machine's file. What the run takes longer is waiting for position.
+/// The spindle's straight ramp of 0.5 s stands in the machine's file. What the run takes longer is
+/// waiting for position.
 #[test]
 fn a_straight_ramp_of_the_machines_file_counts_in_the_estimate() {
     let folder = tempfile::tempdir().unwrap();
@@ -67,7 +68,8 @@ fn tools_and_operations_make_up_the_whole() {
     assert!(seconds(&thread, "threading_time_s") > 16.0 * 23.5 / 1.5 / 1000.0 * 60.0);
 }
 
-/// Seconds in which the run was in one of these states, by its log, and how often it was; times are to a millisecond there.
+/// Seconds in which the run was in one of these states, by its log, and how often it was; times are
+/// to a millisecond there.
 fn logged(program: &str, machine: &str, states: &[&str]) -> (f64, usize) {
     let output = leadscrew(&["run", program, "--machine", machine, "--log", "-q"]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
@@ -90,7 +92,8 @@ fn logged(program: &str, machine: &str, states: &[&str]) -> (f64, usize) {
     (time, count)
 }
 
-/// Cuts and rapids of the run, with the waits for position at their ends: a period a stop, and what the log rounds.
+/// Cuts and rapids of the run, with the waits for position at their ends: a period a stop, and what
+/// the log rounds.
 #[test]
 fn a_run_moves_as_long_as_was_estimated() {
     for (program, machine, period) in [
@@ -111,7 +114,8 @@ fn a_run_moves_as_long_as_was_estimated() {
     }
 }
 
-/// `--report` leaves the page and nothing else; it says what the limits of jerk cost, and where what limited.
+/// `--report` leaves the page and nothing else; it says what the limits of jerk cost, and where
+/// what limited.
 #[test]
 fn the_report_alone_shows_what_limited_the_path() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! One control at a time has a machine simulator: others are refused, and orders do not wait for its end.
+//! One control at a time has a machine simulator: others are refused, and orders do not wait for
+//! its end.
 #![allow(clippy::unwrap_used)] // a test may panic
 #[allow(dead_code)] // each test binary uses its own part
 mod common;

@@ -1,4 +1,5 @@
-//! Fanuc's programs from the command line: files of the search path, kept variables, the machine's own counting.
+//! Fanuc's programs from the command line: files of the search path, kept variables, the machine's
+//! own counting.
 use crate::common;
 
 use crate::common::{complained, said};

@@ -1,4 +1,5 @@
-//! What a program waits for comes from the machine, from a script, or from the operator; in this process and over a socket.
+//! What a program waits for comes from the machine, from a script, or from the operator; in this
+//! process and over a socket.
 
 use crate::common::{complained, said};
 use crate::simulator::Simulator;

@@ -37,13 +37,15 @@ fn judged_alike(program: &str, machine: &str, good: u64) {
     assert_eq!(by_control(program, machine, folder.path()), by_run, "{program} on {machine}");
 }
 
-/// The profiles come from the library beside the program, which a control learns of when the program is loaded.
+/// The profiles come from the library beside the program, which a control learns of when the
+/// program is loaded.
 #[test]
 fn cams_of_the_library_beside_the_program() {
     judged_alike("programs/cam-shaft.nc", "cam-grinder", 4);
 }
 
-/// Where the spindle turns back by itself a thread may run as far beyond its bottom as such a spindle repeats its stop.
+/// Where the spindle turns back by itself a thread may run as far beyond its bottom as such a
+/// spindle repeats its stop.
 #[test]
 fn threads_behind_a_spindle_that_turns_back_by_itself() {
     judged_alike("programs/mill-8xM8.ngc", "vfd-mill", 16);

@@ -1,5 +1,6 @@
-//! `leadscrew control` is killed at any instant, while offsets and tools are set and a program taps hole after hole: what it
-//! had acknowledged is there when it is switched on again, and nothing half-written is believed.
+//! `leadscrew control` is killed at any instant, while offsets and tools are set and a program taps
+//! hole after hole: what it had acknowledged is there when it is switched on again, and nothing
+//! half-written is believed.
 //!
 //! `STATE_KILLS` says how often: `cargo xtask state-kills` 500 times.
 use std::fmt::Write as _;
@@ -17,8 +18,8 @@ const PART: &str = "G21 G90 G54 G17 G94\nT3 M6\nG43 H3\nS1000 M3\nG0 X0 Y0 Z20\n
 const MORNING: &str =
     "power on\nwait ready within 5 s\nhome\nwait homed within 90 s\nload part.ngc\n";
 
-/// What one control was told to set, and what it has kept: how often the offset and the wear were set, how many programs
-/// have ended. Each is counted on from what the control before it has kept.
+/// What one control was told to set, and what it has kept: how often the offset and the wear were
+/// set, how many programs have ended. Each is counted on from what the control before it has kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Count {
     offset: u32,
@@ -45,7 +46,8 @@ fn script(from: Count) -> String {
     script
 }
 
-/// Start a control, kill it after so long; what it has acknowledged: a request is, once the next one has been taken up.
+/// Start a control, kill it after so long; what it has acknowledged: a request is, once the next
+/// one has been taken up.
 fn killed_after(life: Duration, folder: &Path, from: Count) -> Count {
     let mut control = control(folder).spawn().unwrap();
     let mut stdin = control.stdin.take().unwrap();

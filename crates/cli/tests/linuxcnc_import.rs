@@ -1,7 +1,8 @@
-//! `leadscrew machine import`: LinuxCNC's configurations become machine files that load, or are refused with all that is wrong.
+//! `leadscrew machine import`: LinuxCNC's configurations become machine files that load, or are
+//! refused with all that is wrong.
 //!
-//! Where LinuxCNC is installed, all its sample configurations are imported; what an INI file says is compared with LinuxCNC's own
-//! reader, `inivar`.
+//! Where LinuxCNC is installed, all its sample configurations are imported; what an INI file says
+//! is compared with LinuxCNC's own reader, `inivar`.
 use crate::common::{complained, root, said};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

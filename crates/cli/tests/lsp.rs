@@ -1,4 +1,5 @@
-//! The language server, spoken to as an editor speaks: JSON-RPC over the program's standard input and output.
+//! The language server, spoken to as an editor speaks: JSON-RPC over the program's standard input
+//! and output.
 use crate::editor::Editor;
 use serde_json::{Value, json};
 

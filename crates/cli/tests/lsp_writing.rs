@@ -1,4 +1,5 @@
-//! What an editor offers while a program is written: completion, quick fixes, the time that it takes.
+//! What an editor offers while a program is written: completion, quick fixes, the time that it
+//! takes.
 use crate::editor::Editor;
 use serde_json::{Value, json};
 

@@ -1,4 +1,5 @@
-//! Motion from the command line: rotary axes and their feeds, orders of the operator, programs at the edge of sense.
+//! Motion from the command line: rotary axes and their feeds, orders of the operator, programs at
+//! the edge of sense.
 use crate::common::{complained, leadscrew, root, said};
 use serde_json::Value;
 use std::{fs, path::Path};
@@ -47,7 +48,8 @@ fn largest(mut line: Vec<f64>, period: f64) -> [f64; 3] {
     })
 }
 
-/// Each block of the spiral takes 60/F s; a rotary axis alone turns by F; where X goes too, F is X's.
+/// Each block of the spiral takes 60/F s; a rotary axis alone turns by F; where X goes too, F is
+/// X's.
 #[test]
 fn rotary_axes_feed_by_inverse_time_by_degrees_and_with_others_as_linuxcnc_has_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -56,7 +58,8 @@ fn rotary_axes_feed_by_inverse_time_by_degrees_and_with_others_as_linuxcnc_has_i
         ["time_s", "c_control_setpoint_deg", "a_control_setpoint_deg", "x_control_setpoint_mm"];
     let [time, c, a, x] = columns(folder.path(), &names).try_into().unwrap();
     let first = |of: &[f64], place: f64| of.iter().position(|q| *q >= place).unwrap();
-    // the spiral between two angles: 2π·r/360 a degree at 40 mm/s; a block has the radius at its end, 5° on in the mean
+    // the spiral between two angles: 2π·r/360 a degree at 40 mm/s; a block has the radius at its
+    // end, 5° on in the mean
     let (from, to) = (90.0, 630.0);
     let took = time[first(&c, to)] - time[first(&c, from)];
     let radius = 40.0 - 4.0 * (f64::midpoint(from, to) + 5.0) / 360.0;
@@ -74,7 +77,8 @@ fn rotary_axes_feed_by_inverse_time_by_degrees_and_with_others_as_linuxcnc_has_i
     assert!((way - 4.0).abs() < 0.02 && (took - way / 10.0).abs() < 0.005, "{way} {took}");
 }
 
-/// The machine's file: A 150 °/s, 1000 °/s², 50 000 °/s³; C 250, 1500, 80 000; X 50 m/min, 10 m/s², 800 m/s³.
+/// The machine's file: A 150 °/s, 1000 °/s², 50 000 °/s³; C 250, 1500, 80 000; X 50 m/min, 10 m/s²,
+/// 800 m/s³.
 #[test]
 fn rotary_axes_keep_their_limits_under_overrides_and_holds_and_the_same_orders_give_the_same_bytes()
 {
@@ -104,7 +108,8 @@ fn rotary_axes_keep_their_limits_under_overrides_and_holds_and_the_same_orders_g
 
 const PERIOD: f64 = 250e-6;
 
-/// What a program may hold that makes no sense, or little: handled, whatever the operator does meanwhile.
+/// What a program may hold that makes no sense, or little: handled, whatever the operator does
+/// meanwhile.
 #[test]
 fn programs_at_the_edge_of_sense_end_where_they_should() {
     let nanometre = |n| format!("G1 X{:.6} F600\n", f64::from(n) * 1e-6);
@@ -161,7 +166,8 @@ fn what_no_machine_can_do_is_refused_with_a_sentence() {
     }
 }
 
-/// 10 mm at 10 mm/s with 1000 mm/s² take 1.01 s, at one percent 101 s; nothing at all is given up, and said.
+/// 10 mm at 10 mm/s with 1000 mm/s² take 1.01 s, at one percent 101 s; nothing at all is given up,
+/// and said.
 #[test]
 fn one_percent_is_waited_for_and_nothing_at_all_is_given_up() {
     let folder = tempfile::tempdir().unwrap();
@@ -181,7 +187,8 @@ fn one_percent_is_waited_for_and_nothing_at_all_is_given_up() {
     assert!(complained(&held).contains("given up after 60 s"), "{}", complained(&held));
 }
 
-/// A machine with a B axis like the A axis of the embedded one: 90° at 1800 degrees a minute take 3 s; with G93 F10 a block takes 6 s.
+/// A machine with a B axis like the A axis of the embedded one: 90° at 1800 degrees a minute take 3
+/// s; with G93 F10 a block takes 6 s.
 #[test]
 fn a_b_axis_feeds_as_a_and_c_do() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Polygons from the command line: whole runs with all the machine's physics, and what becomes of one that fails.
+//! Polygons from the command line: whole runs with all the machine's physics, and what becomes of
+//! one that fails.
 use crate::common::{complained, leadscrew, said};
 use serde_json::Value;
 
@@ -37,7 +38,8 @@ nose_radius_mm = 0.8
 length_mm = 60.0
 "#;
 
-/// Cut 3 mm with a tool at a distance of the axes; the exit code, and the certificate if there is one.
+/// Cut 3 mm with a tool at a distance of the axes; the exit code, and the certificate if there is
+/// one.
 fn cut(tool: u32, gear: &str, x: f64, more: &[&str]) -> (i32, Value, String) {
     cut_in(&tempfile::tempdir().unwrap(), tool, gear, x, more)
 }
@@ -76,7 +78,8 @@ fn good(tool: u32, gear: &str, x: f64, flatness_um: f64) -> Value {
     let number = |key: &str| part[key].as_f64().unwrap();
     assert!(number("flatness_um") <= flatness_um, "{part}");
     assert!(number("tilt_deg").abs() <= 0.05, "{part}");
-    // the screw of X errs by 3 µm at most once per revolution, here and where it was touched off, and twice in a diameter
+    // the screw of X errs by 3 µm at most once per revolution, here and where it was touched off,
+    // and twice in a diameter
     assert!(number("across_flats_error_um").abs() <= 5.0 + 4.0 * 3.0, "{part}");
     part
 }
@@ -125,7 +128,8 @@ fn a_rhombus_swings_by_a_series_of_its_own() {
 
 #[test]
 fn a_phase_that_is_lost_in_the_cut_takes_the_tool_away_along_x_and_the_certificate_says_so() {
-    // the tool spindle's drive gives a hundredth of what is ordered: it cannot swing, and falls behind
+    // the tool spindle's drive gives a hundredth of what is ordered: it cannot swing, and falls
+    // behind
     let fault = ["--fault", "torque-loss 99% spindle 1 at 6s"];
     let (code, certificate, complaints) = cut(21, "P1 Q2 D0", 58.5, &fault);
     assert_eq!(code, 3, "{complaints}{certificate}");

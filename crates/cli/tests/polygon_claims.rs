@@ -1,4 +1,5 @@
-//! What `leadscrew polygon` claims of a block, and what the block cuts when it is run as it was printed.
+//! What `leadscrew polygon` claims of a block, and what the block cuts when it is run as it was
+//! printed.
 use crate::common::{complained, leadscrew, said};
 use serde_json::Value;
 use std::path::Path;
@@ -47,8 +48,8 @@ impl Design {
         told["gcode"].as_str().unwrap().to_owned()
     }
 
-    /// Design it, put the printed block into a program, run that; `None`: it cannot be cut at that speed, and the command
-    /// says so.
+    /// Design it, put the printed block into a program, run that; `None`: it cannot be cut at that
+    /// speed, and the command says so.
     fn came(&self, machine: &str) -> Option<Came> {
         let folder = tempfile::tempdir().unwrap();
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
@@ -90,8 +91,8 @@ impl Design {
         Some(certificate["features"][0].clone())
     }
 
-    /// The cut differs from the claim by no more than the servo error that stands beside it, and is judged as was to be
-    /// expected.
+    /// The cut differs from the claim by no more than the servo error that stands beside it, and is
+    /// judged as was to be expected.
     #[track_caller]
     fn is_cut_as_claimed(&self, machine: &str) -> bool {
         let Some(came) = self.came(machine) else { return false };
@@ -130,7 +131,8 @@ fn a_square_of_30_mm_is_cut_as_claimed_whatever_swings() {
     }
 }
 
-/// Both on the same plant: machine, seed, tool, bar and feed are the same, and of the program one block differs.
+/// Both on the same plant: machine, seed, tool, bar and feed are the same, and of the program one
+/// block differs.
 #[test]
 fn a_square_by_x_is_cut_flatter_than_with_the_block_that_is_written_by_hand() {
     const BY_HAND: &str = "G51.2 P1 Q2 I0.014852";

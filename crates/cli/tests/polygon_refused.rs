@@ -1,4 +1,5 @@
-//! Polygons that cannot be turned are refused before anything moves, by `check` and by `run`, with what would work.
+//! Polygons that cannot be turned are refused before anything moves, by `check` and by `run`, with
+//! what would work.
 use crate::common::{complained, leadscrew, said};
 
 /// T21 as in the shop, T23 larger than X can take off the bar, T91 one insert.
@@ -97,7 +98,8 @@ fn corners_beyond_the_stock() {
 #[test]
 fn a_speed_above_a_limit() {
     refused(Part { rpm: 3500.0, ..HEXAGON }, &["7000 rpm of the tool spindle", "S3000 works"]);
-    // a tenth of a millimetre at 50 Hz has 0.1·(2π·50)³ = 3100 m/s³, 270 are for swings: 500·(270/3100)^⅓ = 221.6 rpm
+    // a tenth of a millimetre at 50 Hz has 0.1·(2π·50)³ = 3100 m/s³, 270 are for swings:
+    // 500·(270/3100)^⅓ = 221.6 rpm
     let swing = Part { gear: "G51.3 L6 Y0.1\nG51.2 P1 Q2", ..HEXAGON };
     refused(swing, &["jerk of Y", "3100.6 m/s³", "270.0 m/s³", "S221 works"]);
 }

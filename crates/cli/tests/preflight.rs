@@ -1,4 +1,5 @@
-//! One preflight behind check, time, run and the editor; and what it calls clean breaks nothing when it is run.
+//! One preflight behind check, time, run and the editor; and what it calls clean breaks nothing
+//! when it is run.
 use crate::common::{complained, leadscrew, root, said};
 use crate::editor::Editor;
 use serde_json::{Value, json};

@@ -2,8 +2,9 @@
 use crate::common::{complained, leadscrew, root, said};
 use serde_json::Value;
 
-/// Every feature of a run in a line of figures that a person can check: rounded so that a change of tuning below the
-/// resolution of the question does not show, and no worse than the largest errors promised.
+/// Every feature of a run in a line of figures that a person can check: rounded so that a change of
+/// tuning below the resolution of the question does not show, and no worse than the largest errors
+/// promised.
 fn verdicts(program: &str) -> String {
     let output = leadscrew(&["run", program, "--format", "json", "-q"]);
     assert_eq!(output.status.code(), Some(0), "{}{}", said(&output), complained(&output));
@@ -244,8 +245,8 @@ fn a_ramp_steeper_than_the_power_curve_saturates_the_drive_and_the_error_grows()
     assert!(forced > 5.0 * planned, "planned {planned} µm, forced {forced} µm");
 }
 
-/// A drill that slides sideways over the work, a few hundredths deep, breaks: no hole is out of tolerance, and yet the run
-/// is no good one. (Deeper it is refused before.)
+/// A drill that slides sideways over the work, a few hundredths deep, breaks: no hole is out of
+/// tolerance, and yet the run is no good one. (Deeper it is refused before.)
 #[test]
 fn a_run_that_breaks_its_tool_is_not_called_good() {
     let folder = tempfile::tempdir().unwrap();

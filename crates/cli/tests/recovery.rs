@@ -1,4 +1,5 @@
-//! Controls that are killed in a tap, simulators whose power fails, and the way out: over processes, as a user has it.
+//! Controls that are killed in a tap, simulators whose power fails, and the way out: over
+//! processes, as a user has it.
 use crate::common;
 use crate::common::{complained, said};
 use crate::simulator::{Simulator, number, one_tap};
@@ -223,7 +224,8 @@ fn what_the_machine_simulator_cuts_is_what_the_machine_within_the_process_cuts()
     assert!((depth(&a) - depth(&b)).abs() < 0.5, "{a:#} {b:#}");
 }
 
-/// A machine that differs from what its control knows of it, as a commissioning may leave it: more play and friction, softer screws.
+/// A machine that differs from what its control knows of it, as a commissioning may leave it: more
+/// play and friction, softer screws.
 fn another_machine(folder: &std::path::Path) -> String {
     let file = folder.join("as-built.toml");
     let text = "extends = \"tapping-center\"\nname = \"tapping-center\"\n\n[axes.z.structure]\nstiffness_n_per_um = 68\nbacklash_um = 1.2\n\n\
@@ -342,7 +344,8 @@ fn somebody_who_has_looked_may_state_that_the_tool_is_free_and_a_new_machine_nee
 
 #[test]
 fn looking_changes_nothing_for_the_recovery_that_follows() {
-    // without turns only a coupled stop shows the turn: what the machine keeps of its stop has to last
+    // without turns only a coupled stop shows the turn: what the machine keeps of its stop has to
+    // last
     let simulator = Simulator::start(&["--power-cut-at", "2.5", "--single-turn"]);
     simulator.run(&one_tap("G84", 11), &[]);
     assert_eq!(simulator.status()["stop"], "coupled-stop");
@@ -394,12 +397,14 @@ fn the_axis_ramps_as_long_as_a_spindle_that_makes_its_own_ramps() {
     simulator.run(&one_tap("G84", 11), &machine);
     let stopped = simulator.status();
     assert!(stopped["tap_in_thread"] == true && stopped["tool_broken"] == false, "{stopped:#}");
-    // v²/2a is 2.6 mm of M8, of which the drive's ramp is known to a quarter; an axis that stopped as fast as it can tore the tap
+    // v²/2a is 2.6 mm of M8, of which the drive's ramp is known to a quarter; an axis that stopped
+    // as fast as it can tore the tap
     assert!(number(&stopped, "off_helix_um").abs() < 650.0, "{stopped:#}");
     assert_eq!(simulator.recover(&machine)["outcome"], "recovered");
 }
 
-/// M3 in a holder that gives 0.5 mm, and drives that are simply off: the axis is clamped and the spindle turns on by ten turns.
+/// M3 in a holder that gives 0.5 mm, and drives that are simply off: the axis is clamped and the
+/// spindle turns on by ten turns.
 #[test]
 fn a_tap_that_its_holder_has_torn_is_taken_to_be_broken() {
     let program = "G21 G90 G54 G17\nT6 M6\nS2000 M3\nG0 X0 Y0\nG43 H6 Z20\nG99 G84 X0 Y0 Z-6 R5 F1000\nG80\nG0 Z50\nM2\n";
@@ -411,7 +416,8 @@ fn a_tap_that_its_holder_has_torn_is_taken_to_be_broken() {
     assert!(answer["outcome"] == "refused" || answer["outcome"] == "not-known-whole", "{answer:#}");
 }
 
-/// An M8 whose spindle coasts is led 1.6 mm deeper than programmed; a recovery takes it halfway out, and is killed.
+/// An M8 whose spindle coasts is led 1.6 mm deeper than programmed; a recovery takes it halfway
+/// out, and is killed.
 #[test]
 fn what_a_recovery_that_was_stopped_knew_of_a_tap_the_next_one_knows() {
     let simulator = Simulator::killing_at(&[2.85], &["--on-link-loss", "coast"]);

@@ -1,4 +1,5 @@
-//! Programs at random whose tool, zero or place is shifted off the work, run as a user runs them: none of them passes.
+//! Programs at random whose tool, zero or place is shifted off the work, run as a user runs them:
+//! none of them passes.
 //!
 //! ```text
 //!   hole or thread, units, dialect, place ─┬─ as it should be ──────────────► PASS, exit 0

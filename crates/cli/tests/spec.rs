@@ -1,7 +1,7 @@
 //! The pages in `spec/` run: what they show is what the program does.
 //!
-//! `UPDATE_SPEC=1 cargo test -p cli --test spec` writes the pages anew, and the pictures of the steps: a page that shows
-//! `../docs/pictures/spec-NAME.svg` gets it from its own first log.
+//! `UPDATE_SPEC=1 cargo test -p cli --test spec` writes the pages anew, and the pictures of the
+//! steps: a page that shows `../docs/pictures/spec-NAME.svg` gets it from its own first log.
 #![allow(clippy::unwrap_used)] // a test may panic
 mod spec_pictures;
 use std::{
@@ -93,7 +93,8 @@ fn rewritten(page: &str) -> (String, usize) {
     (out, checked)
 }
 
-/// The folder in which a page's control is led: with its program as `part.ngc`, and the shipped programs.
+/// The folder in which a page's control is led: with its program as `part.ngc`, and the shipped
+/// programs.
 fn desk<'a>(folder: &'a mut Option<tempfile::TempDir>, program: &str) -> &'a Path {
     let folder = folder.get_or_insert_with(|| {
         let folder = tempfile::tempdir().unwrap();
@@ -105,7 +106,8 @@ fn desk<'a>(folder: &'a mut Option<tempfile::TempDir>, program: &str) -> &'a Pat
     folder.path()
 }
 
-/// What a control prints that is led by the lines behind `> `; each must be accepted, each wait met.
+/// What a control prints that is led by the lines behind `> `; each must be accepted, each wait
+/// met.
 fn led(folder: &Path, options: &[&str], body: &[&str]) -> String {
     let typed = body.iter().filter_map(|line| line.strip_prefix("> "));
     let script: String = typed.map(|line| line.to_owned() + "\n").collect();
@@ -164,9 +166,9 @@ fn run_in(folder: &Path, arguments: &[&str], program: &str, exit_code: i32) -> S
     text.lines().map(|line| line.trim_end().to_owned() + "\n").collect::<String>()
 }
 
-/// A session in a folder that holds the program as `part.ngc`: each line that begins with `$` is typed, and what it
-/// prints stands below it. What ends in `&` goes on until the session is over; `# killed at 2.5 s` behind a control: at that
-/// machine time, by SIGKILL.
+/// A session in a folder that holds the program as `part.ngc`: each line that begins with `$` is
+/// typed, and what it prints stands below it. What ends in `&` goes on until the session is over;
+/// `# killed at 2.5 s` behind a control: at that machine time, by SIGKILL.
 fn session(lines: &[&str], program: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("part.ngc"), program).unwrap();

@@ -1,4 +1,5 @@
-//! A program begins where the machine stands: also on rotary axes, on a machine that another program has left there.
+//! A program begins where the machine stands: also on rotary axes, on a machine that another
+//! program has left there.
 
 use crate::common::{complained, said};
 use crate::simulator::Simulator;

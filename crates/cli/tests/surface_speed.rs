@@ -27,7 +27,8 @@ fn rpm(log: &str, line: u32, state: &str) -> f64 {
     found.unwrap_or_else(|| panic!("no {state} in line {line}:\n{log}"))
 }
 
-/// 100 m/min: 1326.3 rpm on a diameter of 24 mm, 3183 on 10 mm, which the limit of 2500 does not let it have.
+/// 100 m/min: 1326.3 rpm on a diameter of 24 mm, 3183 on 10 mm, which the limit of 2500 does not
+/// let it have.
 #[test]
 fn a_face_is_turned_at_the_speed_of_its_diameter_in_both_dialects() {
     let fanuc = "%\nO1\nG21 G18 G99\nG50 S2500\nT3131\nG96 S100 M3\nG0 X24. Z12.\nZ-1.\nG1 X10. F0.1\nG0 Z12.\nM30\n%\n";

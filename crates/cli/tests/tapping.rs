@@ -66,8 +66,8 @@ fn the_depth_of_an_m8_is_met_at_any_speed_and_with_a_slow_spindle() {
     }
 }
 
-/// Ten holes at each speed, as the drive is and with ramps three times slower: no stroke misses its bottom by 10 µm, the
-/// first one included, which is the one that teaches.
+/// Ten holes at each speed, as the drive is and with ramps three times slower: no stroke misses its
+/// bottom by 10 µm, the first one included, which is the one that teaches.
 #[test]
 fn a_spindle_that_is_only_told_its_speed_turns_back_within_10_micrometres() {
     let folder = tempfile::tempdir().unwrap();
@@ -91,8 +91,9 @@ fn a_spindle_that_is_only_told_its_speed_turns_back_within_10_micrometres() {
     }
 }
 
-/// A drill's thrust F stretches the screw by F/k. Where the scale has made that good, the tool side springs forward when the
-/// thrust ends: by F/k, and as far again, less its damping, as a spring that is let go at once.
+/// A drill's thrust F stretches the screw by F/k. Where the scale has made that good, the tool side
+/// springs forward when the thrust ends: by F/k, and as far again, less its damping, as a spring
+/// that is let go at once.
 #[test]
 fn where_a_scale_is_fitted_a_drill_springs_forward_no_more_than_its_screw_was_stretched() {
     let program = part(2, "Z-24", 3, "G80").replace("S2500", "S6000").replace("F300", "F900");

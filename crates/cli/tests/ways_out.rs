@@ -1,5 +1,5 @@
-//! Tools that are tied to a spindle and not screwed to the work: threads, cams and polygons that are stopped in the middle, and the
-//! way off the work. Over processes, as a user has it.
+//! Tools that are tied to a spindle and not screwed to the work: threads, cams and polygons that
+//! are stopped in the middle, and the way off the work. Over processes, as a user has it.
 use crate::common::{complained, leadscrew, root, said};
 use crate::simulator;
 use crate::simulator::{Simulator, Stop, number};
@@ -82,7 +82,8 @@ fn a_gear_is_left_along_x_and_it_is_said_how_far_the_work_was_off_its_hob() {
     for stop in [Stop::Kill(60.0), Stop::PowerCut(60.0)] {
         let (_, answer) = stopped(&text, &machine, stop, "hobbing");
         assert!((number(&answer, "retreat_mm") - (110.0 - 75.067)).abs() < 0.1, "{answer:#}");
-        // the drives brake by themselves: the work is off by less than half a tooth's pitch, and by something
+        // the drives brake by themselves: the work is off by less than half a tooth's pitch, and by
+        // something
         let off = number(&answer, "phase_error_before_um").abs();
         assert!(off > 0.01 && off < 1e3 * 2.0 * std::f64::consts::PI / 2.0, "{answer:#}");
         // 2·40/cos 20° of pitch diameter
@@ -98,8 +99,9 @@ fn a_polygon_and_a_cam_are_left_along_x() {
     let machine = ["--machine", "polygon-lathe"];
     let (_, answer) = stopped(&hexagon, &machine, Stop::PowerCut(12.0), "polygon turning");
     assert!((number(&answer, "retreat_mm") - 16.5).abs() < 1.0, "{answer:#}");
-    // each brakes by itself, with 0.95 of its torque: J·ω²/2M is 0.72 rad of the work, twice that on the gear, and 0.87 rad of the
-    // cutter, which stands 33° behind; friction and the loops add to it
+    // each brakes by itself, with 0.95 of its torque: J·ω²/2M is 0.72 rad of the work, twice that
+    // on the gear, and 0.87 rad of the cutter, which stands 33° behind; friction and the loops add
+    // to it
     let behind = number(&answer, "phase_error_before_deg");
     assert!((-50.0..-33.0).contains(&behind), "{answer:#}");
     let cams = root().join("programs/cams.toml");
@@ -144,7 +146,8 @@ fn encoders_that_lie_and_spindles_that_fail_in_a_tap_are_recovered_within_one_ru
         let output = leadscrew(&run);
         let text = said(&output) + &complained(&output);
         assert!(text.contains("THE TAP IS OUT"), "{fault}: {text}");
-        // a spindle with half its torque does not turn round at the bottom: that thread is spoilt before anything stops
+        // a spindle with half its torque does not turn round at the bottom: that thread is spoilt
+        // before anything stops
         let spoilt = fault.starts_with("torque-loss");
         assert!(spoilt || !text.contains("No-go gauge"), "{fault}: {text}");
     }

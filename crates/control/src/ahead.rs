@@ -1,4 +1,5 @@
-//! How far planning is ahead of what is executed: the time of the steps that the kernel has and has not done.
+//! How far planning is ahead of what is executed: the time of the steps that the kernel has and has
+//! not done.
 use motion::Follow;
 use plan::{Step, StepKind};
 use std::collections::VecDeque;

@@ -1,5 +1,5 @@
-//! The one place of the program that reads a clock: to measure ourselves, and to pace a machine simulator in real time. Nothing
-//! that is simulated ever sees it.
+//! The one place of the program that reads a clock: to measure ourselves, and to pace a machine
+//! simulator in real time. Nothing that is simulated ever sees it.
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Now.

@@ -1,5 +1,6 @@
-//! One servo period: the kernel answers what the machine has said, and the machine obeys.
-//! Beside the component of HAL (`crates/hal/src/component.rs`) nothing else calls `tick`, which `xtask/tests/layout.rs` holds.
+//! One servo period: the kernel answers what the machine has said, and the machine obeys. Beside
+//! the component of HAL (`crates/hal/src/component.rs`) nothing else calls `tick`, which
+//! `xtask/tests/layout.rs` holds.
 //!
 //! ```text
 //!   feedback ─► Kernel::tick ─► command ─► observe ─► exchange ─► next feedback
@@ -7,8 +8,8 @@
 //!                    └── readings of periods that were missed
 //! ```
 //!
-//! In lock-step all of it happens in [`Executor::period`]; in real time the servo thread does it by the clock, and
-//! [`Executor::period`] looks at what it has done, period by period.
+//! In lock-step all of it happens in [`Executor::period`]; in real time the servo thread does it by
+//! the clock, and [`Executor::period`] looks at what it has done, period by period.
 use crate::handles::{KernelHandle, MachineHandle};
 use crate::missed::missed;
 use crate::real_time::{self, KernelLink, RealTimeOptions, ServoThread};
@@ -179,7 +180,8 @@ impl Executor {
     }
 }
 
-/// What was done to a kernel before the first period, for the one in another process that takes its place.
+/// What was done to a kernel before the first period, for the one in another process that takes its
+/// place.
 struct KernelBefore {
     is_off: bool,
     not_homed: Vec<Axis>,
@@ -229,7 +231,8 @@ pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes) ->
     Ticked { sample, command, feedback, is_abandoned }
 }
 
-/// The second half: the machine obeys, and the kernel lives through the periods that were missed meanwhile.
+/// The second half: the machine obeys, and the kernel lives through the periods that were missed
+/// meanwhile.
 pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, answer: &Ticked) {
     if answer.is_abandoned {
         return machine.wait();
@@ -240,8 +243,8 @@ pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, answer: &Ticked) {
     }
 }
 
-/// One servo period of a kernel and a machine that are here. `observe` sees what was heard and what is commanded before the command
-/// is sent; if it breaks off, nothing is sent.
+/// One servo period of a kernel and a machine that are here. `observe` sees what was heard and what
+/// is commanded before the command is sent; if it breaks off, nothing is sent.
 pub fn period<B>(
     kernel: &mut Kernel,
     machine: &mut Plant,

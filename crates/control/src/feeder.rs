@@ -1,4 +1,5 @@
-//! Keeps the kernel supplied: operations are planned ahead, steps wait in a queue, and the kernel's is kept full.
+//! Keeps the kernel supplied: operations are planned ahead, steps wait in a queue, and the kernel's
+//! is kept full.
 use crate::KernelHandle;
 use crate::Services;
 use crate::ahead::MotionAhead;
@@ -34,7 +35,8 @@ pub struct Feeder {
     pub(super) limiting: BTreeMap<u32, String>,
     /// Indices of the operations that tap.
     taps: BTreeSet<u32>,
-    /// What is wrong with a program that is interpreted while it runs: nothing of it is planned from there on.
+    /// What is wrong with a program that is interpreted while it runs: nothing of it is planned
+    /// from there on.
     refused: Vec<Diagnostic>,
 }
 
@@ -63,7 +65,8 @@ impl Feeder {
         self.ahead.shorten_last(back.shorter);
     }
 
-    /// The kernel has lost its steps after a stop in `stopped`: what follows that operation is sent again.
+    /// The kernel has lost its steps after a stop in `stopped`: what follows that operation is sent
+    /// again.
     pub(super) fn send_again_after(&mut self, stopped: u32) {
         self.sent.retain(|step| step.op > stopped);
         for step in self.sent.drain(..).rev() {
@@ -71,8 +74,9 @@ impl Feeder {
         }
     }
 
-    /// Forget what was sent and is done: what the kernel does not have any more, of operations before the one under way. What it
-    /// has stays, whatever its operation: on a path that was planned anew they need not rise.
+    /// Forget what was sent and is done: what the kernel does not have any more, of operations
+    /// before the one under way. What it has stays, whatever its operation: on a path that was
+    /// planned anew they need not rise.
     fn forget_done(&mut self, kernel: &KernelHandle) {
         let (done, mut before) =
             (kernel.report().op, self.sent.len().saturating_sub(kernel.steps()));
@@ -166,8 +170,9 @@ impl Feeder {
         self.ops.answer(answered.op, &answer);
     }
 
-    /// What keeps a tap from being faster. One that is not tied to the spindle is a feed in and out at the programmed
-    /// speed; in a clutch holder it also waits until the splines have let go and the spindle has turned round.
+    /// What keeps a tap from being faster. One that is not tied to the spindle is a feed in and out
+    /// at the programmed speed; in a clutch holder it also waits until the splines have let go and
+    /// the spindle has turned round.
     fn limits_of(&mut self, step: &Step) {
         match &step.kind {
             StepKind::Tap(tap) => {

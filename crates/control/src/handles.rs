@@ -1,4 +1,5 @@
-//! Kernel and machine as the control holds them: here, or in the servo thread; what is asked of them is the same.
+//! Kernel and machine as the control holds them: here, or in the servo thread; what is asked of
+//! them is the same.
 mod machine;
 
 pub use machine::MachineHandle;
@@ -272,7 +273,8 @@ impl KernelHandle {
         }
     }
 
-    /// Steps go another way than by [`KernelHandle::hand_back`], which would come too late for motion that is under way.
+    /// Steps go another way than by [`KernelHandle::hand_back`], which would come too late for
+    /// motion that is under way.
     pub(crate) fn moves_elsewhere(&self) -> bool {
         matches!(self, Self::There(link) if link.picture().is_flowing)
     }

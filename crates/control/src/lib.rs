@@ -1,4 +1,5 @@
-//! The control: a program executed on a machine; the loop, what feeds it, what serves it and what observes it.
+//! The control: a program executed on a machine; the loop, what feeds it, what serves it and what
+//! observes it.
 //!
 //! ```text
 //!   Ops ─► feeder: Planner ─► steps ─► executor: Kernel::tick ──Command──► machine
@@ -8,8 +9,9 @@
 //!                                                 observers: judge, watch, recorder, trace, log
 //! ```
 //!
-//! In lock-step one thread does all of it, period by period: two runs of the same inputs are the same to the last bit. In real
-//! time kernel and machine have a thread of their own (`real_time`), and everything else is as it was.
+//! In lock-step one thread does all of it, period by period: two runs of the same inputs are the
+//! same to the last bit. In real time kernel and machine have a thread of their own (`real_time`),
+//! and everything else is as it was.
 #![forbid(unsafe_code)]
 
 mod ahead;

@@ -5,8 +5,9 @@
 //!             k     k+1   k+2   k+3   k+4      and lives through k+2 and k+3 with readings in between, at once
 //! ```
 //!
-//! So setpoints stay with the time, and no reading looks as if it had jumped. What the kernel would have commanded in between is nobody's
-//! any more. A control that is late by more than the drives' watchdog has been taken for dead before.
+//! So setpoints stay with the time, and no reading looks as if it had jumped. What the kernel would
+//! have commanded in between is nobody's any more. A control that is late by more than the drives'
+//! watchdog has been taken for dead before.
 use bus::Feedback;
 use units::Time;
 

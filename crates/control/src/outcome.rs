@@ -47,7 +47,8 @@ pub struct Outcome {
     pub real_time: Option<RealTimeFigures>,
     /// What the operating system has refused of what real time needs, in sentences.
     pub not_granted: Vec<String>,
-    /// The least time of motion that was planned and waited behind a stretch that flows on, while more was to come.
+    /// The least time of motion that was planned and waited behind a stretch that flows on, while
+    /// more was to come.
     pub least_ahead: Option<Time>,
     /// What stopped it from outside, and what became of that.
     pub happened: Vec<String>,
@@ -59,11 +60,13 @@ pub struct Outcome {
     pub withdrawn: Vec<crate::stops::Withdrawn>,
     /// What the program has left behind, where that was known only when it ran.
     pub left: Option<Left>,
-    /// What is gone of the machine and why, if it is; why the record is not on the disk, if it is not.
+    /// What is gone of the machine and why, if it is; why the record is not on the disk, if it is
+    /// not.
     pub broke_off: Vec<String>,
 }
 
-/// A thread that is cut again after its tap was taken out was recovered, though the judge has not seen it.
+/// A thread that is cut again after its tap was taken out was recovered, though the judge has not
+/// seen it.
 pub(crate) fn told_of_recovery(mut features: Vec<Feature>, op: Option<u32>) -> Vec<Feature> {
     for feature in features.iter_mut().filter(|feature| Some(feature.op) == op) {
         if let verify::FeatureKind::Thread(thread) = &mut feature.kind {

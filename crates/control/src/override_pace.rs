@@ -1,6 +1,8 @@
-//! More feed than programmed, and stops at each line, at any moment: what has not been done is planned anew.
+//! More feed than programmed, and stops at each line, at any moment: what has not been done is
+//! planned anew.
 //!
-//! In lock-step what is under way is planned anew from where it is; by the clock, from a moment ahead ([`plan::take_over`]).
+//! In lock-step what is under way is planned anew from where it is; by the clock, from a moment
+//! ahead ([`plan::take_over`]).
 use crate::KernelHandle;
 use plan::{OperatorSettings, Planner, Step, TakeOver};
 use std::collections::VecDeque;
@@ -38,7 +40,8 @@ pub(crate) struct CameBack {
 }
 
 impl Pace {
-    /// Look what the operator wants. `queue`: steps on their way to the kernel; `sent`: steps that it has.
+    /// Look what the operator wants. `queue`: steps on their way to the kernel; `sent`: steps that
+    /// it has.
     pub(crate) fn keep(
         &mut self,
         kernel: &mut KernelHandle,

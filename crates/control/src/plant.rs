@@ -1,4 +1,5 @@
-//! What the kernel controls: a simulated machine within this process, or a machine simulator in another one.
+//! What the kernel controls: a simulated machine within this process, or a machine simulator in
+//! another one.
 use crate::{Refused, config};
 use bus::{Command, Feedback, Machine, Truth};
 use sim::{Fault, Faulty, SimulatedMachine};
@@ -17,11 +18,13 @@ pub enum Plant {
     Inside(Box<Faulty<SimulatedMachine>>),
     /// At the other end of a socket.
     Outside(Box<Remote<UnixStream>>),
-    /// Drives that a component of LinuxCNC's HAL leads: a servo thread in another process, where the kernel is.
+    /// Drives that a component of LinuxCNC's HAL leads: a servo thread in another process, where
+    /// the kernel is.
     Hal(Box<HalDrives>),
 }
 
-/// The drives of a HAL component, as this process has them: they obey the kernel that is there, and no other.
+/// The drives of a HAL component, as this process has them: they obey the kernel that is there, and
+/// no other.
 pub struct HalDrives {
     /// The component; taken by who speaks with it.
     pub(crate) side: Option<shm::ControlSide>,
@@ -98,7 +101,8 @@ impl Plant {
         }
     }
 
-    /// Blanks are clamped on the work spindle of a machine that is simulated here; on any other one they are clamped by hand.
+    /// Blanks are clamped on the work spindle of a machine that is simulated here; on any other one
+    /// they are clamped by hand.
     ///
     /// # Errors
     /// They cannot be ground on this machine; nothing is changed.
@@ -121,7 +125,8 @@ impl Plant {
         matches!(self, Self::Inside(machine) if machine.is_abandoned())
     }
 
-    /// With each command from now on: the tool that is in the work. A machine within this process is gone with its control.
+    /// With each command from now on: the tool that is in the work. A machine within this process
+    /// is gone with its control.
     pub fn engage(&mut self, engagement: Option<Engagement>) {
         if let Self::Outside(remote) = self {
             remote.engage(engagement);

@@ -22,7 +22,8 @@ use wire::Engagement;
 /// Servo periods between two looks of the progress bar.
 const PROGRESS_EVERY: u64 = 4096;
 
-/// A program that is ready to run. What is usual stands in it from the beginning; a caller changes what is not.
+/// A program that is ready to run. What is usual stands in it from the beginning; a caller changes
+/// what is not.
 pub struct ProgramRun {
     /// Kernel and machine.
     pub executor: Executor,
@@ -52,7 +53,8 @@ pub struct Loaded<'a> {
 }
 
 impl ProgramRun {
-    /// Of this program, on this machine, judged by this: nothing stops it, nothing is kept, nothing is learnt.
+    /// Of this program, on this machine, judged by this: nothing stops it, nothing is kept, nothing
+    /// is learnt.
     pub fn new(loaded: &Loaded<'_>, machine: Plant, judge: verify::Config) -> Self {
         let Loaded { session, operations, restart, options, planned } = *loaded;
         let kernel = Kernel::new(config::control(&session.machine, None, false));
@@ -79,8 +81,8 @@ impl ProgramRun {
         }
     }
 
-    /// Run to the end of the program, or to the alarm that ends it. `progress` hears now and then how long the machine has
-    /// been at it.
+    /// Run to the end of the program, or to the alarm that ends it. `progress` hears now and then
+    /// how long the machine has been at it.
     ///
     /// # Errors
     /// The trace cannot be written.
@@ -127,10 +129,11 @@ pub struct Running {
 }
 
 impl Running {
-    /// A program begins on a machine whose kernel is at work, before an operator who resumes what is held, confirms stops and
-    /// takes tools out.
+    /// A program begins on a machine whose kernel is at work, before an operator who resumes what
+    /// is held, confirms stops and takes tools out.
     ///
-    /// Its operations are numbered from `first` on: those of what was done to the workpiece before come first.
+    /// Its operations are numbered from `first` on: those of what was done to the workpiece before
+    /// come first.
     pub fn attended(
         loaded: &Loaded<'_>,
         workpiece: Workpiece,
@@ -238,7 +241,8 @@ impl Running {
         executor.kernel.keep_records();
     }
 
-    /// Of the sync record's writer: number of the machine's last engagement, and the tool in its work.
+    /// Of the sync record's writer: number of the machine's last engagement, and the tool in its
+    /// work.
     pub fn engaged(&self) -> Option<(u64, Option<Engagement>)> {
         self.services.record_writer.as_ref().map(RecordWriter::engaged)
     }
@@ -309,8 +313,8 @@ impl Running {
         }
     }
 
-    /// Nothing more will happen by itself: the program is over, the control is gone, or it is held and no order to resume
-    /// will come.
+    /// Nothing more will happen by itself: the program is over, the control is gone, or it is held
+    /// and no order to resume will come.
     fn is_stopped(&self, executor: &Executor) -> bool {
         let Executor { kernel, machine, .. } = executor;
         let rests = kernel.operator().wants_rest() && kernel.is_standing();

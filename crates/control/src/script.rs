@@ -1,4 +1,5 @@
-//! What happens to a run from outside: faults of the machine, orders of the operator, each with its moment.
+//! What happens to a run from outside: faults of the machine, orders of the operator, each with its
+//! moment.
 //!
 //! ```text
 //!   --fault     'power-cut at 1.234s; encoder-slip 0.1rev at depth 8mm'
@@ -9,10 +10,11 @@
 //!   TIME    = 1.5s | 250ms     LENGTH = 8mm | 40um | 0.3in     ANGLE = 12.5rev | 90deg
 //! ```
 //!
-//! A *line* is reached when its first step begins. A *depth* is that of the tool's tip below the work's zero, on the way
-//! in (or, with `out`, on the way back). An *angle* is what the first spindle has turned since the start. *At random* is
-//! anywhere in the time that the program is planned to take, by the run's seed. An emergency stop is the operator's or
-//! the machine's, as you like.
+//! A *line* is reached when its first step begins. A *depth* is that of the tool's tip below the
+//! work's zero, on the way in (or, with `out`, on the way back). An *angle* is what the first
+//! spindle has turned since the start. *At random* is anywhere in the time that the program is
+//! planned to take, by the run's seed. An emergency stop is the operator's or the machine's, as you
+//! like.
 use bus::Sample;
 use kernel::Order;
 use sim::Fault;

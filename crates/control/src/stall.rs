@@ -1,9 +1,11 @@
-//! How long a run may stand still before it is given up: every wait of the control has its own limit, but an operator's has none.
+//! How long a run may stand still before it is given up: every wait of the control has its own
+//! limit, but an operator's has none.
 use crate::KernelHandle;
 use bus::{AXES, Command};
 use units::{Coordinate, Time};
 
-/// A run may stand for this much longer than all of it was planned to take: waits differ from their estimates.
+/// A run may stand for this much longer than all of it was planned to take: waits differ from their
+/// estimates.
 const STANDS: f64 = 3.0;
 const STANDS_AT_LEAST: Time = Time::s(60.0);
 /// The slowest run that is waited for: at one percent of its speed.

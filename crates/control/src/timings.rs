@@ -41,7 +41,8 @@ impl TickTimes {
         answer
     }
 
-    /// Upper end of the bin below which this share of the ticks lies; the last bin has no end but the longest tick.
+    /// Upper end of the bin below which this share of the ticks lies; the last bin has no end but
+    /// the longest tick.
     pub fn quantile(&self, share: f64) -> Duration {
         let count = |bin: &AtomicU32| u64::from(bin.load(Relaxed));
         let total: u64 = self.0.ticks.iter().map(count).sum();
@@ -69,7 +70,8 @@ pub struct Timings {
     took: Duration,
     periods: u64,
     simulated: Time,
-    /// What the judge took, in all and for the longest step: there a feature is judged from all that was recorded of it.
+    /// What the judge took, in all and for the longest step: there a feature is judged from all
+    /// that was recorded of it.
     judge: Duration,
     longest: Duration,
 }

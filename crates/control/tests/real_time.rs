@@ -1,4 +1,5 @@
-//! A control that stays on, by the clock: what is asked of it acts on the servo thread's kernel, and nothing is lost on the way.
+//! A control that stays on, by the clock: what is asked of it acts on the servo thread's kernel,
+//! and nothing is lost on the way.
 #![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
 use control::job::ProgramOptions;
@@ -59,7 +60,8 @@ fn an_axis_is_jogged_by_an_increment_and_on_a_lease_that_ends_by_itself() {
     let began = control.now();
     until(&mut control, |control| !control.is_moving_manually());
     let (lasted, went) = (control.now() - began, before + 3.0 - x(&control));
-    // 0.2 s of lease and the way to a stop; the request has reached the kernel a moment after `began`
+    // 0.2 s of lease and the way to a stop; the request has reached the kernel a moment after
+    // `began`
     assert!(lasted < Time::s(1.5) && went > 1.0 && went < 3.5, "{lasted} {went}");
 }
 

@@ -56,8 +56,8 @@ pub struct RemedyWord {
     pub letter: char,
     /// The number that works, as the program writes it.
     pub number: String,
-    /// The number that does not: only a word that says it is meant. `None`: the word stays in force, so that it may stand in a
-    /// block before, and be written into this one.
+    /// The number that does not: only a word that says it is meant. `None`: the word stays in
+    /// force, so that it may stand in a block before, and be written into this one.
     pub instead_of: Option<String>,
     /// The code that is in force where this word is meant, such as `G94`; empty: any.
     pub with: &'static str,

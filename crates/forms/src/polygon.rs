@@ -1,7 +1,8 @@
 //! Polygon turning: flats cut by a rotating cutter beside a rotating workpiece.
 //!
-//! Work spindle and tool spindle have parallel axes at the distance l and turn in the same sense; the tool turns
-//! R times while the work turns once. Seen from the workpiece, each insert's tip (radius r) runs
+//! Work spindle and tool spindle have parallel axes at the distance l and turn in the same sense;
+//! the tool turns R times while the work turns once. Seen from the workpiece, each insert's tip
+//! (radius r) runs
 //!
 //! ```text
 //!   tip(φ) = (l+dx)·(cos φ, −sin φ) + dy·(sin φ, cos φ) − r·(cos((R−1)φ+δ+ε), sin((R−1)φ+δ+ε))
@@ -14,11 +15,13 @@
 //!        ╲      work     ╱          tool
 //! ```
 //!
-//! An insert stands innermost when R·φ + δ is a whole turn: there it cuts the middle of a facet, whose normal lies at
-//! −φ in the work. N inserts give N·R facets in one turn of the work if that is whole. For R = 2 the path is an ellipse
-//! with half-axes l−r and l+r: a facet that bulges. Oscillations take the bulge away.
+//! An insert stands innermost when R·φ + δ is a whole turn: there it cuts the middle of a facet,
+//! whose normal lies at −φ in the work. N inserts give N·R facets in one turn of the work if that
+//! is whole. For R = 2 the path is an ellipse with half-axes l−r and l+r: a facet that bulges.
+//! Oscillations take the bulge away.
 //!
-//! Source: seed 004 (JP7525593B2); its "2π/n" means 2πn/N, and its first disclosure swings X where it says Z.
+//! Source: seed 004 (JP7525593B2); its "2π/n" means 2πn/N, and its first disclosure swings X where
+//! it says Z.
 mod cut;
 mod drive;
 mod fine;

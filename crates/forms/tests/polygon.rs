@@ -120,7 +120,8 @@ fn slide() -> Limits {
     }
 }
 
-/// Everything at a limit: within 2 % of the fine optimum, not better than it, and no peak beyond its limit.
+/// Everything at a limit: within 2 % of the fine optimum, not better than it, and no peak beyond
+/// its limit.
 fn near_the_fine_optimum(limits: &Limits, rpm: f64) {
     let form = hexagon();
     let drive =
@@ -273,7 +274,8 @@ fn what_is_left_without_a_swing_is_what_the_ellipse_says() {
 
 #[test]
 fn a_tip_that_cuts_into_another_ones_facet_is_seen() {
-    // eight times a turn X comes to where it belongs at a facet, four times with an insert between two of them
+    // eight times a turn X comes to where it belongs at a facet, four times with an insert between
+    // two of them
     let form = document();
     let dip = Swings(vec![forms::polygon::Series {
         actuator: Actuator::CentreLine,
@@ -286,8 +288,8 @@ fn a_tip_that_cuts_into_another_ones_facet_is_seen() {
     assert!(seen > Length::um(200.0), "{seen}");
 }
 
-/// The size is part of what is solved: whatever swings, the facets come out flat at the size that was asked, by the exact
-/// kinematics of all inserts.
+/// The size is part of what is solved: whatever swings, the facets come out flat at the size that
+/// was asked, by the exact kinematics of all inserts.
 #[test]
 fn every_form_comes_out_flat_at_the_size_that_was_asked() {
     let sets: [&[Actuator]; 6] = [

@@ -58,7 +58,8 @@ fn what_swings_far_comes_out_as_the_linear_problem_promises() {
     }
 }
 
-/// Everything at a limit: within 2 % of the fine optimum, not better than it, and no peak beyond its limit.
+/// Everything at a limit: within 2 % of the fine optimum, not better than it, and no peak beyond
+/// its limit.
 #[track_caller]
 fn near_the_fine_optimum(rpm: f64, drives: &[Drive]) -> f64 {
     let hexagon = form(3, [2, 1]);

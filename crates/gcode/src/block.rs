@@ -25,7 +25,8 @@ pub struct Text {
 /// A letter and its value: `X1.5`, `G33.1`, `F[#1*60]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// `A` to `Z` in upper case (never `N` or `O`), `@`, `^` or `$`; `c` and `r` for Fanuc's `,C` and `,R`.
+    /// `A` to `Z` in upper case (never `N` or `O`), `@`, `^` or `$`; `c` and `r` for Fanuc's `,C`
+    /// and `,R`.
     pub letter: u8,
     /// Its value: nearly always a plain number.
     pub value: Value,

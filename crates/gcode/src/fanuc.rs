@@ -9,10 +9,11 @@
 //!           | "POPEN" | "PCLOS" | ( "DPRNT" | "BPRNT" ) "[" { text | variable "[" digits "]" } "]"
 //! ```
 //!
-//! A semicolon ends a block, so that one line can hold several; I, J and K may stand several times in a
-//! block (the arguments of G65); `AND` binds like a product, `OR` and `XOR` like a sum. `,C1.` and `,R1.` are words
-//! of their own; `<NAME>` names a program, at the block's beginning or behind M98 or G65. A function's name may be
-//! cut to its first letters, two at least; there is no `**`, but `POW[2,3]`, and `ATAN[1,2]` is `ATAN[1]/[2]`.
+//! A semicolon ends a block, so that one line can hold several; I, J and K may stand several times
+//! in a block (the arguments of G65); `AND` binds like a product, `OR` and `XOR` like a sum. `,C1.`
+//! and `,R1.` are words of their own; `<NAME>` names a program, at the block's beginning or behind
+//! M98 or G65. A function's name may be cut to its first letters, two at least; there is no `**`,
+//! but `POW[2,3]`, and `ATAN[1,2]` is `ATAN[1]/[2]`.
 //!
 //! Source: Fanuc, operator's manual of series 30i/0i, "Custom macro" and "Program configuration".
 
@@ -27,7 +28,8 @@ pub enum Grammar {
     /// RS-274/NGC as LinuxCNC reads it.
     #[default]
     Rs274,
-    /// The same as senders stream it to Grbl: lines for the sender and the controller itself among the blocks.
+    /// The same as senders stream it to Grbl: lines for the sender and the controller itself among
+    /// the blocks.
     Grbl,
     /// Fanuc's tapes and custom macros.
     Fanuc,
@@ -65,7 +67,8 @@ pub enum Output {
     Open,
     /// `PCLOS`.
     Close,
-    /// `DPRNT[…]`: text and decimal digits. What is written is [`Block::pieces`](crate::Block::pieces).
+    /// `DPRNT[…]`: text and decimal digits. What is written is
+    /// [`Block::pieces`](crate::Block::pieces).
     Decimal,
     /// `BPRNT[…]`: text and the bytes of binary numbers.
     Binary,
@@ -97,7 +100,8 @@ impl Grammar {
         }
     }
 
-    /// Where the block at the beginning of `text` ends, and the next one begins if it is in the same line.
+    /// Where the block at the beginning of `text` ends, and the next one begins if it is in the
+    /// same line.
     pub(crate) fn end_of_block(self, text: &[u8]) -> Option<(usize, usize)> {
         if self != Self::Fanuc {
             return None;
@@ -124,8 +128,8 @@ impl Grammar {
     }
 }
 
-/// Whether what stands behind a semicolon is for people, and no block: two letters follow one another, and they begin none
-/// of the words that stand for flow and output.
+/// Whether what stands behind a semicolon is for people, and no block: two letters follow one
+/// another, and they begin none of the words that stand for flow and output.
 pub(crate) fn is_for_people(behind: &[u8]) -> bool {
     let mut letters = behind.iter().filter(|byte| !byte.is_ascii_whitespace());
     let [Some(first), Some(second)] = [letters.next(), letters.next()] else { return false };
@@ -151,7 +155,8 @@ impl Line<'_, '_> {
             b'%' => {
                 self.take();
                 self.block.percent = true;
-                // the beginning of the tape up to the first end of a block is skipped, and so is what follows its end
+                // the beginning of the tape up to the first end of a block is skipped, and so is
+                // what follows its end
                 let rest = self.text.get(self.at..).unwrap_or_default().trim_ascii();
                 if !rest.is_empty() && !rest.starts_with(b"(") {
                     self.leave_out_rest(Problem::BehindPercent);
@@ -314,7 +319,8 @@ impl Line<'_, '_> {
         self.take_text(word) || self.take_text(&word[..2])
     }
 
-    /// `GO100`, where nothing but a number follows: `GO1 Z-5` is a G0 that was written with a letter.
+    /// `GO100`, where nothing but a number follows: `GO1 Z-5` is a G0 that was written with a
+    /// letter.
     fn take_short_goto(&mut self) -> bool {
         let before = (self.at, self.end);
         let is_number = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'#' | b' ' | b'\t');

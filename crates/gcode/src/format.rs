@@ -1,4 +1,5 @@
-//! A program in canonical spacing: one way to write each block, and what lies inside an O-word's pair moved in.
+//! A program in canonical spacing: one way to write each block, and what lies inside an O-word's
+//! pair moved in.
 //!
 //! ```text
 //!   o100 SUB                 o100 sub
@@ -73,8 +74,8 @@ fn line_of<'a>(source: &'a [u8], block: &Block) -> &'a [u8] {
     source.get(block.span.start as usize..block.span.end as usize).unwrap_or_default()
 }
 
-/// O0012, :12 and <NAME> as they stand in the text: a machine lists programs by them. The letter is a capital where a
-/// program begins, and small before a keyword (`o100 sub`).
+/// O0012, :12 and <NAME> as they stand in the text: a machine lists programs by them. The letter is
+/// a capital where a program begins, and small before a keyword (`o100 sub`).
 fn with_head_as_written(block: &Block, text: String, source: &[u8]) -> String {
     let Some(o) = block.o else { return text };
     let head = source.get(o.span.start as usize..o.span.end as usize).unwrap_or_default();

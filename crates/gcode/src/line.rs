@@ -3,8 +3,8 @@
 //! Blanks (space, tab) and case mean nothing outside comments, so there are no tokens: the reader
 //! looks at the next byte that is not blank, in upper case, and every rule of the grammar is
 //! written in terms of [`Line::peek`] and [`Line::take`]. `M O D` is `MOD`, and `X 1 . 5` is
-//! `X1.5`, without either having to be said again. Fanuc's `IF`, `GOTO` and `:1234` are another set of
-//! rules over these same few functions.
+//! `X1.5`, without either having to be said again. Fanuc's `IF`, `GOTO` and `:1234` are another set
+//! of rules over these same few functions.
 
 use crate::Block;
 use crate::block::Text;
@@ -21,7 +21,8 @@ pub(crate) type Read<T> = Result<T, Fault>;
 pub(crate) struct Line<'a, 'b> {
     /// The line without its end.
     pub(crate) text: &'a [u8],
-    /// The file from the line's begin on: its numbers are read here, where the next line lies behind the last digit.
+    /// The file from the line's begin on: its numbers are read here, where the next line lies
+    /// behind the last digit.
     pub(crate) ahead: &'a [u8],
     /// The next byte to look at.
     pub(crate) at: usize,
@@ -163,8 +164,8 @@ fn name_byte(byte: u8) -> bool {
     byte > b' ' && byte != 0x7f && !matches!(byte, b'(' | b')' | b'<' | b'>' | b';')
 }
 
-/// Line ends of a text that has CR alone, as old systems and some controls write them, become LF, byte for byte. A text with
-/// any LF stays as it is.
+/// Line ends of a text that has CR alone, as old systems and some controls write them, become LF,
+/// byte for byte. A text with any LF stays as it is.
 pub fn end_lines_with_lf(text: &mut [u8]) {
     if memchr::memchr(b'\r', text).is_none() || memchr::memchr(b'\n', text).is_some() {
         return;

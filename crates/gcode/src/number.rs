@@ -23,7 +23,8 @@ const ZEROS: u64 = 0x3030_3030_3030_3030;
 const POWERS_OF_TEN: [f64; 16] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// The number at `from` and where it ends, if it is an ordinary one. `text` may go on after its line.
+/// The number at `from` and where it ends, if it is an ordinary one. `text` may go on after its
+/// line.
 #[inline]
 pub(crate) fn fast(text: &[u8], from: usize) -> Option<(f64, usize)> {
     let sign = *text.get(from)?;
@@ -52,8 +53,8 @@ pub(crate) fn fast(text: &[u8], from: usize) -> Option<(f64, usize)> {
     Some((if sign == b'-' { -value } else { value }, end))
 }
 
-/// How many of a word's bytes, the first in the text being the lowest, are digits before the first that is none: in
-/// bits.
+/// How many of a word's bytes, the first in the text being the lowest, are digits before the first
+/// that is none: in bits.
 fn leading_digits(word: u64) -> u32 {
     let differs = word ^ ZEROS;
     // a sum that carries changes only bytes after the first that is no digit
@@ -71,7 +72,8 @@ fn eight_digits(word: u64, count: u32) -> u32 {
     (high.wrapping_add(low) >> 32) as u32
 }
 
-/// Whether digits follow after blanks, or a second point: a blank does not end a number, `1 .5` is 1.5.
+/// Whether digits follow after blanks, or a second point: a blank does not end a number, `1 .5`
+/// is 1.5.
 fn goes_on(text: &[u8], end: usize) -> bool {
     let mut next = end;
     loop {

@@ -132,8 +132,8 @@ impl<'a> Parser<'a> {
         true
     }
 
-    /// Reads on to the next line with an O-word; false if there is none. The lines between are
-    /// only counted, and the arguments of calls and returns left out: what is wrong in them stays unsaid
+    /// Reads on to the next line with an O-word; false if there is none. The lines between are only
+    /// counted, and the arguments of calls and returns left out: what is wrong in them stays unsaid
     /// until they are read.
     pub fn next_o_word(&mut self, block: &mut Block) -> bool {
         loop {
@@ -429,7 +429,8 @@ impl Line<'_, '_> {
     }
 }
 
-/// A text without the byte by which old systems marked the end of a file (Ctrl-Z), and what they filled it up with.
+/// A text without the byte by which old systems marked the end of a file (Ctrl-Z), and what they
+/// filled it up with.
 fn before_end_mark(source: &[u8]) -> &[u8] {
     let is_filling = |byte: &u8| matches!(byte, 0x1A | 0 | b' ' | b'\t' | b'\r' | b'\n');
     let text = source.iter().rposition(|byte| !is_filling(byte)).map_or(0, |last| last + 1);

@@ -20,8 +20,9 @@ impl Display for Block {
     }
 }
 
-/// A block as text of a grammar. What of the source is no matter of spacing stays: the decimal point of a whole number
-/// (where a number without one counts least increments), and the digits that name a program or a tool.
+/// A block as text of a grammar. What of the source is no matter of spacing stays: the decimal
+/// point of a whole number (where a number without one counts least increments), and the digits
+/// that name a program or a tool.
 pub(crate) struct Printed<'a> {
     pub(crate) block: &'a Block,
     /// The text that the block was read from; empty if it is not known.
@@ -42,7 +43,8 @@ impl Printed<'_> {
         self.source.get(span.start as usize..span.end as usize).unwrap_or_default()
     }
 
-    /// The digits of a whole number as the source has them, if they begin with a zero and name something.
+    /// The digits of a whole number as the source has them, if they begin with a zero and name
+    /// something.
     fn named_digits(&self, word: &Word) -> Option<&str> {
         let names = match word.letter {
             b'T' => true,

@@ -310,14 +310,16 @@ fn letters_at(line: &[u8], from: usize) -> String {
     rest.iter().take(16).take_while(|b| b.is_ascii_alphabetic()).map(|b| *b as char).collect()
 }
 
-/// The name that a misspelled one is nearest to: two letters inserted, deleted or replaced at most, one in a short name.
+/// The name that a misspelled one is nearest to: two letters inserted, deleted or replaced at most,
+/// one in a short name.
 fn nearest(word: &str, names: &[&'static str]) -> Option<&'static str> {
     let rated = names.iter().map(|name| (edits(word, name), *name));
     let (distance, name) = rated.min_by_key(|(distance, _)| *distance)?;
     (distance * 3 <= name.len() && distance < word.len()).then_some(name)
 }
 
-/// Letters to insert, delete or replace to make one word of the other, whatever their case (Levenshtein).
+/// Letters to insert, delete or replace to make one word of the other, whatever their case
+/// (Levenshtein).
 fn edits(a: &str, b: &str) -> usize {
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, from) in a.bytes().enumerate() {

@@ -1,5 +1,6 @@
-//! Formatting changes the spacing of a program and nothing else: what its blocks say, by which numbers its programs are
-//! called, and the order in which its operators bind are the same before and after, in both grammars.
+//! Formatting changes the spacing of a program and nothing else: what its blocks say, by which
+//! numbers its programs are called, and the order in which its operators bind are the same before
+//! and after, in both grammars.
 
 mod common;
 use gcode::{Block, Grammar, Parser, format};

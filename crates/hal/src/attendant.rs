@@ -1,4 +1,5 @@
-//! The thread beside the servo thread: it makes the kernels that controls ask for, because that takes memory, and releases them.
+//! The thread beside the servo thread: it makes the kernels that controls ask for, because that
+//! takes memory, and releases them.
 use crate::component::ControlSession;
 use crate::parameters::LoadParameters;
 use crate::pins::ObeysAfter;
@@ -16,7 +17,8 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(10);
 /// HAL's thread calls the component within so long after it was loaded.
 const FIRST_PERIOD: Duration = Duration::from_secs(2);
-/// By so much of itself the period that HAL keeps may differ from the one that the control was set up for.
+/// By so much of itself the period that HAL keeps may differ from the one that the control was set
+/// up for.
 const PERIOD_SHARE: f64 = 1e-3;
 /// A control may be silent for so long at most, s.
 const LONGEST_SILENCE_S: f64 = 5.0;
@@ -86,7 +88,8 @@ impl Desk {
         }
     }
 
-    /// The period that HAL keeps; a component that was loaded just now is given a moment until it is called. 0: it is not.
+    /// The period that HAL keeps; a component that was loaded just now is given a moment until it
+    /// is called. 0: it is not.
     fn first_period(&self) -> u64 {
         for _ in 0..FIRST_PERIOD.as_millis() / LOOK.as_millis() {
             match self.period.load(Acquire) {

@@ -21,7 +21,8 @@ use units::{Angle, Spin, Time};
 /// Time constant of the speeds that are taken from counts, s.
 const SMOOTHED_S: f64 = 0.02;
 
-/// A session is over when everything has stood for so long: a spindle that turns back stands for a moment.
+/// A session is over when everything has stood for so long: a spindle that turns back stands for a
+/// moment.
 const STANDS_NS: u64 = 100_000_000;
 
 /// Sessions on their way.

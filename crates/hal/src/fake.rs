@@ -1,4 +1,5 @@
-//! HAL's C interface as far as the component calls it, for tests on computers without LinuxCNC: pins by name, one function.
+//! HAL's C interface as far as the component calls it, for tests on computers without LinuxCNC:
+//! pins by name, one function.
 use crate::ffi::{Direction, Function};
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_int, c_long, c_void};

@@ -1,4 +1,5 @@
-//! What of HAL and rtapi is called: their C interface, declared here, resolved when LinuxCNC loads the module.
+//! What of HAL and rtapi is called: their C interface, declared here, resolved when LinuxCNC loads
+//! the module.
 use std::ffi::{CStr, CString, c_char, c_int, c_long, c_void};
 use std::ptr::{NonNull, null_mut};
 
@@ -129,8 +130,9 @@ pub(crate) struct Pin<T>(NonNull<*mut T>);
 impl<T: PinKind> Pin<T> {
     /// Its value.
     pub(crate) fn get(&self) -> T {
-        // SAFETY: `Hal::pin` has put it into HAL's memory, which is mapped as long as the component is a member, and HAL keeps a
-        // valid place in it; other components write a value of this type at once, and nothing is assumed of what it is: volatile.
+        // SAFETY: `Hal::pin` has put it into HAL's memory, which is mapped as long as the component
+        // is a member, and HAL keeps a valid place in it; other components write a value of this
+        // type at once, and nothing is assumed of what it is: volatile.
         unsafe { self.0.as_ptr().read_volatile().read_volatile() }
     }
 

@@ -20,7 +20,8 @@ pub(crate) struct Unwrapped {
 }
 
 impl Unwrapped {
-    /// A reading, with the pin that asks for the mark: the angle, and where the mark lies if it has passed.
+    /// A reading, with the pin that asks for the mark: the angle, and where the mark lies if it has
+    /// passed.
     pub(crate) fn read(&mut self, revs: f64, is_set: bool) -> (Angle, Option<Angle>) {
         let passed = self.looks && !is_set && self.is_read;
         let mut mark = None;
@@ -46,7 +47,8 @@ impl Unwrapped {
 mod tests {
     use super::*;
 
-    /// An encoder that turns by `way` a period, and counts from its mark when it is asked to; marks that were found.
+    /// An encoder that turns by `way` a period, and counts from its mark when it is asked to; marks
+    /// that were found.
     fn marks(way: f64, counts: f64, periods: usize) -> Vec<f64> {
         let (mut turned, mut from, mut is_set) = (0.3, 0.0, false);
         let (mut unwrapped, mut found) = (Unwrapped::default(), Vec::new());

@@ -1,4 +1,5 @@
-//! Leadscrew as a component of LinuxCNC's HAL: `loadrt leadscrew axes=XYZ`, `addf leadscrew.update servo-thread`.
+//! Leadscrew as a component of LinuxCNC's HAL: `loadrt leadscrew axes=XYZ`,
+//! `addf leadscrew.update servo-thread`.
 //!
 //! ```text
 //!   leadscrew control --hal            shared memory            rtapi_app
@@ -7,9 +8,10 @@
 //!                                          pins ─► Feedback ─► kernel::tick ─► Command ─► pins   in it
 //! ```
 //!
-//! HAL's servo thread calls [`Component::update`] once a period: it reads the pins, lets the kernel tick, and writes the pins. It takes
-//! no memory, no lock and calls no system. Who leads the kernel is another process, which may end at any moment: the kernel then
-//! stops the machine, coupled axes on their coupling, and holds it.
+//! HAL's servo thread calls [`Component::update`] once a period: it reads the pins, lets the kernel
+//! tick, and writes the pins. It takes no memory, no lock and calls no system. Who leads the kernel
+//! is another process, which may end at any moment: the kernel then stops the machine, coupled axes
+//! on their coupling, and holds it.
 #![allow(unsafe_code)] // this crate is called by HAL and calls it: the reason stands beside each
 mod attendant;
 mod component;
@@ -78,8 +80,8 @@ fn load() -> Result<(), String> {
     Ok(())
 }
 
-/// A signal keeps the value of a pin that is gone: what moves comes to rest before, coupled axes on their coupling, as long as HAL's
-/// thread calls.
+/// A signal keeps the value of a pin that is gone: what moves comes to rest before, coupled axes on
+/// their coupling, as long as HAL's thread calls.
 fn come_to_rest() {
     IS_LEAVING.store(true, SeqCst);
     let looks = |time: Duration| time.as_millis() / LOOK.as_millis();
@@ -106,8 +108,9 @@ pub extern "C" fn rtapi_app_exit() {
     if component.is_null() {
         return;
     }
-    // SAFETY: from `Box::into_raw` in `load`, and taken out of `LOADED` once. `update` says that it is within before it looks at
-    // `LOADED`, and is not: whenever it is called again, it finds null. (Both orders are sequentially consistent.)
+    // SAFETY: from `Box::into_raw` in `load`, and taken out of `LOADED` once. `update` says that it
+    // is within before it looks at `LOADED`, and is not: whenever it is called again, it finds
+    // null. (Both orders are sequentially consistent.)
     let component = unsafe { Box::from_raw(component) };
     let hal = component.hal;
     drop(component);
@@ -117,8 +120,9 @@ pub extern "C" fn rtapi_app_exit() {
 /// Called by HAL's servo thread, with the period in ns.
 unsafe extern "C" fn update(_: *mut c_void, period: c_long) {
     IS_WITHIN.store(true, SeqCst);
-    // SAFETY: what `load` has put there, until `rtapi_app_exit` takes it out and waits for `IS_WITHIN`; HAL calls the function in one
-    // thread at a time (it is not exported as reentrant), so that nothing else refers to it meanwhile.
+    // SAFETY: what `load` has put there, until `rtapi_app_exit` takes it out and waits for
+    // `IS_WITHIN`; HAL calls the function in one thread at a time (it is not exported as
+    // reentrant), so that nothing else refers to it meanwhile.
     if let Some(component) = unsafe { LOADED.load(SeqCst).as_mut() } {
         let period = u64::try_from(period).unwrap_or(0);
         if IS_LEAVING.load(SeqCst) {

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicI32, AtomicPtr, Ordering::Relaxed};
 /// Letters of the axes, in the order of their numbers.
 pub(crate) const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 
-/// What is meant where `loadrt` does not say it: axes, name; spindles, digital inputs and outputs, analogue ones.
+/// What is meant where `loadrt` does not say it: axes, name; spindles, digital inputs and outputs,
+/// analogue ones.
 const AXES_USUAL: &str = "XYZ";
 const NAME_USUAL: &str = "default";
 const COUNTS_USUAL: [(&str, c_int); 5] =
@@ -31,7 +32,8 @@ pub(crate) struct LoadParameters {
 /// A pointer that rtapi looks up by its symbol.
 #[repr(transparent)]
 struct Symbol<T>(*const T);
-// SAFETY: what they point to are constants, or atomics that rtapi writes before it calls `rtapi_app_main`.
+// SAFETY: what they point to are constants, or atomics that rtapi writes before it calls
+// `rtapi_app_main`.
 unsafe impl<T> Sync for Symbol<T> {}
 
 /// What rtapi looks for of a parameter: where it is, of which type (`s`, `i`), what it means.
@@ -68,7 +70,8 @@ mod told {
     parameter!(AOUT: AtomicI32 = COUNTS_USUAL[4].1, c"i", c"number of analogue outputs",
         rtapi_info_address_aout, rtapi_info_type_aout, rtapi_info_description_aout);
 
-    /// The licence that rtapi is told: MIT and Apache-2.0 go with the GPL of what loads this module.
+    /// The licence that rtapi is told: MIT and Apache-2.0 go with the GPL of what loads this
+    /// module.
     #[used]
     #[unsafe(no_mangle)]
     static rtapi_info_license: Symbol<c_char> = Symbol(c"GPL".as_ptr());

@@ -169,8 +169,8 @@ impl Pins {
         }
     }
 
-    /// What the machine shall do. Drives with a position loop of their own are told where the axis shall be when they obey.
-    /// `marks`: where the next index mark of a spindle is looked for.
+    /// What the machine shall do. Drives with a position loop of their own are told where the axis
+    /// shall be when they obey. `marks`: where the next index mark of a spindle is looked for.
     pub(crate) fn write(
         &mut self,
         command: &Command,
@@ -223,7 +223,8 @@ impl Pins {
         self.connected.set(false);
     }
 
-    /// Ask for another tool, until it is said to be there; then the request is taken back, and so must the answer be.
+    /// Ask for another tool, until it is said to be there; then the request is taken back, and so
+    /// must the answer be.
     fn change_tool(&mut self, wanted: u32) {
         let ToolPins { number, change, changed } = &self.tool;
         match (self.mounted, change.get(), changed.get()) {

@@ -1,4 +1,5 @@
-//! The component between a HAL that is none and a control that is one: ideal drives, a spindle with ramps of its own.
+//! The component between a HAL that is none and a control that is one: ideal drives, a spindle with
+//! ramps of its own.
 #![allow(clippy::unwrap_used)] // a test may panic
 use crate::ffi::Hal;
 use crate::pins::{ObeysAfter, Pins};
@@ -81,7 +82,8 @@ impl Running {
     }
 }
 
-/// How far Z was off the thread of 1 mm that begins at Z-100, in the material that begins half a millimetre below.
+/// How far Z was off the thread of 1 mm that begins at Z-100, in the material that begins half a
+/// millimetre below.
 fn off_thread(places: &[ZAndTurns]) -> f64 {
     let inside = places.iter().filter(|(z, _)| *z < -100.5).map(|(z, turns)| z + turns);
     let (low, high) =
@@ -178,7 +180,8 @@ fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running()
     until_free();
     assert!(fake::with(|hal| !hal.bit("connected") && !hal.bit("z.enable")));
 
-    // another control takes the machine over; its component is unloaded under it, and the control says so
+    // another control takes the machine over; its component is unloaded under it, and the control
+    // says so
     let mut second = homed();
     let deepest = running.end().iter().map(|(z, _)| *z).fold(0.0, f64::min);
     assert!(deepest < -99.0 && deepest > -111.0, "{deepest}");

@@ -1,4 +1,5 @@
-//! Print a program as LinuxCNC's stand-alone interpreter would: `cargo run --example listing FILE [TOOLS]`.
+//! Print a program as LinuxCNC's stand-alone interpreter would:
+//! `cargo run --example listing FILE [TOOLS]`.
 //!
 //! TOOLS, if given, is a list of `number:length_mm` pairs separated by commas.
 use canon::{Tool, ToolKind, ToolLibrary};

@@ -9,10 +9,10 @@
 //!                          Diagnostics
 //! ```
 //!
-//! The [`Interpreter`] executes a program's blocks and says what they order, [`Call`] by call, in the
-//! program's own frame and units, to whoever listens ([`Sink`]). [`Resolver`] turns the calls into
-//! [`canon::Op`]: machine coordinates of the axes in millimetres, revolutions and seconds. This crate
-//! knows neither time nor machines.
+//! The [`Interpreter`] executes a program's blocks and says what they order, [`Call`] by call, in
+//! the program's own frame and units, to whoever listens ([`Sink`]). [`Resolver`] turns the calls
+//! into [`canon::Op`]: machine coordinates of the axes in millimetres, revolutions and seconds.
+//! This crate knows neither time nor machines.
 //!
 //! ```
 //! let setup = interp::Setup::default();

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 pub struct Cycles {
     /// Where Z counts from under G91.
     pub depth_from: DepthFrom,
-    /// Chip removal in G81, G82, G84 and G74 of programs that do not say U and E. Where it is set, every dialect
-    /// knows those words.
+    /// Chip removal in G81, G82, G84 and G74 of programs that do not say U and E. Where it is set,
+    /// every dialect knows those words.
     pub chip_removal: Option<Chips>,
     /// Where the tool moves aside in Fanuc's G76 and G87.
     pub aside: Aside,
@@ -78,15 +78,15 @@ pub struct Setup {
     pub leaves: Leaves,
     /// Where the axes stand when the program begins.
     pub start: Position,
-    /// No machine is there to be asked: tool changes, inputs and positions are answered as LinuxCNC's stand-alone
-    /// interpreter answers itself. For comparisons with its listings.
+    /// No machine is there to be asked: tool changes, inputs and positions are answered as
+    /// LinuxCNC's stand-alone interpreter answers itself. For comparisons with its listings.
     pub stand_alone: bool,
     /// Whether blocks that begin with `/` are left out.
     pub block_delete: bool,
     /// Fanuc: levels of block skip that are on besides, bit 2 for `/2` up to bit 9.
     pub block_delete_levels: u16,
-    /// Fanuc: a number without a point counts whole millimetres, inches or degrees (calculator type), not
-    /// least input increments.
+    /// Fanuc: a number without a point counts whole millimetres, inches or degrees (calculator
+    /// type), not least input increments.
     pub whole_units_without_point: bool,
     /// Fanuc: the least input increment, which a number without a point counts.
     pub increments: Increments,
@@ -143,7 +143,8 @@ pub struct MacroCall {
     pub number: Option<u16>,
     /// O of the program.
     pub program: u32,
-    /// The block's other words are arguments, as those of G65; else they do what they say, and then it is called as by M98.
+    /// The block's other words are arguments, as those of G65; else they do what they say, and then
+    /// it is called as by M98.
     pub takes_arguments: bool,
 }
 
@@ -211,7 +212,8 @@ const MOST: usize = MORE_OFFSETS + 20 * 99 - 1;
 /// Parameters that have a value or none.
 const OPTIONAL: core::ops::RangeInclusive<usize> = 500..=999;
 
-/// The numbered parameters as the parameter file (`.var`) keeps them: lengths in mm, angles in degrees.
+/// The numbered parameters as the parameter file (`.var`) keeps them: lengths in mm, angles in
+/// degrees.
 ///
 /// Those that mean something: 5161–5169 where G28 goes, 5181–5189 where G30 goes (machine
 /// coordinates of X Y Z A B C U V W), 5210 whether the G92 offset is on, 5211–5219 that offset,
@@ -239,7 +241,8 @@ impl Parameters {
         if number == 0 { None } else { self.values.get(number).copied() }
     }
 
-    /// Set `#number`. Returns false, and changes nothing, if there is no such parameter or the value is not finite.
+    /// Set `#number`. Returns false, and changes nothing, if there is no such parameter or the
+    /// value is not finite.
     pub fn set(&mut self, number: usize, value: f64) -> bool {
         match self.values.get_mut(number) {
             Some(slot) if number > 0 && value.is_finite() => {
@@ -275,8 +278,8 @@ impl Parameters {
         self.values.get(number).copied().unwrap_or(0.0)
     }
 
-    /// First parameter of a work offset (1 is G54, 9 is G59.3, 10 and more are Fanuc's G54.1 P1 and more; 0 is Fanuc's
-    /// external one, which is added to all).
+    /// First parameter of a work offset (1 is G54, 9 is G59.3, 10 and more are Fanuc's G54.1 P1 and
+    /// more; 0 is Fanuc's external one, which is added to all).
     pub(crate) const fn work_offset(system: usize) -> usize {
         match system {
             0..10 => 5201 + 20 * system,

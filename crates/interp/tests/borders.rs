@@ -1,5 +1,5 @@
-//! What the crate's parts must not know of the dialects, read from its sources. That they make no circle is held by a test of the
-//! workspace.
+//! What the crate's parts must not know of the dialects, read from its sources. That they make no
+//! circle is held by a test of the workspace.
 use std::{fs, path::Path};
 
 /// Rust files below a folder, with their text before their tests.
@@ -25,7 +25,8 @@ fn all() -> Vec<(String, String)> {
     found
 }
 
-/// The same of the machining centres that speak Fanuc's language: the front end asks for their `Variant`.
+/// The same of the machining centres that speak Fanuc's language: the front end asks for their
+/// `Variant`.
 #[test]
 fn no_file_outside_the_dialects_folder_names_a_maker_of_machining_centres() {
     for (file, text) in all().into_iter().filter(|(file, _)| !file.starts_with("dialect/")) {
@@ -36,7 +37,8 @@ fn no_file_outside_the_dialects_folder_names_a_maker_of_machining_centres() {
     }
 }
 
-/// Outside of `dialect` the crate asks for rules. The programs of `explain` are examples, each in its dialect.
+/// Outside of `dialect` the crate asks for rules. The programs of `explain` are examples, each in
+/// its dialect.
 #[test]
 fn no_file_outside_the_dialects_folder_names_a_dialect() {
     let names = interp::Dialect::ALL.map(|dialect| format!("Dialect::{dialect:?}"));

@@ -1,4 +1,5 @@
-//! Brother's everyday words: G77 and G78 (synchronised tapping), G100 (non-stop tool change), and taps without M3.
+//! Brother's everyday words: G77 and G78 (synchronised tapping), G100 (non-stop tool change), and
+//! taps without M3.
 use canon::{Op, OpKind, Tap};
 use diag::Diagnostic;
 use interp::{Dialect, Ops, Setup, example_setup};

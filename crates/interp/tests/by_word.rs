@@ -1,8 +1,10 @@
-//! M, G and T that call programs, as a machine's file has set them: Fanuc's parameters 6050 to 6059, 6071 to 6089 and 6001#5.
+//! M, G and T that call programs, as a machine's file has set them: Fanuc's parameters 6050 to
+//! 6059, 6071 to 6089 and 6001#5.
 use canon::OpKind;
 use interp::{CodeAction, Dialect, MachineCode, MacroCall, MissingTools, Ops, Setup};
 
-/// M31 and G101 take arguments, M32 and T call as M98 does, M6 is a macro that changes the tool itself.
+/// M31 and G101 take arguments, M32 and T call as M98 does, M6 is a macro that changes the tool
+/// itself.
 fn setup(dialect: Dialect) -> Setup {
     let call = |letter, number, program, takes_arguments| MacroCall {
         letter,
@@ -26,7 +28,8 @@ fn setup(dialect: Dialect) -> Setup {
     }
 }
 
-/// X and Y of its moves, "change" for a tool change, "M31" for the builder's code, and the codes of its findings.
+/// X and Y of its moves, "change" for a tool change, "M31" for the builder's code, and the codes of
+/// its findings.
 fn told_in(program: &str, dialect: Dialect) -> Vec<String> {
     let setup = setup(dialect);
     let mut ops = Ops::new(program.as_bytes(), &setup);

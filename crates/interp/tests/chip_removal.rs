@@ -1,4 +1,5 @@
-//! Chip removal in programs: which repetitions throw chips off, at which levels, and what is refused.
+//! Chip removal in programs: which repetitions throw chips off, at which levels, and what is
+//! refused.
 use canon::{OpKind, SpindleOrder};
 use interp::{Chips, Cycles, DepthFrom, Dialect, Ops, Setup};
 
@@ -11,7 +12,8 @@ fn brother() -> Setup {
     Setup { dialect: Dialect::Brother, cycles, ..Setup::default() }
 }
 
-/// The operations from the cycle on, a word each: heights, `hole`, `wait`, `throw` at a speed, then another.
+/// The operations from the cycle on, a word each: heights, `hole`, `wait`, `throw` at a speed, then
+/// another.
 fn story(program: &str, setup: &Setup) -> (Vec<String>, Vec<String>) {
     let mut ops = Ops::new(program.as_bytes(), setup);
     let line = program.lines().take_while(|l| !l.contains("G8")).count() as u32 + 1;

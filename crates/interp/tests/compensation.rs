@@ -1,5 +1,5 @@
-//! Cutter radius compensation, kept modes, probing and splines: what is ordered, against closed forms
-//! and what LinuxCNC's stand-alone interpreter printed.
+//! Cutter radius compensation, kept modes, probing and splines: what is ordered, against closed
+//! forms and what LinuxCNC's stand-alone interpreter printed.
 use interp::{Call, Interpreter, Place, Setup, Sink};
 
 /// Ends of the moves in X and Y.
@@ -104,8 +104,8 @@ fn what_a_block_orders_before_and_after_its_g40_to_g42_meets_what_is_then_in_for
 
 #[test]
 fn an_arc_leads_the_tool_in_only_where_it_can_end_along_it() {
-    // From (0, 0) to beside (5, 5) of a circle about (0, 5): to (3, 5), with its centre on the line y = 5, where
-    // (x − 3)² = x² + 25: −8/3.
+    // From (0, 0) to beside (5, 5) of a circle about (0, 5): to (3, 5), with its centre on the line
+    // y = 5, where (x − 3)² = x² + 25: −8/3.
     let (found, errors) = ends("G41.1 D4\nG3 X5 Y5 J5 F100\nG1 Y9\nX-9\nG40\nM2\n");
     assert_eq!(errors, [""; 0]);
     assert_eq!(found, [[3., 5.], [3., 7.], [-9., 7.]]);
@@ -118,7 +118,8 @@ fn an_arc_leads_the_tool_in_only_where_it_can_end_along_it() {
 
 #[test]
 fn back_almost_the_way_it_came_the_tool_goes_round_the_corner() {
-    // Directions of 178° and 182°: within 0.05 rad of straight back. An arc ends on either side of its normal.
+    // Directions of 178° and 182°: within 0.05 rad of straight back. An arc ends on either side of
+    // its normal.
     let (sin, cos) = 2f64.to_radians().sin_cos();
     for sign in [1., -1.] {
         let back = [-20. * cos, sign * 20. * sin];
@@ -128,8 +129,8 @@ fn back_almost_the_way_it_came_the_tool_goes_round_the_corner() {
         let beside = [back[0] + round[0], back[1] + round[1]];
         assert_ends(&program, &[[-20., 0.], [0., 1.], round, beside, [back[0], 9.]]);
     }
-    // Beside an arc that bulges towards the tool it stops where the two offset ways meet: y = 1 and a circle of
-    // radius 6 about 5 (−sin 2°, cos 2°).
+    // Beside an arc that bulges towards the tool it stops where the two offset ways meet: y = 1 and
+    // a circle of radius 6 about 5 (−sin 2°, cos 2°).
     let centre = [-5. * sin, 5. * cos];
     let program = format!(
         "G0 X-20\nG41.1 D2\nG1 X0 F100\nG2 X{} Y{} I{} J{}\nG40\nG0 Y20\nM2\n",
@@ -199,11 +200,12 @@ fn in_fanucs(program: &str) -> (Vec<[f64; 2]>, Vec<&'static str>) {
     (ends.0, interpreter.diagnostics().iter().filter(|d| d.is_error()).map(|d| d.code).collect())
 }
 
-/// Fanuc's type A: at the end of the start-up block the tool stands beside the beginning of the next one, at right angles
-/// to it, whatever the angle between the two.
+/// Fanuc's type A: at the end of the start-up block the tool stands beside the beginning of the
+/// next one, at right angles to it, whatever the angle between the two.
 #[test]
 fn in_fanucs_dialect_the_tool_starts_up_to_beside_the_next_moves_beginning() {
-    // an arc of radius 7 about the origin from (7, 0), run through to the left; the tool of radius 2 is inside of it
+    // an arc of radius 7 about the origin from (7, 0), run through to the left; the tool of radius
+    // 2 is inside of it
     for degrees in [-82.0, -30.0, 0.0, 40.0, 82.0, 120.0, 170.0_f64] {
         let (sin, cos) = (degrees + 90.0).to_radians().sin_cos();
         let from = [7.0 - 3.0 * cos, -3.0 * sin];

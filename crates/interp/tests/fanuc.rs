@@ -333,7 +333,8 @@ fn return_speed_and_acceleration_of_a_tap_are_no_lengths() {
 
 #[test]
 fn a_lathe_goes_home_by_increments() {
-    // by U (a diameter) and W from where it stands, then home with the axes named, and with no others
+    // by U (a diameter) and W from where it stands, then home with the axes named, and with no
+    // others
     let program = "O1\nG0 X40. Z-10.\nG28 U10. W5.\nG0 X40. Z-10.\nG28 U0\nG28 W0\nM30\n";
     let wanted = [
         [20.0, 0.0, -10.0],

@@ -1,5 +1,5 @@
-//! Fanuc's checks of where the axes go (G22, G27), ways that an offset makes longer (G45 to G48), programs in files
-//! (M198), and lathes of system C: what the manual's rules come to by hand.
+//! Fanuc's checks of where the axes go (G22, G27), ways that an offset makes longer (G45 to G48),
+//! programs in files (M198), and lathes of system C: what the manual's rules come to by hand.
 use canon::{OpKind, Tool, ToolKind, ToolLibrary};
 use interp::{Call, Dialect, Interpreter, Ops, Parameters, Place, Setup, Sink, Subprogram};
 
@@ -106,7 +106,8 @@ fn no_move_enters_the_box_of_g22_and_behind_g23_all_may() {
         &[[-20.0, 5.0, 5.0], [0.0, 5.0, 0.0], [0.0, 5.0, -5.0]],
     );
     is_told(&program("G0 Z-5.\nG1 F100. X20."), &setup(), &["I1057@5", "X0 Y5 Z-5"]);
-    // an arc whose ends are outside: about X-8 Y5, radius 10, it bulges to X2 and comes to Y0 at -8 + √75
+    // an arc whose ends are outside: about X-8 Y5, radius 10, it bulges to X2 and comes to Y0
+    // at -8 + √75
     let arc = "G0 X-8. Y-5. Z-5.\nG3 F100. X-8. Y15. J10.";
     is_told(&program(arc), &setup(), &["I1057@5", "X0.66 Y0 Z-5"]);
     goes_to(&program("G23\nG0 X5. Z-1."), &setup(), &[[-20.0, 5.0, 5.0], [5.0, 5.0, -1.0]]);

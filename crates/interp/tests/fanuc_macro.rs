@@ -1,4 +1,5 @@
-//! Fanuc's custom macro B: variables, calls and jumps, with what they come to by the manual's rules.
+//! Fanuc's custom macro B: variables, calls and jumps, with what they come to by the manual's
+//! rules.
 use canon::OpKind;
 use interp::{Dialect, Increments, Limits, MissingTools, Ops, Setup, Subprogram};
 

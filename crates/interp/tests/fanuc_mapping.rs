@@ -1,5 +1,5 @@
-//! Fanuc's polar coordinates, scaling, rotation and mirroring, by the arithmetic of its manual; boring with the tool
-//! moved aside.
+//! Fanuc's polar coordinates, scaling, rotation and mirroring, by the arithmetic of its manual;
+//! boring with the tool moved aside.
 use canon::{OpKind, SpindleOrder};
 use interp::{Aside, Cycles, Dialect, MissingTools, Ops, Setup};
 

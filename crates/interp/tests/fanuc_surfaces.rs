@@ -1,4 +1,5 @@
-//! Fanuc's G7.1 and G12.1: where a linear axis and a turning one go together, and how long they take, by trigonometry.
+//! Fanuc's G7.1 and G12.1: where a linear axis and a turning one go together, and how long they
+//! take, by trigonometry.
 use canon::{Feed, OpKind};
 use core::f64::consts::PI;
 use interp::{Dialect, Ops, Setup};
@@ -86,7 +87,8 @@ fn a_line_round_a_cylinder_is_a_line_of_its_axes_in_the_time_of_the_surface() {
 
 #[test]
 fn an_arc_round_a_cylinder_is_nowhere_farther_from_it_than_half_a_micrometre() {
-    // a half circle of radius 10 about Z10 C0 in the unrolled plane, counter-clockwise from Z20 over C10 to Z0
+    // a half circle of radius 10 about Z10 C0 in the unrolled plane, counter-clockwise from Z20
+    // over C10 to Z0
     let program = format!("{CYLINDER}G1 Z20. C0\nG3 Z0 C0 R10.\nG7.1 C0");
     let steps = steps_of(LATHE, &program);
     let (mut from, mut seconds, mut highest) = ([20.0, 0.0], 0.0, 0.0_f64);
@@ -107,7 +109,8 @@ fn an_arc_round_a_cylinder_is_nowhere_farther_from_it_than_half_a_micrometre() {
 
 #[test]
 fn compensation_lies_in_the_unrolled_plane() {
-    // a groove's wall along C at Z50, the tool of radius 4 to the right of it (towards +Z, for C goes up)
+    // a groove's wall along C at Z50, the tool of radius 4 to the right of it (towards +Z, for C
+    // goes up)
     let program = format!("G0 C-30.\n{CYLINDER}G1 C-30.\nG42 D1 Z50. C0\nC40.\nG40 Z100.\nG7.1 C0");
     let steps = steps_of(LATHE, &program);
     let along: Vec<_> = steps.iter().filter(|(at, _)| (at[2] - 54.0).abs() < 1e-6).collect();

@@ -115,7 +115,8 @@ fn g75_pecks_along_x() {
 
 #[test]
 fn g76_deepens_with_the_square_root_and_finishes_as_often_as_it_is_told() {
-    // height 1, first pass 0.5: 0.5, 0.707, 0.866 (at most 1 − 0.1 = 0.9), 0.9, then twice at 1; tool of 0°
+    // height 1, first pass 0.5: 0.5, 0.707, 0.866 (at most 1 − 0.1 = 0.9), 0.9, then twice at 1;
+    // tool of 0°
     let (found, told) = run(
         Dialect::FanucLatheA,
         "G0 X22. Z3.\nG76 P020000 Q50 R0.1\nG76 X18. Z-20. P1000 Q500 F1.5",
@@ -131,7 +132,8 @@ fn g76_deepens_with_the_square_root_and_finishes_as_often_as_it_is_told() {
 
 #[test]
 fn g76_goes_in_along_the_flank_and_pulls_off_at_the_end() {
-    // one pass to the full height of 1 with a tool of 60°: it begins tan 30° further on; pull-off of one lead; once more
+    // one pass to the full height of 1 with a tool of 60°: it begins tan 30° further on; pull-off
+    // of one lead; once more
     let pass =
         "R 11.000 2.423, R 9.000 2.423, @ 2.000, F 9.000 -18.000, @ 2.828, F 11.000 -20.000, @,
          R 11.000 -20.000, R 11.000 3.000";
@@ -163,7 +165,8 @@ fn g34_says_lead_and_growth_and_is_modal() {
 
 #[test]
 fn g34_is_listed_turn_by_turn() {
-    // 2 mm per turn, 0.5 more in each: after 1, 2, 3 turns at 2.25, 5, 8.25; 9 is reached in the fourth
+    // 2 mm per turn, 0.5 more in each: after 1, 2, 3 turns at 2.25, 5, 8.25; 9 is reached in the
+    // fourth
     let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };
     let program = b"O1\nG97 S500 M3\nG0 X20. Z0\nG34 Z-9. F2. K0.5\nM30\n";
     let mut interpreter = Interpreter::new(program, &setup);

@@ -1,4 +1,5 @@
-//! What programs of the shop floor write, and what must not be read as something else without a word.
+//! What programs of the shop floor write, and what must not be read as something else without a
+//! word.
 use canon::{Hole, OpKind};
 use interp::{Dialect, MissingTools, Ops, Setup};
 
@@ -58,7 +59,8 @@ fn comments_stand_between_the_arguments_of_a_call() {
     assert_eq!(places(&ops(text, Dialect::LinuxCnc)), [[1.0, 2.0, 0.0]]);
 }
 
-/// Fanuc: of the block that sets an offset, its own G90 or G91 counts, and not the one of a block before.
+/// Fanuc: of the block that sets an offset, its own G90 or G91 counts, and not the one of a block
+/// before.
 #[test]
 fn an_offset_is_set_or_added_to_as_its_own_block_says() {
     let z = |offsets: &str| {
@@ -111,7 +113,8 @@ fn holes_on_a_circle_stay_on_it_however_many_one_block_makes() {
     }
 }
 
-/// Without a radius the tool is led on the programmed way: no corner is rounded, none is too narrow.
+/// Without a radius the tool is led on the programmed way: no corner is rounded, none is too
+/// narrow.
 #[test]
 fn a_cutter_of_no_radius_is_led_on_the_programmed_way() {
     let corners = "X20\nY20\nX40\nY10\nG2 X60 Y10 I10 J0\nG1 X60 Y-20\nX0";
@@ -123,7 +126,8 @@ fn a_cutter_of_no_radius_is_led_on_the_programmed_way() {
     }
 }
 
-/// Fanuc: in brackets a number is an expression, and counts whole units; alone, without a point, it counts increments.
+/// Fanuc: in brackets a number is an expression, and counts whole units; alone, without a point, it
+/// counts increments.
 #[test]
 fn a_number_in_brackets_counts_whole_units() {
     let x =
@@ -140,7 +144,8 @@ fn a_number_in_brackets_counts_whole_units() {
     }
 }
 
-/// Fanuc's lathe: nose 3 points to the chuck and to the axis, as an insert for turning along a bar does.
+/// Fanuc's lathe: nose 3 points to the chuck and to the axis, as an insert for turning along a bar
+/// does.
 #[test]
 fn the_nose_of_a_turning_tool_lies_where_fanuc_numbers_it() {
     let end = |nose: u32, side: &str| {
@@ -151,7 +156,8 @@ fn the_nose_of_a_turning_tool_lies_where_fanuc_numbers_it() {
         let along = found.iter().find(|place| (place[2] + 30.0).abs() < 3.0).unwrap();
         2.0 * along[0]
     };
-    // on the cylinder the imagined tip is on the programmed diameter; tip 2 is on the other side of the nose
+    // on the cylinder the imagined tip is on the programmed diameter; tip 2 is on the other side of
+    // the nose
     assert!((end(3, "G42") - 20.0).abs() < 1e-6, "{}", end(3, "G42"));
     assert!((end(4, "G42") - 20.0).abs() < 1e-6, "{}", end(4, "G42"));
     assert!((end(2, "G42") - 24.0).abs() < 1e-6, "{}", end(2, "G42"));
@@ -171,7 +177,8 @@ fn a_format_of_print_has_as_many_decimals_as_linuxcnc_writes() {
     assert_eq!(said.unwrap().trim(), "1.234568 1.2346 1 1.23");
 }
 
-/// Fanuc: what a profile's blocks say of the side of the way is meant where G70 finishes it, as if they stood there alone.
+/// Fanuc: what a profile's blocks say of the side of the way is meant where G70 finishes it, as if
+/// they stood there alone.
 #[test]
 fn a_profile_is_finished_on_the_side_that_its_blocks_say() {
     let head = "O1\nG21 G18 G97 S500 M3\nG98 F100\nG10 P10001 R1. Q3\nT0101\nG0 X50. Z2.\n";
@@ -354,8 +361,9 @@ fn what_stands_beside_the_percent_sign_is_skipped_and_said() {
     assert!(found(text, Dialect::LinuxCnc).contains(&"P0110"), "LinuxCNC refuses it");
 }
 
-/// Operator's manual of series 30i, "Reference position return in cutter compensation": the vector is cancelled in the
-/// movement to the intermediate point (CCN of parameter 5003 is 0), and restored by a start-up after the return.
+/// Operator's manual of series 30i, "Reference position return in cutter compensation": the vector
+/// is cancelled in the movement to the intermediate point (CCN of parameter 5003 is 0), and
+/// restored by a start-up after the return.
 #[test]
 fn g28_ends_the_compensation_on_its_way_and_starts_it_up_again_behind() {
     let head = "O1\nG21 G90 G54 G17\nG10 L12 P1 R5.\nG0 X0 Y0\nG1 G41 D1 X10. Y0 F100.\nX40.\n";

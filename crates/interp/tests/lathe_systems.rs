@@ -1,5 +1,5 @@
-//! One part written for the three code systems of Fanuc's lathes, block by block from the manual's list: the operations are the
-//! same.
+//! One part written for the three code systems of Fanuc's lathes, block by block from the manual's
+//! list: the operations are the same.
 //!
 //! | what | A | B | C |
 //! |---|---|---|---|

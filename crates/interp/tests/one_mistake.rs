@@ -1,4 +1,5 @@
-//! One mistake in a program is told once, where it is: nothing that follows it is condemned on its behalf.
+//! One mistake in a program is told once, where it is: nothing that follows it is condemned on its
+//! behalf.
 use interp::{Dialect, check, example_setup};
 use proptest::prelude::*;
 

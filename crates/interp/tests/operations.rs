@@ -114,7 +114,8 @@ fn a_quarter_circle_sweeps_a_quarter_turn_and_two_more_with_p3() {
 
 #[test]
 fn an_arc_by_radius_has_the_centre_of_its_chord() {
-    // Chord 6, radius 5: the centre is 4 from the chord; left of it for a short counter-clockwise arc.
+    // Chord 6, radius 5: the centre is 4 from the chord; left of it for a short counter-clockwise
+    // arc.
     let ops = ops_of(&shop(), "F100\nG3 X6 Y0 R5");
     let OpKind::Arc { arc, .. } = ops[1].kind else { panic!("{ops:?}") };
     assert!(

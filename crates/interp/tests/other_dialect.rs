@@ -1,4 +1,5 @@
-//! A wrong dialect is suspected and named, with its evidence; and never of a program that is read as it was written.
+//! A wrong dialect is suspected and named, with its evidence; and never of a program that is read
+//! as it was written.
 
 use diag::Diagnostic;
 use interp::{Dialect, Setup, other_dialect};

@@ -1,4 +1,5 @@
-//! Which block comes next: branches, loops and subprograms, their limits, and errors that all come at once.
+//! Which block comes next: branches, loops and subprograms, their limits, and errors that all come
+//! at once.
 
 use crate::shop::{ends, near, ops_of, refused, shop};
 use interp::{Setup, Subprogram};

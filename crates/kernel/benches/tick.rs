@@ -1,13 +1,14 @@
 //! What one tick costs: three axes and a spindle, over a program of moves and rigid taps, on this
-//! computer. Prints median, 99.9th percentile and worst, by what the kernel was doing, and how fast kernel
-//! and simulated machine run together.
+//! computer. Prints median, 99.9th percentile and worst, by what the kernel was doing, and how fast
+//! kernel and simulated machine run together.
 //!
 //! ```text
 //!   cargo bench -p kernel
 //! ```
 //!
-//! The tick is timed by itself, without the machine; the cost of reading the clock is measured first and
-//! subtracted. The worst of a computer with an ordinary operating system is the system's, not the tick's.
+//! The tick is timed by itself, without the machine; the cost of reading the clock is measured
+//! first and subtracted. The worst of a computer with an ordinary operating system is the system's,
+//! not the tick's.
 #[path = "../tests/common/mod.rs"]
 mod common;
 use bus::{Machine, State};

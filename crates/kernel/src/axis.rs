@@ -8,20 +8,22 @@
 //! ```
 //!
 //! *Ahead*: a force ordered at the reading of the encoders acts after the command's delay d and the
-//! drive's own lag τ, and is held for a period h: the feed-forward is evaluated d + τ + h/2 later than the
-//! setpoint it accompanies.
+//! drive's own lag τ, and is held for a period h: the feed-forward is evaluated d + τ + h/2 later
+//! than the setpoint it accompanies.
 //!
-//! *Stretch*: with the encoder on the motor the screw between encoder and tool side is a spring that carries
-//! F = m·a + friction − weight, so the motor is led by F/k, and by half the play in the sense of F. What
-//! the control calls the axis' position is the tool side everywhere: reading − stretch. Where friction
-//! changes its sign the stretch has to change within milliseconds; the motor's mass times that
-//! acceleration, m·F̈/k, is fed forward too. It halves the spike at the bottom of a tapped hole.
+//! *Stretch*: with the encoder on the motor the screw between encoder and tool side is a spring
+//! that carries F = m·a + friction − weight, so the motor is led by F/k, and by half the play in
+//! the sense of F. What the control calls the axis' position is the tool side everywhere: reading −
+//! stretch. Where friction changes its sign the stretch has to change within milliseconds; the
+//! motor's mass times that acceleration, m·F̈/k, is fed forward too. It halves the spike at the
+//! bottom of a tapped hole.
 //!
-//! *A scale beside the motor's encoder.* The screw's spring must not lie inside the speed loop, which would be slow for its
-//! resonance: the motor's encoder closes the speed loop, the scale corrects what motor and model make of the tool side
-//! (believed = motor − stretch + what lasts of scale − (motor − stretch)). By how much further than by the model the screw is
-//! stretched is the cut's force, k·Δ, and fed forward: when a drill's thrust F ends, the motor stands, and the tool side springs
-//! forward by F/k and its own overshoot, no more.
+//! *A scale beside the motor's encoder.* The screw's spring must not lie inside the speed loop,
+//! which would be slow for its resonance: the motor's encoder closes the speed loop, the scale
+//! corrects what motor and model make of the tool side (believed = motor − stretch + what lasts of
+//! scale − (motor − stretch)). By how much further than by the model the screw is stretched is the
+//! cut's force, k·Δ, and fed forward: when a drill's thrust F ends, the motor stands, and the tool
+//! side springs forward by F/k and its own overshoot, no more.
 //!
 //! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
 use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
@@ -36,9 +38,11 @@ const GAP_DECAY_S: f64 = 0.02;
 /// Play changes sides over this share of the friction.
 const PLAY_CROSSING: f64 = 0.25;
 
-/// Beside a motor's encoder a scale tells what lasts longer than this, s: a swing of the screw is none of the position loop's.
+/// Beside a motor's encoder a scale tells what lasts longer than this, s: a swing of the screw is
+/// none of the position loop's.
 const LASTS_S: f64 = 0.01;
-/// Bandwidth of the cut's force that is fed forward, Hz: at three times this a share of 1.3 of it would swing.
+/// Bandwidth of the cut's force that is fed forward, Hz: at three times this a share of 1.3 of it
+/// would swing.
 const CUT_HZ: f64 = 100.0;
 
 /// Bound of the force that stretches the screw at a reversal, over the breakaway force.
@@ -110,8 +114,8 @@ impl Screw {
 }
 
 impl AxisControl {
-    /// Where the tool side stands at rest, by the encoder: the weight that hangs on a screw stretches it, and what the control
-    /// calls the axis' position is the tool side everywhere.
+    /// Where the tool side stands at rest, by the encoder: the weight that hangs on a screw
+    /// stretches it, and what the control calls the axis' position is the tool side everywhere.
     pub fn tool_side_at_rest(&self, reading: Coordinate) -> Coordinate {
         match self.encoder.place {
             EncoderPlace::Motor => {
@@ -122,11 +126,12 @@ impl AxisControl {
     }
 }
 
-/// Behind the screw's spring a tracker must not take the resonance for motion: at this share of it, what
-/// the encoder says of the resonance is damped more than the resonance is sharp.
+/// Behind the screw's spring a tracker must not take the resonance for motion: at this share of it,
+/// what the encoder says of the resonance is damped more than the resonance is sharp.
 const BELOW_RESONANCE: f64 = 0.15;
 
-/// The motor's own encoder beside a scale. Its zero is where the scale's was when the drive came up.
+/// The motor's own encoder beside a scale. Its zero is where the scale's was when the drive came
+/// up.
 #[derive(Clone, Debug, Default)]
 struct MotorSide {
     offset: f64,
@@ -246,7 +251,8 @@ impl AxisLoop {
         }
     }
 
-    /// Deceleration that a stop which nobody planned may ask of it, mm/s²: half of what its drive can give.
+    /// Deceleration that a stop which nobody planned may ask of it, mm/s²: half of what its drive
+    /// can give.
     pub(crate) fn braking(&self) -> f64 {
         0.5 * self.control.peak_force.value() / self.mass
     }
@@ -328,7 +334,8 @@ impl AxisLoop {
         self.force * sense >= NEARLY * self.force_limit.min(self.control.peak_force.value())
     }
 
-    /// What the encoder would read if nothing stretched the screw but the weight: the tool side is held, and the drive pushes.
+    /// What the encoder would read if nothing stretched the screw but the weight: the tool side is
+    /// held, and the drive pushes.
     pub(crate) fn pressed(&self) -> f64 {
         let weight = self.control.weight.value();
         self.reading - self.screw.stretch(self.force) + self.screw.stretch(-weight)
@@ -341,7 +348,8 @@ impl AxisLoop {
         self.target.jerk = 0.0;
     }
 
-    /// Brake towards rest: within the approach acceleration, unless more is needed to stay in its travel.
+    /// Brake towards rest: within the approach acceleration, unless more is needed to stay in its
+    /// travel.
     pub(crate) fn brake(&mut self) {
         let before = self.target.speed;
         let most = self.brakes_at * self.period_s;
@@ -352,8 +360,8 @@ impl AxisLoop {
         self.target.jerk = 0.0;
     }
 
-    /// Force that stretches the screw the other way while friction changes: the motor has to get ahead of
-    /// the tool side within milliseconds at a reversal, and it is the heavier part.
+    /// Force that stretches the screw the other way while friction changes: the motor has to get
+    /// ahead of the tool side within milliseconds at a reversal, and it is the heavier part.
     fn stretching(&mut self, friction: f64) -> f64 {
         let (last, before) = self.frictions;
         self.frictions = (friction, last);

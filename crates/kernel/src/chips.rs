@@ -5,11 +5,13 @@
 //!     told nothing yet                        told −U                      told +S, or to stop
 //! ```
 //!
-//! It runs beside the steps: the axes rise, move and come down meanwhile. A step that waits for the spindle
-//! ([`motion::SpindleStep::AwaitSpeed`]) waits until there is none left, so the cut waits at R if it must.
+//! It runs beside the steps: the axes rise, move and come down meanwhile. A step that waits for the
+//! spindle ([`motion::SpindleStep::AwaitSpeed`]) waits until there is none left, so the cut waits
+//! at R if it must.
 //!
-//! **The watch.** While a cutting move goes on the spindle must turn in the sense that is in force, within
-//! the window `in_cut` of its speed, with no chip removal open. It is checked every period, and a breach is alarm 204.
+//! **The watch.** While a cutting move goes on the spindle must turn in the sense that is in force,
+//! within the window `in_cut` of its speed, with no chip removal open. It is checked every period,
+//! and a breach is alarm 204.
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::event::EventKind;

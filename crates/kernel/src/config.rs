@@ -1,6 +1,7 @@
 //! What the kernel is told once, before the first tick: loops, limits, windows and waits.
 //!
-//! Plain data. The machine file fills it; [`Config::problems`] finds what cannot be meant, all at once.
+//! Plain data. The machine file fills it; [`Config::problems`] finds what cannot be meant, all at
+//! once.
 use bus::{AXES, SPINDLES};
 use sync::{SyncMode, Windows};
 use units::{Angle, Force, Inertia, Mass, Power, Spin, SpinAccel, Stiffness, Time, Torque};
@@ -12,8 +13,8 @@ use units::{Axis, Coordinate, CoordinateAccel, CoordinateSpeed};
 pub struct Config {
     /// Servo period.
     pub period: Time,
-    /// From the moment encoders are read to the moment the command takes effect, without the drives'
-    /// own lags. Feed-forwards are given that much earlier.
+    /// From the moment encoders are read to the moment the command takes effect, without the
+    /// drives' own lags. Feed-forwards are given that much earlier.
     pub command_delay: Time,
     /// By axis, X first.
     pub axes: [Option<AxisControl>; AXES],
@@ -55,7 +56,8 @@ pub struct Waits {
     pub tool_change: Time,
 }
 
-/// A geared spindle off its gear spoils the work with every pass: the tool leaves it first, then everything stops.
+/// A geared spindle off its gear spoils the work with every pass: the tool leaves it first, then
+/// everything stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhaseLoss {
@@ -73,7 +75,8 @@ pub struct PhaseLoss {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pause {
-    /// Wait for [`crate::Kernel::resume`]; optional stops too if [`crate::Order::OptionalStop`] has been given.
+    /// Wait for [`crate::Kernel::resume`]; optional stops too if [`crate::Order::OptionalStop`] has
+    /// been given.
     Wait,
     /// Go on at once: nobody is there, as in a simulation.
     GoOn,
@@ -166,7 +169,8 @@ pub struct AxisControl {
     pub motor_mass: Mass,
     /// What moves along the guideway.
     pub table_mass: Mass,
-    /// Constant force along the axis that the drive has to bear: negative if it pulls towards minus.
+    /// Constant force along the axis that the drive has to bear: negative if it pulls towards
+    /// minus.
     pub weight: Force,
     /// Friction of the guideway.
     pub friction: AxisFriction,
@@ -207,7 +211,8 @@ pub struct SpindleFriction {
 pub struct SpindleWindows {
     /// At speed within this share of the ordered speed.
     pub at_speed: f64,
-    /// In a cut within this share of the ordered speed: by how much a load may pull it down, or drive it.
+    /// In a cut within this share of the ordered speed: by how much a load may pull it down, or
+    /// drive it.
     pub in_cut: f64,
     /// At rest below this speed.
     pub at_rest: Spin,
@@ -229,7 +234,8 @@ pub struct OwnRamps {
     pub decel: SpinAccel,
     /// Share by which its stopping angle may be longer.
     pub uncertainty: f64,
-    /// How much later than learnt it may obey, and by what share its ramp may be longer than learnt.
+    /// How much later than learnt it may obey, and by what share its ramp may be longer than
+    /// learnt.
     pub repeats: (Time, f64),
     /// Share of a tap's speed from which that does not matter.
     pub creep: f64,
@@ -271,9 +277,11 @@ pub struct SpindleControl {
     pub observer_bandwidth_hz: f64,
     /// Limits of turning to an angle.
     pub orient: (Spin, SpinAccel),
-    /// The drive is only told a speed and makes its own ramps; `None`: it is told a torque, or an angle.
+    /// The drive is only told a speed and makes its own ramps; `None`: it is told a torque, or an
+    /// angle.
     pub own_ramps: Option<OwnRamps>,
-    /// The drive closes its own position loop and is told an angle, also while the spindle only turns.
+    /// The drive closes its own position loop and is told an angle, also while the spindle only
+    /// turns.
     pub closes_position: bool,
     /// A drive with ramps of its own that brings the spindle to an angle by itself.
     pub orients: bool,

@@ -1,5 +1,5 @@
-//! What is coupled in the background of every step: geared spindles, and functions of a spindle's turn that are
-//! superposed on axes and on geared spindles.
+//! What is coupled in the background of every step: geared spindles, and functions of a spindle's
+//! turn that are superposed on axes and on geared spindles.
 //!
 //! ```text
 //!   master θ (its setpoint where it is position-controlled, else the observer's) ─┬─ gear ──► follower spindle
@@ -7,12 +7,13 @@
 //!   steps go on meanwhile: a Move sets an axis' base, the superposition comes on top of it
 //! ```
 //!
-//! A function that is superposed on its own master makes that one swing about its even turn: the even turn is what
-//! all followers see, so that they and the master keep step.
+//! A function that is superposed on its own master makes that one swing about its even turn: the
+//! even turn is what all followers see, so that they and the master keep step.
 //!
-//! While a gear is engaged its master is *paced*: position-controlled along the speed that is ordered, so that master
-//! and follower obey one trajectory with matched loops, and a change of speed takes both along. A halt of the
-//! machine keeps the gear and the superpositions: master, follower and axes stop on the coupling.
+//! While a gear is engaged its master is *paced*: position-controlled along the speed that is
+//! ordered, so that master and follower obey one trajectory with matched loops, and a change of
+//! speed takes both along. A halt of the machine keeps the gear and the superpositions: master,
+//! follower and axes stop on the coupling.
 use crate::axis::Target;
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
@@ -61,7 +62,8 @@ struct Wave {
     turns: f64,
 }
 
-/// A table that may be superposed, and the largest of its values and of their first three derivatives.
+/// A table that may be superposed, and the largest of its values and of their first three
+/// derivatives.
 #[derive(Clone, Debug)]
 struct Held {
     id: TableId,
@@ -209,8 +211,8 @@ impl Drives {
         self.leave(run.master);
     }
 
-    /// Lead a master by angle from now on, if the machine's spindles can be; its speed changes no faster than a
-    /// share of its torque, and than `most`, rev/s², allow.
+    /// Lead a master by angle from now on, if the machine's spindles can be; its speed changes no
+    /// faster than a share of its torque, and than `most`, rev/s², allow.
     pub(crate) fn pace(&mut self, master: usize, most: f64) {
         if let Some(spindle) = self.spindles[master].as_mut().filter(|_| self.paces) {
             let most = most.min(spindle.accel_at_most(PACED));
@@ -383,7 +385,8 @@ impl Drives {
         self.spindles[index].as_ref().map_or_else(Rotation::default, SpindleLoop::master)
     }
 
-    /// The same as it will be once the spindles have advanced, for steps: they come before them in a period.
+    /// The same as it will be once the spindles have advanced, for steps: they come before them in
+    /// a period.
     pub(crate) fn master_after_steps(&self, index: usize, period: Time) -> Rotation {
         let led = self.spindles[index].as_ref().is_some_and(SpindleLoop::position_controlled);
         let master = self.master(index);

@@ -6,9 +6,10 @@
 //!                                  counts nothing, against the sense, by another scale, no index mark: alarm
 //! ```
 //!
-//! It is made of spindles whose drive is told a speed: nothing but the encoder says there how they turn, and a tap follows it. Without
-//! an index mark the scale is known as well as the drive keeps its speed; with one, to a count. A drive that is told an angle keeps
-//! that, and the scale is known to its window.
+//! It is made of spindles whose drive is told a speed: nothing but the encoder says there how they
+//! turn, and a tap follows it. Without an index mark the scale is known as well as the drive keeps
+//! its speed; with one, to a count. A drive that is told an angle keeps that, and the scale is
+//! known to its window.
 use crate::fault::FaultKind;
 use crate::spindle::SpindleLoop;
 use units::{Angle, Spin};
@@ -19,7 +20,8 @@ const SETTLES_S: f64 = 0.2;
 const TURNS: f64 = 2.0;
 /// Turns within which two index marks must have come.
 const INDEX_TURNS: f64 = 3.5;
-/// Both halves of a measurement are as long within this share, or it still speeds up and is measured again …
+/// Both halves of a measurement are as long within this share, or it still speeds up and is
+/// measured again …
 const STEADY: f64 = 0.05;
 /// … so often.
 const TRIES: u8 = 10;
@@ -94,7 +96,8 @@ impl EncoderCheck {
         }
     }
 
-    /// A period of it. `sense`: in which the spindle is about to turn. `index`: the mark that has passed.
+    /// A period of it. `sense`: in which the spindle is about to turn. `index`: the mark that has
+    /// passed.
     ///
     /// # Errors
     /// What is wrong with the encoder.

@@ -1,5 +1,5 @@
-//! Readings that cannot be: noticed within a period, and bridged until everything stands; in a tap and a turned thread, where
-//! feed and spindle are tied, and in all else ([`untied`]).
+//! Readings that cannot be: noticed within a period, and bridged until everything stands; in a tap
+//! and a turned thread, where feed and spindle are tied, and in all else ([`untied`]).
 //!
 //! ```text
 //!   place │        ╱ reading jumps by more than the drive can do in a period: slipped, or a lost line
@@ -9,10 +9,11 @@
 //!         └─────────► time
 //! ```
 //!
-//! A loop that followed such a reading would drive spindle and feed apart with all its force, and switching both off
-//! lets them run down apart. The loop whose encoder is implausible goes blind: what it had learnt of the load stays,
-//! and feed-forward does the stop. That is good for the tenth of a second that a stop takes. What others ask of its place is answered by the
-//! reading before and the setpoint's own steps. That encoder is not used again before the control is started anew.
+//! A loop that followed such a reading would drive spindle and feed apart with all its force, and
+//! switching both off lets them run down apart. The loop whose encoder is implausible goes blind:
+//! what it had learnt of the load stays, and feed-forward does the stop. That is good for the tenth
+//! of a second that a stop takes. What others ask of its place is answered by the reading before
+//! and the setpoint's own steps. That encoder is not used again before the control is started anew.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -20,8 +21,8 @@
 //! | a | most acceleration of what carries the encoder | mm/s², rev/s² |
 //! | h, q | period, one count | s; mm, rev |
 //!
-//! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes on by 2 µm or 16·q
-//! (and by what a loop needs to break away, where friction is not fed forward).
+//! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes
+//! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward).
 //! A spindle that does not turn may as well be stalled; its following error says so.
 mod untied;
 
@@ -34,7 +35,8 @@ use bus::Feedback;
 use units::Axis;
 use untied::Untied;
 
-/// Steps may differ by what the drive's most acceleration does in a period, times this: cut and springs add to it.
+/// Steps may differ by what the drive's most acceleration does in a period, times this: cut and
+/// springs add to it.
 const BEYOND_DRIVE: f64 = 3.0;
 /// And by the encoder's noise, in counts.
 const NOISE_COUNTS: f64 = 8.0;
@@ -123,7 +125,8 @@ impl EncoderPlausibility {
         [self.axis, self.spindle].iter().flatten().any(|watched| !watched.plausible)
     }
 
-    /// The readings to go by: as they are, but for what cannot be of the pair that is coupled; and what is wrong.
+    /// The readings to go by: as they are, but for what cannot be of the pair that is coupled; and
+    /// what is wrong.
     pub(crate) fn bridge(
         &mut self,
         tied: Tied,
@@ -219,7 +222,8 @@ fn spindle_bounds(spindle: &SpindleLoop, period_s: f64, frame_lost: bool) -> Bou
 
 fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> Bounds {
     let control = &axis.control;
-    // a loop that friction is not fed to breaks away when its error has grown to what friction takes
+    // a loop that friction is not fed to breaks away when its error has grown to what friction
+    // takes
     let fed = shares.unwrap_or(control.feed_forward).friction;
     let per_mm = (control.motor_mass + control.table_mass).value()
         * 1e-3
@@ -248,7 +252,8 @@ mod tests {
 
     const BOUNDS: Bounds = Bounds { jump: 0.006, stuck: 0.005, frame_lost: false };
 
-    /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which period it became implausible.
+    /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which period it
+    /// became implausible.
     fn taken(spoil: impl Fn(usize, f64) -> f64) -> (Vec<f64>, Option<usize>) {
         let mut watched = Watched::new(-0.004, 0.004);
         let judge = |i| watched.judge(spoil(i, i as f64 * 0.004), 0.004, BOUNDS);

@@ -119,7 +119,8 @@ pub enum EventKind {
     },
     /// Spindle and axis are out again.
     TapEnded(TapFigures),
-    /// A tool is about to be taken out after a stop: how far from its coupling it stands, and who goes back.
+    /// A tool is about to be taken out after a stop: how far from its coupling it stands, and who
+    /// goes back.
     RecoveryBegun {
         /// Along the follower.
         error: Length,
@@ -144,7 +145,8 @@ pub enum EventKind {
     Homed {
         /// Which.
         axis: Axis,
-        /// By how much the reference was off where the axis had it before; `None`: it had none, or none was looked for.
+        /// By how much the reference was off where the axis had it before; `None`: it had none, or
+        /// none was looked for.
         deviation: Option<Coordinate>,
     },
     /// Homing was given up for the operator; the axis stands and does not know where it is.
@@ -168,7 +170,8 @@ pub enum EventKind {
 pub struct TapFigures {
     /// Sync error in the material.
     pub sync: Figures,
-    /// Deepest coordinate reached, less the programmed one, along the way in: positive is an overrun.
+    /// Deepest coordinate reached, less the programmed one, along the way in: positive is an
+    /// overrun.
     pub depth_error: Length,
     /// Highest speed of the spindle.
     pub spin: Spin,

@@ -310,7 +310,8 @@ impl Activity {
         }
     }
 
-    /// The operator's hold has come into force in the middle of it: it stands, and goes on from there.
+    /// The operator's hold has come into force in the middle of it: it stands, and goes on from
+    /// there.
     pub(crate) fn is_held(&self, operator: &Operator, chain: Option<&Chain>) -> bool {
         match self {
             Self::Threading => operator.wants_rest() && chain.is_some_and(Chain::is_standing),

@@ -1,4 +1,5 @@
-//! What can go wrong on a machine, as states: each alarm has a number, a sentence, a cause and a remedy.
+//! What can go wrong on a machine, as states: each alarm has a number, a sentence, a cause and a
+//! remedy.
 //!
 //! ```text
 //!   1xx  the machine      emergency stop, drives
@@ -283,7 +284,8 @@ impl fmt::Display for Fault {
     }
 }
 
-/// The alarm list of the manual, in Markdown: a row of a table for each kind, by number (`docs/alarms.md`).
+/// The alarm list of the manual, in Markdown: a row of a table for each kind, by number
+/// (`docs/alarms.md`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AlarmList;
 

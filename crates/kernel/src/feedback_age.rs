@@ -6,7 +6,8 @@
 //!        └────────► ticks
 //! ```
 //!
-//! A control that was late fills in the readings that it missed before it ticks, so that a jump is none to the kernel.
+//! A control that was late fills in the readings that it missed before it ticks, so that a jump is
+//! none to the kernel.
 use crate::config::Subject;
 use crate::drives::Finding;
 use crate::fault::FaultKind;

@@ -7,15 +7,15 @@
 //!     └──────────────────► way since the reversal
 //! ```
 //!
-//! LuGre's bristles driven by the *setpoint*: over a small way dx at a constant g the bristles' force
-//! obeys dF/dx = σ₀·(1 − sgn(dx)·F/g), so that
+//! LuGre's bristles driven by the *setpoint*: over a small way dx at a constant g the bristles'
+//! force obeys dF/dx = σ₀·(1 − sgn(dx)·F/g), so that
 //!
 //! ```text
 //!   F⁺ = s·g + (F − s·g)·exp(−σ₀·|dx|/g),   s = sgn(dx)
 //! ```
 //!
-//! exactly, for any step. Damping of the bristles σ₁·ż and the viscous part σ₂·v are added. An axis that
-//! stands keeps F: so does its guideway.
+//! exactly, for any step. Damping of the bristles σ₁·ż and the viscous part σ₂·v are added. An axis
+//! that stands keeps F: so does its guideway.
 //!
 //! Source: Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995), 419–425.
 use crate::config::{AxisFriction, SpindleFriction};

@@ -14,15 +14,18 @@
 //!                                                                     └─► PullOff ──► homed
 //! ```
 //!
-//! Setting the reference moves the encoder's zero, and the setpoint with it by as much: the axis feels nothing. Every
-//! search is bounded by a distance, so that a switch, a mark or a stop that is not there is an alarm and not a wait.
+//! Setting the reference moves the encoder's zero, and the setpoint with it by as much: the axis
+//! feels nothing. Every search is bounded by a distance, so that a switch, a mark or a stop that is
+//! not there is an alarm and not a wait.
 //!
-//! Before an axis has been homed nothing proves that its encoder counts the way its motor turns. A loop that is closed the
-//! wrong way round runs away by a factor e within 1/(2π·bandwidth), milliseconds: what moves against its setpoint by a few
-//! in-position windows, before it ever moved with it, is switched off.
+//! Before an axis has been homed nothing proves that its encoder counts the way its motor turns. A
+//! loop that is closed the wrong way round runs away by a factor e within 1/(2π·bandwidth),
+//! milliseconds: what moves against its setpoint by a few in-position windows, before it ever moved
+//! with it, is switched off.
 //!
-//! Sources: IEC 61800-7-201 (`CiA` 402), homing methods 1 to 37; LinuxCNC, "Homing configuration". Two motors that share one
-//! axis (a gantry) are not homed here. Units: mm (of A, B and C degrees) and s.
+//! Sources: IEC 61800-7-201 (`CiA` 402), homing methods 1 to 37; LinuxCNC, "Homing configuration".
+//! Two motors that share one axis (a gantry) are not homed here. Units: mm (of A, B and C degrees)
+//! and s.
 mod run;
 
 use crate::axis::{AxisLoop, Target};
@@ -36,7 +39,8 @@ use units::{Axis, Coordinate, Length};
 
 /// Travel of an axis that does not know where it is.
 const EVERYWHERE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-/// What moves against its setpoint by so many in-position windows, or counts, is connected the wrong way round.
+/// What moves against its setpoint by so many in-position windows, or counts, is connected the
+/// wrong way round.
 const AGAINST_WINDOWS: f64 = 4.0;
 const AGAINST_COUNTS: f64 = 8.0;
 /// What has moved with its setpoint by so many times that is connected the right way round.
@@ -76,8 +80,8 @@ pub struct HomingOrder {
     pub accel: f64,
     /// Largest jerk; infinite where only the acceleration is limited.
     pub jerk: f64,
-    /// The position that the reference has; with [`HomingMethod::Absolute`] what the encoder reads at zero is short of, with
-    /// [`HomingMethod::Given`] where the axis is.
+    /// The position that the reference has; with [`HomingMethod::Absolute`] what the encoder reads
+    /// at zero is short of, with [`HomingMethod::Given`] where the axis is.
     pub reference: f64,
     /// Longest way to the switch, off it, or to the stop.
     pub search: f64,

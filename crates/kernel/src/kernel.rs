@@ -6,8 +6,8 @@
 //!                              └─ yes: outputs off, or brake and hold
 //! ```
 //!
-//! A fault is a state, not a `Result`: the machine is stopped the way the fault asks for, and from then
-//! on the kernel only holds it.
+//! A fault is a state, not a `Result`: the machine is stopped the way the fault asks for, and from
+//! then on the kernel only holds it.
 mod encoder;
 mod exchange;
 mod faults;
@@ -68,7 +68,8 @@ pub struct Kernel {
     config: Config,
     drives: Drives,
     queue: Queue,
-    /// Stretches at the queue's front that are done: a thread is kept from its beginning, to be turned again after a hold.
+    /// Stretches at the queue's front that are done: a thread is kept from its beginning, to be
+    /// turned again after a hold.
     chained: usize,
     activity: Activity,
     /// The step at the queue's front has begun.
@@ -86,7 +87,8 @@ pub struct Kernel {
     setpoints: SetpointMonitor,
     spindle_monitor: SpindleMonitor,
     feedback_age: FeedbackAge,
-    /// A drive or an encoder is gone: once everything stands, outputs go off; the periods for which it has stood.
+    /// A drive or an encoder is gone: once everything stands, outputs go off; the periods for which
+    /// it has stood.
     drive_lost: Option<u32>,
     /// Axes that are moved by hand.
     manual: Manual,
@@ -113,8 +115,8 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// A kernel for a machine. All memory it will ever need is taken here. What [`Config::problems`]
-    /// reports should have been mended before.
+    /// A kernel for a machine. All memory it will ever need is taken here. What
+    /// [`Config::problems`] reports should have been mended before.
     pub fn new(config: Config) -> Self {
         Self {
             drives: Drives::new(&config),
@@ -193,7 +195,8 @@ impl Kernel {
         self.report
     }
 
-    /// Where the tool side of an axis is believed to be: by its scale, or by its motor and the model of its screw.
+    /// Where the tool side of an axis is believed to be: by its scale, or by its motor and the
+    /// model of its screw.
     pub fn tool_side(&self, axis: units::Axis) -> Option<Coordinate> {
         let axis = self.drives.axes.get(axis.index())?.as_ref()?;
         Some(Coordinate::new(axis.position()))
@@ -239,7 +242,8 @@ impl Kernel {
         command
     }
 
-    /// Everything is off: the changer keeps the tool that the machine has, whatever was ordered before.
+    /// Everything is off: the changer keeps the tool that the machine has, whatever was ordered
+    /// before.
     fn leave(&mut self, feedback: &Feedback) -> Command {
         self.drives.tool = feedback.tool.unwrap_or(self.drives.tool);
         Command { tool: self.drives.tool, ..Command::default() }
@@ -378,8 +382,8 @@ impl Kernel {
         Ok(progress)
     }
 
-    /// Brake what moves, synchronised what is coupled, and hold. A tap that was stopped in its thread comes out
-    /// when it is told to.
+    /// Brake what moves, synchronised what is coupled, and hold. A tap that was stopped in its
+    /// thread comes out when it is told to.
     fn halt(&mut self, feedback: &Feedback) -> Command {
         self.drives.rest_follower();
         let mut too_deep = None;

@@ -96,8 +96,8 @@ impl LearningRecords {
         self.list.last().is_some_and(|record| self.active && record.strokes > 0)
     }
 
-    /// An encoder-following tap has ended as it should; `taught`: by how much longer than planned the stopping
-    /// angle showed itself, if the spindle slowed down to a creep on the way.
+    /// An encoder-following tap has ended as it should; `taught`: by how much longer than planned
+    /// the stopping angle showed itself, if the spindle slowed down to a creep on the way.
     pub(crate) fn finish_following(&mut self, figures: &TapFigures, taught: Option<Angle>) {
         if core::mem::take(&mut self.active)
             && let Some(record) = self.list.last_mut()

@@ -8,9 +8,10 @@
 //!                  └─► Report, events 3 steps: moves, taps      6 report
 //! ```
 //!
-//! The kernel has no clock (time arrives in `Feedback`), no heap after [`Kernel::new`], no thread, no
-//! `Result` from the tick: what goes wrong is a [`Fault`], and the machine is stopped the way it asks
-//! for. Whoever can call a function can prove it: the same inputs give the same outputs, to the bit.
+//! The kernel has no clock (time arrives in `Feedback`), no heap after [`Kernel::new`], no thread,
+//! no `Result` from the tick: what goes wrong is a [`Fault`], and the machine is stopped the way it
+//! asks for. Whoever can call a function can prove it: the same inputs give the same outputs, to
+//! the bit.
 #![no_std]
 extern crate alloc;
 #[cfg(test)]

@@ -5,9 +5,10 @@
 //!             or turns of the spindle, G95
 //! ```
 //!
-//! A [`Move`] goes from rest to rest with its own profile. [`Follow`] steps go on into one another: each brings a piece of
-//! the joined path and the phases along it. For a feed per revolution planned time is revolutions, and all rates are
-//! per revolution: v = v′·|ω|, a = a′·ω², j = j′·|ω|³.
+//! A [`Move`] goes from rest to rest with its own profile. [`Follow`] steps go on into one another:
+//! each brings a piece of the joined path and the phases along it. For a feed per revolution
+//! planned time is revolutions, and all rates are per revolution: v = v′·|ω|, a = a′·ω², j =
+//! j′·|ω|³.
 use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding, MOVING};
 use crate::fault::FaultKind;
@@ -71,7 +72,8 @@ impl Moving {
         Ok(Self { at: 0.0, held: false, rests: false })
     }
 
-    /// Go on for `dt` seconds along the step at this place of the queue; the seconds that were left over when it is done.
+    /// Go on for `dt` seconds along the step at this place of the queue; the seconds that were left
+    /// over when it is done.
     pub(crate) fn advance(
         &mut self,
         (steps, index): (&Queue, usize),
@@ -160,7 +162,8 @@ pub(crate) fn stand_at(place: &[f64; AXES], drives: &mut Drives) -> Result<(), F
     Ok(())
 }
 
-/// Planned time that passes in so many seconds at the full rate, and that per second by the spindle's speed.
+/// Planned time that passes in so many seconds at the full rate, and that per second by the
+/// spindle's speed.
 fn passing(track: Track, dt: f64, drives: &mut Drives) -> (f64, f64) {
     if !track.per_revolution() {
         return (dt, 1.0);

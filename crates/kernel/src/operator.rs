@@ -1,4 +1,5 @@
-//! What the operator orders while a program runs: hold, resume, abort, retract, overrides, single block.
+//! What the operator orders while a program runs: hold, resume, abort, retract, overrides, single
+//! block.
 //!
 //! ```text
 //!                hold                  standing           resume
@@ -17,22 +18,23 @@
 //! | a spindle | [`Operator::spindle_share`] | turns slower or faster, unless a tap, a thread or a gear needs its speed |
 //! | between steps | [`Operator::wants_rest`] | no step begins |
 //!
-//! In a synchronised move overrides are locked: they are remembered, and act after it. What the operator may
-//! wonder about is said as a [`Notice`].
+//! In a synchronised move overrides are locked: they are remembered, and act after it. What the
+//! operator may wonder about is said as a [`Notice`].
 use core::fmt;
 
 /// An order, at any time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Order {
-    /// Stop what moves as soon as it can be, without leaving path or coupling. The spindle goes on turning
-    /// unless it is coupled.
+    /// Stop what moves as soon as it can be, without leaving path or coupling. The spindle goes on
+    /// turning unless it is coupled.
     FeedHold,
     /// Go on after a hold, a program's stop or a single block.
     Resume,
     /// What a person was asked for is done: a program's stop goes on, a tool is in the spindle.
     Confirm,
-    /// Stop as for a hold, then forget the rest of the program. A tap in its hole waits for `Retract`.
+    /// Stop as for a hold, then forget the rest of the program. A tap in its hole waits for
+    /// `Retract`.
     Abort,
     /// Back a held tap out of its hole along its thread.
     Retract,
@@ -73,7 +75,8 @@ pub enum Notice {
     HeldInThread,
     /// An override was turned during a synchronised move.
     OverrideLocked,
-    /// A share that is no number or out of its range, in percent, was taken as the nearest one that is.
+    /// A share that is no number or out of its range, in percent, was taken as the nearest one that
+    /// is.
     OverrideOutOfRange {
         /// The least that there is.
         least: u16,
@@ -177,8 +180,9 @@ impl Operator {
         Self { held: false, aborting: false, retract: false, admitted: None, said: false, ..*self }
     }
 
-    /// Take an order; what is to be said about it. `synchronised`: a coupling is engaged; `paused`: the
-    /// program has a stop of its own; `asked`: that, or a tool to be changed by hand, waits to be confirmed.
+    /// Take an order; what is to be said about it. `synchronised`: a coupling is engaged; `paused`:
+    /// the program has a stop of its own; `asked`: that, or a tool to be changed by hand, waits to
+    /// be confirmed.
     pub(crate) fn take(
         &mut self,
         order: Order,
@@ -267,7 +271,8 @@ impl Operator {
         self.optional_stop
     }
 
-    /// A step of another line is about to begin, with everything at rest: whether single block holds it.
+    /// A step of another line is about to begin, with everything at rest: whether single block
+    /// holds it.
     pub(crate) fn holds_line(&mut self, line: u32, last: u32) -> bool {
         if !self.single_block || line == last || self.admitted == Some(line) {
             return false;

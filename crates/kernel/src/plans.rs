@@ -6,8 +6,8 @@
 //!                       an older handle names use 6: nothing
 //! ```
 //!
-//! The table takes its memory when it is made. A handle says which use of its slot it names, so that one that is kept too long finds
-//! nothing, and not the plan of another step.
+//! The table takes its memory when it is made. A handle says which use of its slot it names, so
+//! that one that is kept too long finds nothing, and not the plan of another step.
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 
@@ -125,7 +125,8 @@ mod tests {
     }
 
     proptest! {
-        /// Against a list of what should be in it, over any order of puts and releases, of live and of old handles.
+        /// Against a list of what should be in it, over any order of puts and releases, of live and
+        /// of old handles.
         #[test]
         fn it_holds_what_was_put_and_not_released(orders in proptest::collection::vec((any::<bool>(), 0_usize..8), 0..200)) {
             let mut plans = Plans::<u32, 5>::new();

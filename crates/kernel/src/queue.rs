@@ -1,4 +1,5 @@
-//! The steps that wait, and the one that is executed: a ring of small steps, and beside it a table for each type of plan.
+//! The steps that wait, and the one that is executed: a ring of small steps, and beside it a table
+//! for each type of plan.
 //!
 //! ```text
 //!   push ─► │ Move ● │ Tap ● │ Dwell │ Follow ● │ …        a step is removed, and the slot of its plan released: done, handed
@@ -6,8 +7,9 @@
 //!             moves [ ■ ■ □ □ ]  taps [ ■ □ ]  stretches [ ■ □ □ □ ]
 //! ```
 //!
-//! Only here are slots taken and released, so a step in the ring always has its plan. Where ring or table is full, the step is
-//! refused as a whole and can be pushed again after a tick. All memory is taken in [`Queue::new`].
+//! Only here are slots taken and released, so a step in the ring always has its plan. Where ring or
+//! table is full, the step is refused as a whole and can be pushed again after a tick. All memory
+//! is taken in [`Queue::new`].
 use crate::plans::{Handle, Plans};
 use alloc::collections::VecDeque;
 use core::convert::Infallible;
@@ -17,12 +19,14 @@ use motion::{
 
 /// Steps that may wait, with the one that is executed.
 pub const QUEUE: usize = 64;
-/// Moves from rest to rest that may be among them. Each takes many servo periods, and none needs to see beyond its own end: so many
-/// are milliseconds enough for whoever feeds the kernel.
+/// Moves from rest to rest that may be among them. Each takes many servo periods, and none needs to
+/// see beyond its own end: so many are milliseconds enough for whoever feeds the kernel.
 pub const MOVES: usize = 16;
-/// Stretches of joined paths: as many as steps, since an override looks along all of them for a way to end.
+/// Stretches of joined paths: as many as steps, since an override looks along all of them for a way
+/// to end.
 pub const STRETCHES: usize = QUEUE;
-/// Taps: the one under way, whose successor must be known where a stroke goes on in the same hole, and two holes ahead.
+/// Taps: the one under way, whose successor must be known where a stroke goes on in the same hole,
+/// and two holes ahead.
 pub const TAPS: usize = 4;
 /// Changes of a spindle's speed: at once, one or two for each hole.
 pub const RAMPS: usize = 8;
@@ -183,7 +187,8 @@ impl Queue {
         }
     }
 
-    /// The step at a place ends at this planned time of it, in motion; whether it is one that moves, and long enough.
+    /// The step at a place ends at this planned time of it, in motion; whether it is one that
+    /// moves, and long enough.
     pub(crate) fn cut(&mut self, index: usize, time: f64) -> bool {
         let Tables { moves, stretches, .. } = &mut self.tables;
         match self.steps.get(index).map(|step| &step.kind) {
@@ -418,8 +423,9 @@ mod tests {
     }
 
     proptest! {
-        /// The queue is the list of the steps that were taken and not removed, its slots are those of their plans, and a step is
-        /// refused where its slots or the places of the queue are all taken, and only there.
+        /// The queue is the list of the steps that were taken and not removed, its slots are those
+        /// of their plans, and a step is refused where its slots or the places of the queue are all
+        /// taken, and only there.
         #[test]
         fn slots_are_in_use_for_the_steps_that_wait_and_for_no_others(actions in proptest::collection::vec(action(), 0..400)) {
             let plans: Vec<Plans> = (0..400).map(Plans::numbered).collect();

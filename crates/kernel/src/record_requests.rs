@@ -1,4 +1,5 @@
-//! What must be on the disk before a tap, or another tool that is tied to a spindle, may touch the work.
+//! What must be on the disk before a tap, or another tool that is tied to a spindle, may touch the
+//! work.
 //!
 //! ```text
 //!   positioning          at the hole, spindle held           in, braking      bottom            out
@@ -7,19 +8,22 @@
 //!                             └ not written: alarm at once
 //! ```
 //!
-//! The turn at the bottom is asked for while the tap still brakes on its way in, so that it is on the disk before the tap turns
-//! back and the tap waits for no disk. A disk that takes longer than [`TURN_WAIT`] does not keep a tap in its hole.
+//! The turn at the bottom is asked for while the tap still brakes on its way in, so that it is on
+//! the disk before the tap turns back and the tap waits for no disk. A disk that takes longer than
+//! [`TURN_WAIT`] does not keep a tap in its hole.
 //!
-//! The kernel has no files. It says what to write as a [`RecordRequest`] and goes in only after [`crate::Kernel::acknowledge`].
-//! Between two holes the spindle is held at the angle at which the last tap left it, so θ₀ of the next one is known while the
-//! axes are still on their way, and no tap waits. Where it comes otherwise, the request is renewed at the hole.
+//! The kernel has no files. It says what to write as a [`RecordRequest`] and goes in only after
+//! [`crate::Kernel::acknowledge`]. Between two holes the spindle is held at the angle at which the
+//! last tap left it, so θ₀ of the next one is known while the axes are still on their way, and no
+//! tap waits. Where it comes otherwise, the request is renewed at the hole.
 use alloc::collections::VecDeque;
 use motion::{TapPlan, TiedCut, WayOut};
 use units::{Angle, Lead, LeadGrowth, Length, Spin, Time};
 
 /// How long a tap waits for its record.
 pub const RECORD_WAIT: Time = Time::s(2.0);
-/// How long before the bottom the turn is asked for, at least; and how long a tap waits there for a disk that hangs.
+/// How long before the bottom the turn is asked for, at least; and how long a tap waits there for a
+/// disk that hangs.
 pub(crate) const TURN_AHEAD: Time = Time::s(0.05);
 pub(crate) const TURN_WAIT: Time = Time::s(0.5);
 /// And how often it looks meanwhile.
@@ -37,7 +41,8 @@ const SAME_LINE: f64 = 1e-6;
 pub struct WorkRecord {
     /// What it cuts, unless it taps.
     pub cut: Option<TiedCut>,
-    /// The axis that takes it off the work first, where it is clear, and on which side that is; a tap has none.
+    /// The axis that takes it off the work first, where it is clear, and on which side that is; a
+    /// tap has none.
     pub retreat: Option<(u8, Length, f64)>,
     /// Index of the op.
     pub op: u32,
@@ -106,7 +111,8 @@ pub(crate) enum Permission {
 }
 
 impl WorkRecord {
-    /// Of a plan, for a coupling that has the axis at the plan's start when the spindle is at this angle.
+    /// Of a plan, for a coupling that has the axis at the plan's start when the spindle is at this
+    /// angle.
     pub(crate) fn of(plan: &TapPlan, op: u32, line: u32, tool: u32, theta0: Angle) -> Self {
         let start = plan.start.along(plan.axis).of_linear();
         Self {
@@ -214,7 +220,8 @@ impl RecordRequests {
         self.refused = true;
     }
 
-    /// Ask for a record, if it is not the one that was asked for already; whether the tap may go in.
+    /// Ask for a record, if it is not the one that was asked for already; whether the tap may go
+    /// in.
     pub(crate) fn ask(&mut self, record: &WorkRecord) -> Permission {
         if !self.on {
             return Permission::Granted;
@@ -241,7 +248,8 @@ impl RecordRequests {
         if self.acknowledged { Permission::Granted } else { Permission::Waiting }
     }
 
-    /// The tap is about to turn back; whether that is on the disk. What cannot be written keeps no tap in its hole.
+    /// The tap is about to turn back; whether that is on the disk. What cannot be written keeps no
+    /// tap in its hole.
     pub(crate) fn turn(&mut self) -> Permission {
         if !self.on || self.asked.is_none() || self.refused {
             return Permission::Granted;

@@ -7,8 +7,9 @@
 //!     └─ the spindle is held where it stands; nothing is homed, nothing else moves
 //! ```
 //!
-//! Every move is from rest to rest. The projection is taken when the spindle is held, from the encoders as they are
-//! then: recovery can be killed and begun again at any moment. The way, and who moves, is [`sync::recovery`]'s.
+//! Every move is from rest to rest. The projection is taken when the spindle is held, from the
+//! encoders as they are then: recovery can be killed and begun again at any moment. The way, and
+//! who moves, is [`sync::recovery`]'s.
 use crate::axis::Target;
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
@@ -241,8 +242,9 @@ impl Recovering {
         (leg, ordered, over)
     }
 
-    /// Keep the axis on its coupling: by what the spindle is ordered, or, where the axis follows an encoder since the drive obeys no
-    /// trajectory, by how it turns; whether the spindle is where it should be.
+    /// Keep the axis on its coupling: by what the spindle is ordered, or, where the axis follows an
+    /// encoder since the drive obeys no trajectory, by how it turns; whether the spindle is where
+    /// it should be.
     fn follow(&self, leg: &Leg, ordered: Rotation, drives: &mut Drives, context: &Context) -> bool {
         let Some(spindle) = &drives.spindles[usize::from(self.plan.spindle)] else { return true };
         let Some(axis) = &mut drives.axes[self.plan.axis.index()] else { return true };

@@ -1,10 +1,12 @@
-//! All that is asked of a kernel between two ticks, as data: what asks may be another thread, or another process.
+//! All that is asked of a kernel between two ticks, as data: what asks may be another thread, or
+//! another process.
 //!
 //! ```text
 //!   control ──Request──► ring ──► Kernel::serve ──► Reply ──► ring ──► control
 //! ```
 //!
-//! Nothing here allocates: a table or a list comes with its memory, and what it replaces goes back in the reply.
+//! Nothing here allocates: a table or a list comes with its memory, and what it replaces goes back
+//! in the reply.
 use crate::fault::FaultKind;
 use crate::homing::HomingOrder;
 use crate::kernel::Kernel;
@@ -48,8 +50,9 @@ pub enum Request {
     Withdraw(WithdrawalPlan),
     /// [`Kernel::go_on`].
     GoOn,
-    /// [`Kernel::hand_back`]; `None` in motion: steps that are planned anew elsewhere come some periods later, and there must be
-    /// none in which an axis that moves has no step. In motion there is [`Request::GiveUp`].
+    /// [`Kernel::hand_back`]; `None` in motion: steps that are planned anew elsewhere come some
+    /// periods later, and there must be none in which an axis that moves has no step. In motion
+    /// there is [`Request::GiveUp`].
     HandBack,
     /// [`Kernel::under_way`].
     UnderWay,
@@ -70,8 +73,8 @@ pub enum Request {
     Acknowledge(u32),
     /// [`Kernel::not_written`].
     NotWritten,
-    /// [`Kernel::put_table`]; a table does not go to another process. The last one: bytes count variants, and what is left out has no
-    /// number of its own.
+    /// [`Kernel::put_table`]; a table does not go to another process. The last one: bytes count
+    /// variants, and what is left out has no number of its own.
     #[cfg_attr(feature = "serde", serde(skip))]
     PutTable(TableId, Periodic),
 }
@@ -92,7 +95,8 @@ pub enum Reply {
     UnderWay(Option<UnderWay>),
     /// It is superposed, or why not.
     Superposed(Result<(), FaultKind>),
-    /// What the table has replaced, or the table itself where no place was free. The last one, as [`Request::PutTable`] is.
+    /// What the table has replaced, or the table itself where no place was free. The last one, as
+    /// [`Request::PutTable`] is.
     #[cfg_attr(feature = "serde", serde(skip))]
     Table(Result<Option<Periodic>, Periodic>),
 }

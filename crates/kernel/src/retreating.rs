@@ -1,11 +1,13 @@
-//! The tool leaves the work before anything stops: what a tool asks for that is tied to a spindle and not screwed to the work.
+//! The tool leaves the work before anything stops: what a tool asks for that is tied to a spindle
+//! and not screwed to the work.
 //!
 //! ```text
 //!   alarm, abort ─► X away from the work, spindles turning on ─► spindles brake, axes hold
 //!   hold in a thread ─► X away, Z going on along the thread ─► Z brakes, the spindle turns on ([`crate::threading`])
 //! ```
 //!
-//! The way is an offset on what moves the axis otherwise: a thread goes on being one while the tool is pulled off it.
+//! The way is an offset on what moves the axis otherwise: a thread goes on being one while the tool
+//! is pulled off it.
 use crate::axis::{AxisLoop, Target};
 use crate::config::{Config, PhaseLoss};
 use crate::drives::Drives;
@@ -42,7 +44,8 @@ pub(crate) struct Retreating {
 }
 
 impl Retreating {
-    /// What the loss of a phase asks for, from where the axis is ordered to be; `None` if there is no such axis.
+    /// What the loss of a phase asks for, from where the axis is ordered to be; `None` if there is
+    /// no such axis.
     pub(crate) fn begin(order: &PhaseLoss, drives: &Drives) -> Option<Self> {
         let (speed, accel) = order.most;
         Self::by(order.axis, order.by, (speed.value(), accel.value()), drives)
@@ -96,7 +99,8 @@ impl Retreating {
             .is_some_and(|axis| (axis.position() - axis.target.position).abs() <= NEAR.value())
     }
 
-    /// A period on. `moved`: somebody has moved the axis in this period, and the way goes on top of that.
+    /// A period on. `moved`: somebody has moved the axis in this period, and the way goes on top of
+    /// that.
     pub(crate) fn advance(&mut self, dt: f64, moved: bool, drives: &mut Drives) {
         let Some(axis) = drives.axes[self.axis].as_mut() else { return };
         self.at_s += dt;

@@ -21,20 +21,21 @@
 //! | u | effort | N | N·m |
 //! | fb, h | bandwidth, period | Hz, s | Hz, s |
 //!
-//! **The speed error** is not the difference of two readings, whose quantisation a good loop would make
-//! into noise, but the estimate of a tracker ([`sync::Tracker`]) of the *following error*, of which only the share φ of the
-//! setpoint's way is taken: without feed-forward it follows the reading alone. It knows the
-//! feedback effort and the mass, so that it needs little from the encoder: its bandwidth is the highest at
-//! which the encoder's counts leave a fiftieth of the drive's effort as noise, and four times fb at
-//! most; behind a spring (a scale on the table) a fraction of the resonance.
+//! **The speed error** is not the difference of two readings, whose quantisation a good loop would
+//! make into noise, but the estimate of a tracker ([`sync::Tracker`]) of the *following error*, of
+//! which only the share φ of the setpoint's way is taken: without feed-forward it follows the
+//! reading alone. It knows the feedback effort and the mass, so that it needs little from the
+//! encoder: its bandwidth is the highest at which the encoder's counts leave a fiftieth of the
+//! drive's effort as noise, and four times fb at most; behind a spring (a scale on the table) a
+//! fraction of the resonance.
 //!
-//! **The speed on its way.** An effort u that was ordered but waits for the command's delay (h·Σu) or the
-//! lag τ of the drive (τ·y, y what the drive gives at present) will still change the speed by
-//! p = (h·Σu + τ·y)/J. Since d/dt(v + τ·y/J) = u/J exactly, subtracting p removes delay and lag from the
-//! speed loop, which keeps the margin of a loop without them.
+//! **The speed on its way.** An effort u that was ordered but waits for the command's delay (h·Σu)
+//! or the lag τ of the drive (τ·y, y what the drive gives at present) will still change the speed
+//! by p = (h·Σu + τ·y)/J. Since d/dt(v + τ·y/J) = u/J exactly, subtracting p removes delay and lag
+//! from the speed loop, which keeps the margin of a loop without them.
 //!
-//! With φ = 0 the loop settles, at constant speed, where ε = 0: e = vc/Kp, the classic lag. While the
-//! output is at its limit the integral does not grow further into it (conditional anti-windup).
+//! With φ = 0 the loop settles, at constant speed, where ε = 0: e = vc/Kp, the classic lag. While
+//! the output is at its limit the integral does not grow further into it (conditional anti-windup).
 use core::f64::consts::TAU;
 use sync::Tracker;
 
@@ -139,7 +140,8 @@ impl Servo {
         effort
     }
 
-    /// One period without a reading: the integral goes on bearing the load while the setpoint moves.
+    /// One period without a reading: the integral goes on bearing the load while the setpoint
+    /// moves.
     pub(crate) fn blind(&self, feed_forward: f64, limit: f64, moves: bool) -> f64 {
         let borne = if moves { self.integral } else { 0.0 };
         (feed_forward + borne).clamp(-limit, limit)
@@ -204,8 +206,8 @@ impl Drive {
         (self.arriving + (self.given - self.arriving) * self.mean_decay) * self.per_inertia
     }
 
-    /// Speed that is ordered already but has not come about. What the integral orders bears a constant
-    /// load and makes no speed.
+    /// Speed that is ordered already but has not come about. What the integral orders bears a
+    /// constant load and makes no speed.
     fn on_its_way(&self, integral: f64) -> f64 {
         let waiting: f64 = self.queue[..self.delay].iter().sum();
         let delay_s = self.delay as f64 * self.period_s;
@@ -271,7 +273,8 @@ mod tests {
         }
     }
 
-    /// Following error and effort after each period of a ramp at `speed`, under a load from the start.
+    /// Following error and effort after each period of a ramp at `speed`, under a load from the
+    /// start.
     fn follow(gains: Gains, share: f64, speed: f64, load: f64, periods: u32) -> Vec<(f64, f64)> {
         let (mut servo, mut plant) = (Servo::new(gains), Plant::new(gains));
         let mut before = 0.0;
@@ -318,8 +321,8 @@ mod tests {
 
     #[test]
     fn delay_and_lag_do_not_make_the_loop_ring() {
-        // a spindle's loop: 120 Hz behind 0.8 ms of lag and a period of delay; a load step is answered
-        // without changing its sign by more than a tenth of its peak
+        // a spindle's loop: 120 Hz behind 0.8 ms of lag and a period of delay; a load step is
+        // answered without changing its sign by more than a tenth of its peak
         let gains = Gains { bandwidth_hz: 120.0, delay_s: H, lag_s: 0.8e-3, ..GAINS };
         let run = follow(gains, 1.0, 0.0, 1000.0, 800);
         let peak = run.iter().map(|(e, _)| *e).fold(0.0, f64::max);
@@ -350,7 +353,8 @@ mod tests {
         assert_eq!(servo.update(Input { error: -10.0, growth: -20.0, ..input }), -100.0);
     }
 
-    /// Without feed-forward a setpoint's ripple far above the loops is not followed, however slow the tracker is.
+    /// Without feed-forward a setpoint's ripple far above the loops is not followed, however slow
+    /// the tracker is.
     #[test]
     fn a_ripple_beyond_the_loops_is_not_followed_without_feed_forward() {
         let gains = Gains { tracker_most_hz: 60.0, ..GAINS };

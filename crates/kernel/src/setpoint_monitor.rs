@@ -1,4 +1,5 @@
-//! The last look at what the axes are told: independent of the plan and of whatever made the setpoints of it.
+//! The last look at what the axes are told: independent of the plan and of whatever made the
+//! setpoints of it.
 //!
 //! ```text
 //!   plan, overrides, jog, homing, couplings, compensation ─► setpoint ─► [ monitor ] ─► loops ─► bus
@@ -6,8 +7,9 @@
 //!                                no number, too fast, off the travel ────────┴──► alarm; the axis brakes from its last setpoint
 //! ```
 //!
-//! It knows the machine's limits and the setpoints of the last three periods, nothing else: differences of setpoints a
-//! period apart are what a drive has to do. A setpoint that is refused is never sent.
+//! It knows the machine's limits and the setpoints of the last three periods, nothing else:
+//! differences of setpoints a period apart are what a drive has to do. A setpoint that is refused
+//! is never sent.
 //!
 //! | what leads the axis | speed | acceleration | jerk |
 //! |---|---|---|---|
@@ -15,20 +17,23 @@
 //! | itself: jog, homing, stops, retreats | 1.02·V | 1.15·A | — |
 //! | an angle: taps, threads, cams, G95 | 1.15·V | 1.5·max(A, peak force over mass) | — |
 //!
-//! V and A are the largest that anything may ask of the axis: of feeds, rapids, small moves, and for A of unplanned
-//! stops. Why the shares:
+//! V and A are the largest that anything may ask of the axis: of feeds, rapids, small moves, and
+//! for A of unplanned stops. Why the shares:
 //!
-//! - *Path.* Differences at the period of a motion within its limits are within them (mean value theorem), but for rounding:
-//!   10⁻¹³ of a metre over h³ is below a millionth of any J. Time scaling takes up to 0.3 % of A and 2 % of J, and twice that
-//!   again for each twentieth of a second in which a plan leaves it no room; a plan that turns into its next step within a
-//!   period is off by what the period rounds. What is beyond twice J or 1.15·A is no rounding.
+//! - *Path.* Differences at the period of a motion within its limits are within them (mean value
+//!   theorem), but for rounding: 10⁻¹³ of a metre over h³ is below a millionth of any J. Time
+//!   scaling takes up to 0.3 % of A and 2 % of J, and twice that again for each twentieth of a
+//!   second in which a plan leaves it no room; a plan that turns into its next step within a period
+//!   is off by what the period rounds. What is beyond twice J or 1.15·A is no rounding.
 //! - *Itself.* Stops change the acceleration within a period: no limit of jerk.
-//! - *An angle.* A spindle that is measured turns as its load lets it, with the noise of its encoder: the axis may be asked for
-//!   as much as its drive can give. What is beyond one and a half times that it could not follow anyway.
+//! - *An angle.* A spindle that is measured turns as its load lets it, with the noise of its
+//!   encoder: the axis may be asked for as much as its drive can give. What is beyond one and a
+//!   half times that it could not follow anyway.
 //!
-//! **Travel.** Of an axis that is homed a setpoint may be [`BESIDE_MM`] beyond the end of its travel, as far as compensation
-//! and rounding need; and it may not be on the way to an end before which the axis cannot come to rest any more:
-//! x + v²/2A beyond it. An axis that already is outside may come back. One that follows an angle is looked at where it is.
+//! **Travel.** Of an axis that is homed a setpoint may be [`BESIDE_MM`] beyond the end of its
+//! travel, as far as compensation and rounding need; and it may not be on the way to an end before
+//! which the axis cannot come to rest any more: x + v²/2A beyond it. An axis that already is
+//! outside may come back. One that follows an angle is looked at where it is.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -151,7 +156,8 @@ impl SetpointMonitor {
             return found(FaultKind::SetpointInvalid, 0.0, 0.0);
         }
         let sent = &self.axes[index];
-        // an alarm has let go of the plan: from then on the axis goes by the angle that is measured, wherever that is
+        // an alarm has let go of the plan: from then on the axis goes by the angle that is
+        // measured, wherever that is
         let known = if is_coupled_stop { 0 } else { sent.known };
         let led = if next.since_angle < FORGOTTEN { Led::Angle } else { led };
         let most = Most::of(index, axis, limits, led);
@@ -180,8 +186,8 @@ impl SetpointMonitor {
         Ok(())
     }
 
-    /// What is sent instead of a setpoint that was refused: on from the last one, and slower. An axis that follows an angle
-    /// goes on as fast: it is in a thread.
+    /// What is sent instead of a setpoint that was refused: on from the last one, and slower. An
+    /// axis that follows an angle goes on as fast: it is in a thread.
     pub(crate) fn replace(
         &mut self,
         index: usize,

@@ -7,8 +7,8 @@
 //!   G38   ──────► ● ──► ▪           ● the probe changes: its place is kept; ▪ the axes have come to rest on the path
 //! ```
 //!
-//! The place of the contact is taken between the two readings around it, at the moment that the machine states, or in their
-//! middle: at 5 mm/s and a period of 250 µs that is 0.6 µm.
+//! The place of the contact is taken between the two readings around it, at the moment that the
+//! machine states, or in their middle: at 5 mm/s and a period of 250 µs that is 0.6 µm.
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::event::EventKind;
@@ -39,7 +39,8 @@ pub enum Answer {
     Input(Option<f64>),
     /// A probing move is over.
     Probe {
-        /// Where the axes were when the probe changed, by their encoders; else where they have come to.
+        /// Where the axes were when the probe changed, by their encoders; else where they have come
+        /// to.
         contact: Position,
         /// Where they stand.
         stands: Position,
@@ -233,7 +234,8 @@ mod tests {
     const RISE: InputWait =
         InputWait { number: 3, digital: true, until: Await::Rise, longest: Time::s(1.0) };
 
-    /// What a wait comes to over these states of its input, a quarter of a second each, and after how many of them.
+    /// What a wait comes to over these states of its input, a quarter of a second each, and after
+    /// how many of them.
     fn waits(wait: InputWait, states: &[bool]) -> Option<(usize, Option<f64>)> {
         let (mut armed, mut waited) = (false, 0.0);
         for (index, on) in states.iter().enumerate() {

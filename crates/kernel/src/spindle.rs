@@ -1,5 +1,5 @@
-//! A spindle: speed control while it only turns, position control while it is held, turned to an angle
-//! or leads a tap.
+//! A spindle: speed control while it only turns, position control while it is held, turned to an
+//! angle or leads a tap.
 //!
 //! ```text
 //!            ramp over                       ordered to an angle, at rest
@@ -8,11 +8,12 @@
 //!     └── new speed ──── Held ──────► Turn ──────► Held       Led (a tap says angle or speed)
 //! ```
 //!
-//! The torque that the drive can give falls with speed: |M| ≤ min(M̂, P̂/2π|n|). What nobody planned (a stop
-//! before a tap, a speed that the plan did not foresee) runs on a share of that curve.
+//! The torque that the drive can give falls with speed: |M| ≤ min(M̂, P̂/2π|n|). What nobody
+//! planned (a stop before a tap, a speed that the plan did not foresee) runs on a share of that
+//! curve.
 //!
-//! A spindle that leads followers may swing about its even turn: what is superposed on it is a function of that turn, which
-//! stays its followers' master.
+//! A spindle that leads followers may swing about its even turn: what is superposed on it is a
+//! function of that turn, which stays its followers' master.
 //!
 //! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
 mod observers;
@@ -68,8 +69,8 @@ pub(crate) struct SpindleLoop {
     inertia: f64,
     order: Task,
     ramp: Profile,
-    /// It leads a gear: position-controlled also while it only turns, and changes its speed no faster than this,
-    /// rev/s².
+    /// It leads a gear: position-controlled also while it only turns, and changes its speed no
+    /// faster than this, rev/s².
     pace: Option<f64>,
     /// The setpoint now, before, and as it will be when the torque acts.
     ordered: Rotation,
@@ -213,13 +214,14 @@ impl SpindleLoop {
         self.ordered
     }
 
-    /// What goes by its turn goes by this: the setpoint where it leads by angle, else how it really turns.
+    /// What goes by its turn goes by this: the setpoint where it leads by angle, else how it really
+    /// turns.
     pub(crate) fn master(&self) -> Rotation {
         if self.position_controlled() { self.ordered } else { self.followed() }
     }
 
-    /// Deceleration that a stop which nobody planned may ask of it: rev/s² while torque is the limit, and times
-    /// speed, rev²/s³, while power is.
+    /// Deceleration that a stop which nobody planned may ask of it: rev/s² while torque is the
+    /// limit, and times speed, rev²/s³, while power is.
     pub(crate) fn braking(&self) -> (f64, f64) {
         let share = UNPLANNED / self.inertia;
         (share * self.control.peak_torque.value(), share * self.control.peak_power.value() / TAU)
@@ -263,8 +265,8 @@ impl SpindleLoop {
         ((turns - to).abs() <= window).then_some(Spin::rev_per_s(to))
     }
 
-    /// Run along a planned ramp to a speed; if it does not begin at the speed that is ordered, get there
-    /// all the same.
+    /// Run along a planned ramp to a speed; if it does not begin at the speed that is ordered, get
+    /// there all the same.
     pub(crate) fn turn(&mut self, spin: Spin, ramp: &Profile) {
         let begins = ramp.at(0.0).v;
         self.programmed = Some(spin.value());
@@ -388,7 +390,8 @@ impl SpindleLoop {
         self.ahead = self.ordered;
     }
 
-    /// The angle a period on, of a drive that is told an angle while the speed goes over to this one.
+    /// The angle a period on, of a drive that is told an angle while the speed goes over to this
+    /// one.
     fn goes_on(&self, spin: Spin) -> Angle {
         self.ordered.angle + (self.ordered.spin + spin) * Time::s(self.period_s / 2.0)
     }

@@ -7,21 +7,24 @@
 //!         └─────────────────────────────► time
 //! ```
 //!
-//! On the way to another speed a spindle may turn as fast as it did, or as it shall, and anything slower; what it has come
-//! through is behind it. So one that speeds up while it should slow down is seen. Beyond the band by its window for cuts
-//! ([`SpindleWindows`](crate::SpindleWindows)), which is by how much a load may drive it, and by [`OVERSHOOT`] of its highest
-//! speed, it does not obey. A spindle that has had its speed stalls when it is below it by more than that window.
+//! On the way to another speed a spindle may turn as fast as it did, or as it shall, and anything
+//! slower; what it has come through is behind it. So one that speeds up while it should slow down
+//! is seen. Beyond the band by its window for cuts ([`SpindleWindows`](crate::SpindleWindows)),
+//! which is by how much a load may drive it, and by [`OVERSHOOT`] of its highest speed, it does not
+//! obey. A spindle that has had its speed stalls when it is below it by more than that window.
 //!
-//! Where its angle is controlled, or a tap or a thread goes by it, the following error and the sync error say more; only the
-//! highest speed is watched there. So it is of a drive that makes its own ramps and obeys late: a reversal that is taken back
-//! within its delay goes on towards an order that holds no more.
+//! Where its angle is controlled, or a tap or a thread goes by it, the following error and the sync
+//! error say more; only the highest speed is watched there. So it is of a drive that makes its own
+//! ramps and obeys late: a reversal that is taken back within its delay goes on towards an order
+//! that holds no more.
 use crate::config::Subject;
 use crate::drives::Finding;
 use crate::fault::FaultKind;
 use crate::spindle::SpindleLoop;
 use bus::SPINDLES;
 
-/// Share of the highest speed by which a speed loop may swing over, or a reading may be noisy at rest.
+/// Share of the highest speed by which a speed loop may swing over, or a reading may be noisy at
+/// rest.
 const OVERSHOOT: f64 = 0.02;
 /// A spindle that turns faster than its highest speed by this share is stopped in any case.
 const HIGHEST_SHARE: f64 = 1.15;
@@ -42,7 +45,8 @@ pub(crate) struct SpindleMonitor {
 }
 
 impl SpindleMonitor {
-    /// Whether a spindle obeys; `tied`: something goes by its angle. `stopping`: an alarm has stopped the machine.
+    /// Whether a spindle obeys; `tied`: something goes by its angle. `stopping`: an alarm has
+    /// stopped the machine.
     pub(crate) fn check(
         &mut self,
         index: usize,

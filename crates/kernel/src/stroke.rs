@@ -53,7 +53,8 @@ impl Stroke for Planned<'_> {
     fn brake(&self) -> Time {
         let mut at = self.profile.duration();
         for piece in self.profile.pieces().iter().rev() {
-            // a piece that begins by gaining speed, or ends without having lost any, is not braking yet
+            // a piece that begins by gaining speed, or ends without having lost any, is not braking
+            // yet
             if piece.a > 0.0 || piece.end().v >= piece.v {
                 break;
             }

@@ -297,8 +297,9 @@ impl TapRun {
         Outcome::Done
     }
 
-    /// The cycle after this period: it turns back at the bottom when that is on the disk. A spindle on the ramps of its own drive
-    /// has been told to turn back before it stands, and waits for nothing.
+    /// The cycle after this period: it turns back at the bottom when that is on the disk. A spindle
+    /// on the ramps of its own drive has been told to turn back before it stands, and waits for
+    /// nothing.
     fn turn_back(
         &mut self,
         tap: &Tap<Planned>,
@@ -327,11 +328,13 @@ impl TapRun {
             return if self.cycle.is_standing() { self.cycle } else { next };
         }
         self.unturned_s += TURN_AGAIN.value();
-        // so far before the end of its dwell that the spindle does not turn back by its lookahead either
+        // so far before the end of its dwell that the spindle does not turn back by its lookahead
+        // either
         Cycle::Bottom(coupling, tap.dwell - TURN_AGAIN)
     }
 
-    /// A spindle that did not obey stands: the axis does too, and goes by orders again if there is a drive to obey them.
+    /// A spindle that did not obey stands: the axis does too, and goes by orders again if there is
+    /// a drive to obey them.
     fn stand(&mut self, spindle: &SpindleLoop, axis: &mut AxisLoop) {
         let there = spindle.error().abs() <= spindle.control.windows.oriented.value();
         if let (Trailing::Until, Some(coupling), true) = (self.trailing, self.coupling(), there) {
@@ -361,7 +364,8 @@ impl TapRun {
         }
     }
 
-    /// Hand what the cycle orders to the spindle; what it was ordered now and at the axis' lookahead.
+    /// Hand what the cycle orders to the spindle; what it was ordered now and at the axis'
+    /// lookahead.
     fn lead(
         &self,
         tap: &Tap<Planned>,

@@ -1,4 +1,5 @@
-//! What a tap's cycle is told of the machine that it runs on, and what the loops make of its answers.
+//! What a tap's cycle is told of the machine that it runs on, and what the loops make of its
+//! answers.
 use crate::axis::{AxisLoop, Target};
 use crate::config::{Config, FeedForward, SpindleControl};
 use crate::spindle::SpindleLoop;
@@ -13,8 +14,8 @@ const ON_SHARE: f64 = 0.3;
 /// A tap that began in its thread is clear of the work so many turns above it.
 const CLEAR_TURNS: f64 = 2.0;
 
-/// How this tap is stopped: with what is left of the drive when nothing is planned, no more jerk than its own
-/// strokes, and never beyond what the axis can follow.
+/// How this tap is stopped: with what is left of the drive when nothing is planned, no more jerk
+/// than its own strokes, and never beyond what the axis can follow.
 pub(crate) fn halt(plan: &TapPlan, axis: &AxisLoop, spindle: &SpindleLoop) -> Halt {
     let lead = plan.lead.value().abs();
     let (level, power) = spindle.braking();
@@ -35,7 +36,8 @@ pub(crate) fn halt(plan: &TapPlan, axis: &AxisLoop, spindle: &SpindleLoop) -> Ha
     }
 }
 
-/// Where the tap is clear of the work: at its start; of a peck that begins in the thread, above the surface.
+/// Where the tap is clear of the work: at its start; of a peck that begins in the thread, above the
+/// surface.
 pub(crate) fn clear(plan: &TapPlan) -> Length {
     let start = plan.start.along(plan.axis).of_linear();
     let into = if plan.bottom < start { -1.0 } else { 1.0 };
@@ -45,8 +47,8 @@ pub(crate) fn clear(plan: &TapPlan) -> Length {
     plan.surface - Length::mm(CLEAR_TURNS * plan.lead.value().abs() * into)
 }
 
-/// What the cycle must know of a spindle whose drive makes its own ramps. An order given in this period takes effect
-/// after the command's delay.
+/// What the cycle must know of a spindle whose drive makes its own ramps. An order given in this
+/// period takes effect after the command's delay.
 pub(crate) fn spoken(
     plan: &TapPlan,
     control: &SpindleControl,

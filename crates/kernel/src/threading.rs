@@ -4,9 +4,9 @@
 //!   spindle θ (its setpoint where it is led by angle, else the observer's) ─► φ = ±θ − origin ─► stretch ─► X, Y, Z
 //! ```
 //!
-//! The origin is the next place at which the spindle stands at the start angle and the run-in still fits before it.
-//! Nothing but the spindle moves the axes: overrides do not act. A hold takes the tool off the thread at once, as lathes do,
-//! and the pass is turned again after it:
+//! The origin is the next place at which the spindle stands at the start angle and the run-in still
+//! fits before it. Nothing but the spindle moves the axes: overrides do not act. A hold takes the
+//! tool off the thread at once, as lathes do, and the pass is turned again after it:
 //!
 //! ```text
 //!   Cutting ── hold ──► Leaving ─────────► Braking ──► Standing ── resume ──► Back ──► the chain begins anew
@@ -14,7 +14,8 @@
 //!                       Z on the thread
 //! ```
 //!
-//! Where nothing says from where the tool was fed in, or the chain is too long to be kept, a hold waits for its end.
+//! Where nothing says from where the tool was fed in, or the chain is too long to be kept, a hold
+//! waits for its end.
 use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
@@ -178,7 +179,8 @@ pub(crate) fn advance(
     pass
 }
 
-/// Stay on the thread while the spindle brakes for an alarm; whether the stretch is over. `None`: the tool is off it.
+/// Stay on the thread while the spindle brakes for an alarm; whether the stretch is over. `None`:
+/// the tool is off it.
 pub(crate) fn stay(stretch: &ThreadStretch, period: Time, drives: &mut Drives) -> Option<bool> {
     let chain = drives.chain?;
     let over = match chain.course {
@@ -272,8 +274,8 @@ impl Chain {
         }
     }
 
-    /// What the drives shall keep together, should they be left alone: the axis that goes farthest, along the thread's
-    /// tangent at this angle of the spindle.
+    /// What the drives shall keep together, should they be left alone: the axis that goes farthest,
+    /// along the thread's tangent at this angle of the spindle.
     pub(crate) fn tangent(&self, stretch: &ThreadStretch, angle: Angle) -> Option<bus::Coupled> {
         let turn = self.sense * angle.value() - self.origin;
         let coupled = matches!(self.course, Course::Cutting | Course::Leaving(_));

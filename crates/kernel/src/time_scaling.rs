@@ -1,6 +1,8 @@
-//! How fast planned time passes: overrides, hold and resume at any instant, within the axes' limits.
+//! How fast planned time passes: overrides, hold and resume at any instant, within the axes'
+//! limits.
 //!
-//! Planned motion q(τ) keeps the limits when τ runs like the clock. The operator makes it run at another rate σ = dτ/dt:
+//! Planned motion q(τ) keeps the limits when τ runs like the clock. The operator makes it run at
+//! another rate σ = dτ/dt:
 //!
 //! ```text
 //!   v = q̇·σ        a = q̈·σ² + q̇·σ′        j = q⃛·σ³ + 3·q̈·σ·σ′ + q̇·σ″
@@ -9,8 +11,8 @@
 //!     0        ╲___hold____╱
 //! ```
 //!
-//! At a rate that does not change, and is not above 1, a plan within its limits stays within them. So a change is begun, and
-//! made faster, only while there is a known way to end it:
+//! At a rate that does not change, and is not above 1, a plan within its limits stays within them.
+//! So a change is begun, and made faster, only while there is a known way to end it:
 //!
 //! ```text
 //!   this period     as strong a change as every axis allows…
@@ -18,12 +20,14 @@
 //!                   on this side of the wanted rate. If it cannot, a smaller change; at last, the easing known from before
 //! ```
 //!
-//! The known way is one along the plan: while the rate changes, the plan must stay (it may get longer). A change that would
-//! still be under way where the known plan ends is no known way: what comes later may leave no room for it. Only where the
-//! plan is known for so few periods that not even an even rate can be looked at is it taken nevertheless.
+//! The known way is one along the plan: while the rate changes, the plan must stay (it may get
+//! longer). A change that would still be under way where the known plan ends is no known way: what
+//! comes later may leave no room for it. Only where the plan is known for so few periods that not
+//! even an even rate can be looked at is it taken nevertheless.
 //!
-//! What is looked at is what is told to the axes: second and third differences of their setpoints at the servo period. With
-//! the one period that is under way, the differences know two periods of the past.
+//! What is looked at is what is told to the axes: second and third differences of their setpoints
+//! at the servo period. With the one period that is under way, the differences know two periods of
+//! the past.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -95,7 +99,8 @@ const TRIES: usize = 4;
 /// By how much of their limits differences of planned motion may be above them.
 const ACCEL_ROOM: f64 = 0.003;
 const JERK_ROOM: f64 = 0.02;
-/// How much of that is aimed at: the rest is for rounding, and for speeds that change within a period.
+/// How much of that is aimed at: the rest is for rounding, and for speeds that change within a
+/// period.
 const AIMED: f64 = 0.5;
 /// Where a plan leaves no room for a change in so many seconds, it is made with twice as much.
 const PATIENCE_S: f64 = 0.05;
@@ -152,7 +157,8 @@ impl TimeScaling {
         (v * s, a * s * s + v * slope, jerk)
     }
 
-    /// One period on, towards the wanted rate (0…1), along motion from here on: [`TimeScaling::rate`] is that of this period.
+    /// One period on, towards the wanted rate (0…1), along motion from here on:
+    /// [`TimeScaling::rate`] is that of this period.
     pub(crate) fn advance(
         &mut self,
         wanted: f64,
@@ -226,7 +232,8 @@ struct Walk<'a, M> {
 }
 
 impl<M: Motion> Walk<'_, M> {
-    /// This period at the rate that gets nearest to the wanted one, and how easing ends from there; `now`: how from here.
+    /// This period at the rate that gets nearest to the wanted one, and how easing ends from there;
+    /// `now`: how from here.
     fn choose(&self, wanted: f64, mut now: Easing) -> (Self, Easing) {
         let mut safe = self.clone();
         safe.ease();
@@ -256,7 +263,8 @@ impl<M: Motion> Walk<'_, M> {
         best
     }
 
-    /// A rate in this period, if it keeps all limits and can be eased from on this side of the wanted one.
+    /// A rate in this period, if it keeps all limits and can be eased from on this side of the
+    /// wanted one.
     fn tried(
         &self,
         rate: f64,
@@ -305,7 +313,8 @@ impl<M: Motion> Walk<'_, M> {
         self.go(rate.clamp(0.0, 1.0))
     }
 
-    /// One period at a rate: what the most loaded axis takes of its limits. `None`: it is not known how motion goes on.
+    /// One period at a rate: what the most loaded axis takes of its limits. `None`: it is not known
+    /// how motion goes on.
     fn go(&mut self, rate: f64) -> Option<f64> {
         let known = self.motion.pass(rate * self.period.planned);
         let place = self.motion.place();
@@ -346,7 +355,8 @@ impl<M: Motion> Walk<'_, M> {
         (low, high)
     }
 
-    /// Largest second and third differences of the setpoints, with a share of the room above the limits.
+    /// Largest second and third differences of the setpoints, with a share of the room above the
+    /// limits.
     fn bounds(&self, rapid: u8, share: f64) -> ([f64; AXES], [f64; AXES]) {
         let Limits { feed, rapid: rapids } = self.limits;
         let dt = self.period.length;

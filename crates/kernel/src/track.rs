@@ -28,7 +28,8 @@ pub(crate) struct Rates {
     pub(crate) j: [f64; AXES],
 }
 
-/// Planned motion from a place in the queue's front step on, to the next rest or to the last step that is known.
+/// Planned motion from a place in the queue's front step on, to the next rest or to the last step
+/// that is known.
 #[derive(Clone, Copy)]
 pub(crate) struct Ahead<'a> {
     steps: &'a Queue,

@@ -1,4 +1,5 @@
-//! What is waited for, since when, and how long it may take: for a status line, and for who has to do something.
+//! What is waited for, since when, and how long it may take: for a status line, and for who has to
+//! do something.
 use core::fmt;
 use motion::{Await, InputWait};
 use units::Time;

@@ -1,4 +1,5 @@
-//! Waits, each with what ends it and how long it may last: spindles, axes in position, tools, records, the operator.
+//! Waits, each with what ends it and how long it may last: spindles, axes in position, tools,
+//! records, the operator.
 use crate::config::{Pause, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::EventKind;

@@ -1,12 +1,14 @@
-//! Taking a tool out after a stop that was tied to a spindle, but not screwed to the work: one axis after the other.
+//! Taking a tool out after a stop that was tied to a spindle, but not screwed to the work: one axis
+//! after the other.
 //!
 //! ```text
 //!   a pass over a thread    X to where the tool is clear ─► Z to where the pass began ─► over
 //!   cam, polygon, gear      X to where the tool is clear ─► over
 //! ```
 //!
-//! No spindle turns, and where it stands does not matter: in a groove, on a flank or on a cam a tool is held by nothing on
-//! the side from which it came. Each leg ends at a place, so it can be killed and begun again.
+//! No spindle turns, and where it stands does not matter: in a groove, on a flank or on a cam a
+//! tool is held by nothing on the side from which it came. Each leg ends at a place, so it can be
+//! killed and begun again.
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;

@@ -1,8 +1,9 @@
 //! Chip removal on the way: when each thing happens, against closed forms, and what never happens.
 //!
-//! The machine is ideal: it does what it is told at once. Axes have no limit of jerk, the spindle a constant
-//! acceleration A. Then speed over time is made of straight lines, and with S the speed of the cut and U that of
-//! the removal the closed forms are (S+U)/A until −U, t = 2(S+U)/A in all after drilling, 2U/A after a tap.
+//! The machine is ideal: it does what it is told at once. Axes have no limit of jerk, the spindle a
+//! constant acceleration A. Then speed over time is made of straight lines, and with S the speed of
+//! the cut and U that of the removal the closed forms are (S+U)/A until −U, t = 2(S+U)/A in all
+//! after drilling, 2U/A after a tap.
 use crate::common::*;
 use bus::{Command, Feedback, Machine, Sample, State};
 use canon::{
@@ -21,7 +22,8 @@ use units::{
     Stiffness, Time, Torque,
 };
 
-/// Acceleration of the ideal spindle, rev/s²: J = 0.010 kg·m² and 42 N·m give 42/(2π·0.010) = 668 rev/s²; planned 85 %.
+/// Acceleration of the ideal spindle, rev/s²: J = 0.010 kg·m² and 42 N·m give 42/(2π·0.010) = 668
+/// rev/s²; planned 85 %.
 const A: f64 = 0.85 * 42.0 / (core::f64::consts::TAU * 0.010);
 const R: f64 = -100.0;
 const INITIAL: f64 = -50.0;
@@ -293,7 +295,8 @@ fn after_a_tap_the_spindle_rests_again_after_2u_over_a() {
 
 #[test]
 fn the_cut_waits_at_r_for_what_the_travel_did_not_cover_and_no_longer() {
-    // a retract to R alone and a short way over: most of the removal is left when the axis stands at R
+    // a retract to R alone and a short way over: most of the removal is left when the axis stands
+    // at R
     let short = Repetition { x_mm: -1.0, tap: false, throw_rpm: 2000.0, clear_mm: 0.0 };
     let run = run_ideal(
         &ops(5000.0, &[short, Repetition { x_mm: -2.0, throw_rpm: 0.0, ..short }]),
@@ -345,7 +348,8 @@ fn the_chips_of_the_last_tap_fly_off_on_the_way_out_and_the_tool_does_not_wait_a
         assert!(run.kernel.faults().is_empty(), "{name}: {:?}", run.kernel.faults());
         let [begun, _, ended] = removal_times(&run);
         assert_eq!((begun.len(), ended.len()), (2, 2), "{name}");
-        // from R up by 5 mm with an acceleration a: sqrt(2 s/a), the whole removal lasts longer than that
+        // from R up by 5 mm with an acceleration a: sqrt(2 s/a), the whole removal lasts longer
+        // than that
         let rise = (2.0 * 5.0 / 12_000.0_f64).sqrt();
         let higher = run.samples.iter().find(|sample| {
             sample.feedback.time.value() > begun[1]
@@ -363,7 +367,8 @@ fn the_chips_of_the_last_tap_fly_off_on_the_way_out_and_the_tool_does_not_wait_a
     }
 }
 
-/// By how much the spindle is astray in a cut: judged from the record alone, by what the program wanted.
+/// By how much the spindle is astray in a cut: judged from the record alone, by what the program
+/// wanted.
 fn violations(run: &Run, s_rpm: f64) -> usize {
     let spin = |pair: &[Sample]| {
         (pair[1].spindle(0) - pair[0].spindle(0)) / (pair[1].feedback.time - pair[0].feedback.time)
@@ -407,7 +412,8 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 10, ..ProptestConfig::default() })]
 
-    /// With friction, lag, power curve, backlash, and axes that bend: every servo period of every cut is looked at.
+    /// With friction, lag, power curve, backlash, and axes that bend: every servo period of every
+    /// cut is looked at.
     #[test]
     fn no_program_cuts_with_the_spindle_wrong_on_the_real_machine_either(
         s_rpm in 400.0..9000.0f64,

@@ -1,4 +1,5 @@
-//! Spindles that follow one another, and what is superposed on axes, on simulated machines with all their physics.
+//! Spindles that follow one another, and what is superposed on axes, on simulated machines with all
+//! their physics.
 use crate::common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use bus::Machine;
 use canon::{Axis, Position, Ratio};
@@ -65,7 +66,8 @@ fn so_it_does_after_a_thousand_million_turns() {
     let mut machine = two_spindles();
     machine.spindles[0].start = Angle::rev(1e9 + 0.3);
     machine.spindles[1].start = Angle::rev(2e9 + 0.7);
-    // an angle that large is known to a quarter of a second, a speed from two of them to a thousand times that
+    // an angle that large is known to a quarter of a second, a speed from two of them to a thousand
+    // times that
     holds_its_phase(&machine, 40.0);
 }
 

@@ -1,5 +1,6 @@
-//! What `overrides` looks at, on curves: arcs and helices in all planes, splines, C beside them or alone, G93, G61, G61.1 and
-//! G64 with P and Q, with overrides, holds and single block at any instant.
+//! What `overrides` looks at, on curves: arcs and helices in all planes, splines, C beside them or
+//! alone, G93, G61, G61.1 and G64 with P and Q, with overrides, holds and single block at any
+//! instant.
 //!
 //! ```text
 //!   by differences of the setpoints    speed to 0.1 %, acceleration to 1 %, jerk to 5 % above the limits
@@ -107,8 +108,9 @@ impl Curve {
         }
     }
 
-    /// How far a point is from it, at most: looked for around every place that is nearer than its neighbours. Turns of an arc
-    /// may lie on one another, and a spline may all but return on itself, so there is more than one.
+    /// How far a point is from it, at most: looked for around every place that is nearer than its
+    /// neighbours. Turns of an arc may lie on one another, and a spline may all but return on
+    /// itself, so there is more than one.
     fn distance<const PLACES: usize>(&self, p: &[f64; AXES]) -> f64 {
         let far = |t: f64| {
             let q = self.at(t);
@@ -145,8 +147,8 @@ impl Curve {
     }
 }
 
-/// Farthest setpoint from the programmed path. Where a spline all but returns on itself a coarse look finds too much: what is
-/// beyond the tolerance is looked at again, finely.
+/// Farthest setpoint from the programmed path. Where a spline all but returns on itself a coarse
+/// look finds too much: what is beyond the tolerance is looked at again, finely.
 fn off_path(at: &[([f64; AXES], u32)], curves: &[Curve], tolerance: f64) -> f64 {
     let extents: Vec<_> = curves.iter().map(Curve::extent).collect();
     let near = |p: &[f64; AXES]| {
@@ -220,8 +222,8 @@ fn ops(curves: &[Curve], paces: &[Pace], mode: PathMode) -> Vec<Op> {
     (1..).zip(all).map(|(line, kind)| Op { span: place(line), kind }).collect()
 }
 
-/// Beside a spline that ends in a sharp bend a blend's knots lie close, and where motion is slow a bend costs nothing: it may not
-/// become so sharp that the acceleration passes its limit there.
+/// Beside a spline that ends in a sharp bend a blend's knots lie close, and where motion is slow a
+/// bend costs nothing: it may not become so sharp that the acceleration passes its limit there.
 #[test]
 #[allow(clippy::unreadable_literal)] // as it was found by chance
 fn a_blend_beside_a_spline_is_within_the_limits() {

@@ -1,4 +1,5 @@
-//! The encoder of a spindle that is told a speed is checked by a slow turn before the spindle is used.
+//! The encoder of a spindle that is told a speed is checked by a slow turn before the spindle is
+//! used.
 use crate::common::*;
 use bus::{Command, Feedback, Machine, State};
 use kernel::{Config, EncoderCheckControl, Fault, FaultKind, OwnRamps, Prediction, SyncMode};
@@ -10,7 +11,8 @@ const STATED: u32 = 4096;
 const RAMP: SpinAccel = SpinAccel::rev_per_s2(67.0);
 const ORIENT_RPM_MOST: f64 = 700.0;
 
-/// A machine whose spindle encoder counts so many counts a turn, read by a scale of [`STATED`]; with an index mark a turn, or none.
+/// A machine whose spindle encoder counts so many counts a turn, read by a scale of [`STATED`];
+/// with an index mark a turn, or none.
 struct Counted {
     machine: SimulatedMachine,
     counts: f64,
@@ -72,7 +74,8 @@ fn mill(index: bool) -> (SimulatedMachine, Config) {
     (SimulatedMachine::new(model).unwrap().with_plain_drive(drive), control)
 }
 
-/// A tap with such an encoder: the first fault, and whether the axis has gone in; the fastest that the spindle was told to turn.
+/// A tap with such an encoder: the first fault, and whether the axis has gone in; the fastest that
+/// the spindle was told to turn.
 fn tap(counts: f64, has_index: bool, states_index: bool) -> (Option<Fault>, bool, f64) {
     let (machine, control) = mill(states_index);
     let mut machine = Counted { machine, counts, has_index, turned: Angle::ZERO };
@@ -126,7 +129,8 @@ fn an_index_mark_shows_a_scale_that_is_off_by_less_than_a_drive_slips() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// Whatever is wrong: nothing goes into the work, and the number that is given is the one that the encoder has.
+    /// Whatever is wrong: nothing goes into the work, and the number that is given is the one that
+    /// the encoder has.
     #[test]
     fn the_number_that_is_given_would_work(lines in 64_u32..5000, reversed in any::<bool>()) {
         let counts = f64::from(4 * lines) * if reversed { -1.0 } else { 1.0 };

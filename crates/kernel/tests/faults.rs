@@ -98,7 +98,8 @@ fn an_encoder_that_is_stuck_is_noticed_and_the_others_brake_under_control() {
     check(&seen, FaultKind::ReadingImplausible, Subject::Axis(Axis::X));
     let speed = |s: &bus::Sample| s.command.axes[2].speed.value();
     assert!(speed(seen.samples.last().expect("there are samples")).abs() > 100.0);
-    // Z comes to rest within the approach acceleration; outputs go off once everything stands, as at any lost encoder
+    // Z comes to rest within the approach acceleration; outputs go off once everything stands, as
+    // at any lost encoder
     let after = halted(&config, &steps, |said| {
         if said.time > Time::s(0.2) {
             said.axes[0].position = *stuck.get_or_insert(said.axes[0].position);
@@ -115,7 +116,8 @@ fn an_encoder_that_is_stuck_is_noticed_and_the_others_brake_under_control() {
     let moves = |s: &&bus::Sample| speed(s) != 0.0;
     assert!(after.iter().filter(moves).all(|s| s.command.axes[2].enable));
     assert!(!after.last().expect("there are samples").command.axes[2].enable);
-    // X has braked without its encoder, from 141 mm/s: v²/2a, and what it went before that was noticed
+    // X has braked without its encoder, from 141 mm/s: v²/2a, and what it went before that was
+    // noticed
     let x = |s: &bus::Sample| s.truth.expect("simulated").axes[0].value();
     let way = x(after.last().expect("there are samples")) - x(&after[0]);
     assert!(way > 0.0 && way < 141.4 * 141.4 / 4000.0 + 0.5, "{way} mm");
@@ -150,7 +152,8 @@ fn halted(
 
 #[test]
 fn a_tap_that_leaves_its_helix_stops_synchronised() {
-    // the warning window is as good as a stop here: 20 µm are passed by a ramp beyond the power curve
+    // the warning window is as good as a stop here: 20 µm are passed by a ramp beyond the power
+    // curve
     let mut config = control(&machine(0));
     config.sync_windows.stop = Length::um(20.0);
     let order = TapOrder { ramp_s: Some(0.22), ..M6 };

@@ -13,8 +13,8 @@ fn following(prediction: Prediction, transport: u8) -> (sim::Config, Config) {
     (machine, control)
 }
 
-/// True lag of Z behind the spindle at full speed inwards, µm: the mean of the last 20 ms before braking,
-/// when what the run-up has left in the loops has decayed.
+/// True lag of Z behind the spindle at full speed inwards, µm: the mean of the last 20 ms before
+/// braking, when what the run-up has left in the loops has decayed.
 fn lag_um(order: &TapOrder, prediction: Prediction, transport: u8) -> f64 {
     let (machine, control) = following(prediction, transport);
     let seen = run(&machine, &control, &tapping(order));

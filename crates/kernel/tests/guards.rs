@@ -1,5 +1,6 @@
-//! What the kernel looks at itself in each period, each provoked: a plan with a defect, a machine that lies, a spindle that
-//! does not obey. The alarm comes within a period, the refused setpoint is never sent, and everything comes to rest.
+//! What the kernel looks at itself in each period, each provoked: a plan with a defect, a machine
+//! that lies, a spindle that does not obey. The alarm comes within a period, the refused setpoint
+//! is never sent, and everything comes to rest.
 use crate::common::*;
 use crate::operated;
 use bus::{Command, Feedback, Machine, State, Truth};
@@ -109,7 +110,8 @@ impl Seen {
         self
     }
 
-    /// No setpoint of an axis has ever been farther from the one before, nor asked for more acceleration, and it comes to rest.
+    /// No setpoint of an axis has ever been farther from the one before, nor asked for more
+    /// acceleration, and it comes to rest.
     #[track_caller]
     fn is_calm(&self, axis: usize, speed: f64, accel: f64) -> &Self {
         let q: Vec<f64> =
@@ -347,7 +349,8 @@ fn an_encoder_that_is_stuck_lets_the_axis_go_no_farther_than_it_brakes() {
         }
     });
     seen.check(FaultKind::ReadingImplausible, Subject::Axis(Axis::Z));
-    // seen after 14 µm; the loop has made 25 mm/s of 15 by then, and nothing but friction brakes what is too much of it
+    // seen after 14 µm; the loop has made 25 mm/s of 15 by then, and nothing but friction brakes
+    // what is too much of it
     let z = seen.samples.last().expect("there are samples").axis(2) - stuck.expect("it was");
     assert!(z.value() < 0.0 && z.value() > -1.5, "{z:?}");
     assert!(!seen.samples.last().expect("there are samples").command.axes[2].enable);
@@ -356,7 +359,8 @@ fn an_encoder_that_is_stuck_lets_the_axis_go_no_farther_than_it_brakes() {
 #[test]
 fn an_axis_that_does_not_move_is_not_pushed_on_after_its_alarm() {
     let steps = [line(Position::default(), Position::xyz(90.0, 0.0, 0.0), 15.0, true)];
-    // a drive that obeys by a twentieth: friction holds the axis, slowly enough for the encoder to be believed
+    // a drive that obeys by a twentieth: friction holds the axis, slowly enough for the encoder to
+    // be believed
     let seen = run(
         &config(),
         &steps,

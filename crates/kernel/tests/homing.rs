@@ -1,5 +1,5 @@
-//! Homing on a simulated machine that is switched on somewhere: references to a count, limits kept, and every switch, mark,
-//! stop or wire that is not where it should be an alarm.
+//! Homing on a simulated machine that is switched on somewhere: references to a count, limits kept,
+//! and every switch, mark, stop or wire that is not where it should be an alarm.
 use crate::common::*;
 use bus::{Feedback, Machine, State};
 use canon::{Axis, Position};
@@ -14,7 +14,8 @@ use units::{Coordinate, Length, Stiffness};
 
 const COUNT_MM: f64 = 50e-6;
 const STIFFNESS: Stiffness = Stiffness::n_per_mm(80_000.0);
-/// What stands along X: travel from -60 to 0, limit switches and hard stops beyond, the switch half a turn before the mark.
+/// What stands along X: travel from -60 to 0, limit switches and hard stops beyond, the switch half
+/// a turn before the mark.
 const ALONG: Travel = Travel {
     stops: Some((Coordinate::new(-66.0), Coordinate::new(6.0), STIFFNESS)),
     limit_switches: Some((Coordinate::new(-63.0), Coordinate::new(3.0))),
@@ -63,7 +64,8 @@ struct Bench {
     /// How the machine is wired.
     wiring: fn(&mut Feedback),
     events: Vec<EventKind>,
-    /// Farthest that the setpoint went beyond its limits of speed, acceleration and jerk, as a share of them.
+    /// Farthest that the setpoint went beyond its limits of speed, acceleration and jerk, as a
+    /// share of them.
     most: [f64; 3],
     last: (f64, f64, f64),
     farthest: f64,
@@ -190,8 +192,9 @@ impl Bench {
         homed.expect("it was homed")
     }
 
-    /// Nothing was asked of the axis that its limits forbid. The jerk is told by third differences of positions: an axis that
-    /// is within 0.1 nm of its goal is taken there at once, which is 3.2 % of what the jerk allows in three periods.
+    /// Nothing was asked of the axis that its limits forbid. The jerk is told by third differences
+    /// of positions: an axis that is within 0.1 nm of its goal is taken there at once, which is 3.2
+    /// % of what the jerk allows in three periods.
     fn kept_limits(&self) -> bool {
         let [speed, accel, jerk] = self.most;
         speed < 1.001 && accel < 1.001 && jerk < 1.04
@@ -295,7 +298,8 @@ fn a_hard_stop_is_found_with_no_more_than_the_allowed_force() {
         assert!(bench.home(&order), "{:?}", bench.kernel.faults());
         let allowed = 0.1 * 60.0 * std::f64::consts::TAU / 16e-3;
         assert!(bench.force <= allowed * 1.001, "{} N of {allowed}", bench.force);
-        // the stop gives way by the force over its stiffness; what runs into it with v·√(k·m) comes on top: m = 1279 kg
+        // the stop gives way by the force over its stiffness; what runs into it with v·√(k·m) comes
+        // on top: m = 1279 kg
         let gives = (allowed + 0.005 * (8e7_f64 * 1279.0).sqrt()) / 8e4;
         assert!(bench.farthest < 66.0_f64.max(6.0 + gives), "{}", bench.farthest);
         assert!(bench.off().abs() < allowed / 8e4 + 0.002, "{} mm", bench.off());

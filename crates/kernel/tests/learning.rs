@@ -7,8 +7,8 @@ use units::{Coordinate, Length, Torque};
 
 const HOW: Learning = Learning { gain: 0.7, bandwidth_hz: 70.0 };
 
-/// A machine whose true friction, play and cutting force are off by up to a fifth from what its control
-/// was told.
+/// A machine whose true friction, play and cutting force are off by up to a fifth from what its
+/// control was told.
 fn scattered(scale: bool, seed: u64) -> (sim::Config, Config) {
     let mut machine = machine_with_work(1, &M6, 6.0);
     if scale {
@@ -77,8 +77,8 @@ fn learning_with_far_too_much_gain_ends_no_worse_than_not_learning() {
     assert!(seen[12] < 1.1 * without, "{seen:.2?} µm, {without:.2} µm without");
 }
 
-/// Depths beyond the programmed bottom, µm, of M8 holes tapped by a spindle that is heavier than the control
-/// knows and follows its own encoder.
+/// Depths beyond the programmed bottom, µm, of M8 holes tapped by a spindle that is heavier than
+/// the control knows and follows its own encoder.
 fn overruns(rpm: f64, slower: f64, holes: usize) -> Vec<f64> {
     let ramp_s = slower * 0.11 * rpm / 3000.0;
     let m8 = TapOrder { lead_mm: 1.25, rpm, ramp_s: Some(ramp_s), to_mm: -140.0, ..M6 };
@@ -88,7 +88,8 @@ fn overruns(rpm: f64, slower: f64, holes: usize) -> Vec<f64> {
         SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport: 1 };
     control.learning = Some(HOW);
     control.sync_windows.stop = Length::mm(1.0);
-    // the drive gives just less than what the ramp needs: it brakes slower than the plan by a seventh
+    // the drive gives just less than what the ramp needs: it brakes slower than the plan by a
+    // seventh
     let spindle = &mut machine.spindles[0];
     let needed = rpm / 60.0 / ramp_s * core::f64::consts::TAU * spindle.inertia.value();
     spindle.peak_torque = Torque::n_m(0.87 * needed);

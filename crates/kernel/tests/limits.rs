@@ -1,4 +1,5 @@
-//! What is emitted never asks more of an axis than its limits: setpoints of a whole polygon program, by their differences.
+//! What is emitted never asks more of an axis than its limits: setpoints of a whole polygon
+//! program, by their differences.
 //!
 //! ```text
 //!   v = Δx/T     a = Δ²x/T²     j = Δ³x/T³      T servo period; each is a mean of what happens in between
@@ -79,7 +80,8 @@ fn quarter() -> OpKind {
     OpKind::Arc { to: Position::xyz(-65.0, 0.0, -25.0), arc, feed }
 }
 
-/// In on X while it swings, cuts from X−60 Z−5 on, out again, all faster than the swing would leave time for.
+/// In on X while it swings, cuts from X−60 Z−5 on, out again, all faster than the swing would leave
+/// time for.
 fn program(oscillation: Oscillation, cuts: &[OpKind]) -> Vec<Op> {
     let rapid = |x, z| OpKind::Rapid { to: Position::xyz(x, 0.0, z) };
     let polygon = Polygon {
@@ -160,8 +162,8 @@ fn run_with(ops: &[Op], orders: &[(usize, Order)]) -> Run {
     run_ordered(kernel, &mut plant, &steps, 80_000, orders)
 }
 
-/// Largest speed, acceleration and jerk of an axis' setpoints, from the first move on: before it they are where the
-/// encoders find the axes when the machine is switched on.
+/// Largest speed, acceleration and jerk of an axis' setpoints, from the first move on: before it
+/// they are where the encoders find the axes when the machine is switched on.
 fn largest(run: &Run, axis: usize) -> [f64; 3] {
     let moving = run.samples.iter().skip_while(|s| s.report.state == bus::State::Idle);
     let mut line: Vec<f64> = moving.map(|s| s.command.axes[axis].position.value()).collect();
@@ -202,7 +204,8 @@ fn moves_beside_a_swing_take_longer_than_without_one() {
     assert!(beside > alone + 0.2, "{beside} s, {alone} s");
 }
 
-/// What the law of time along joined paths is held to, tighter than where all its limits bind at once.
+/// What the law of time along joined paths is held to, tighter than where all its limits bind at
+/// once.
 const JOINED: f64 = 0.01;
 
 #[test]
@@ -219,7 +222,8 @@ fn so_do_cuts_with_a_feed_per_revolution() {
     within_limits(&[cut_per_turn(-60.0, -20.0, 10.0), cut_per_turn(-62.0, -30.0, 3.0)], JOINED);
 }
 
-/// Holds, and a feed turned down, while X cuts beside a swing that takes half of its jerk: they may use the other half.
+/// Holds, and a feed turned down, while X cuts beside a swing that takes half of its jerk: they may
+/// use the other half.
 #[test]
 fn a_hold_beside_a_swing_gets_what_the_swing_leaves() {
     let ops = program(swing(0.5), &[cut(-65.0, -10.0), cut(-100.0, -10.0)]);

@@ -1,4 +1,5 @@
-//! Axes moved by hand: a lease that ends, ends of travel, drives off and on; seen on a simulated machine.
+//! Axes moved by hand: a lease that ends, ends of travel, drives off and on; seen on a simulated
+//! machine.
 use crate::common::*;
 use bus::{Machine, State};
 use canon::{Axis, Position};
@@ -8,7 +9,8 @@ use sim::SimulatedMachine;
 use units::{Angle, Spin, Time};
 
 const LIMITS: OnlineLimits = OnlineLimits { speed: 100.0, accel: 2000.0, jerk: 50_000.0 };
-/// With these limits 100 mm/s are gone after v/a + a/j = 90 ms, 45 periods of jerk among them: 4.5 mm.
+/// With these limits 100 mm/s are gone after v/a + a/j = 90 ms, 45 periods of jerk among them: 4.5
+/// mm.
 const BRAKING_MM: f64 = 4.6;
 
 struct Bench {

@@ -1,4 +1,5 @@
-//! The tick takes no memory: an allocator that aborts when asked within a tick, over a whole program.
+//! The tick takes no memory: an allocator that aborts when asked within a tick, over a whole
+//! program.
 #![allow(clippy::large_stack_arrays)] // a few steps
 mod common;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};

@@ -1,4 +1,5 @@
-//! A spindle whose drive is told a speed and orients it by itself: M19 is handed to the drive, and its answer is waited for.
+//! A spindle whose drive is told a speed and orients it by itself: M19 is handed to the drive, and
+//! its answer is waited for.
 use crate::common::*;
 use bus::{Command, Feedback, Machine, Truth};
 use kernel::{Config, FaultKind, OwnRamps, Prediction, SyncMode};
@@ -137,7 +138,8 @@ fn a_drive_that_says_that_it_cannot_is_an_alarm_with_its_code() {
     assert!(text.contains("cannot bring the spindle to its angle: its fault code is 7"), "{text}");
 }
 
-/// An answer that stands from before is about another angle, and a fault code from before about another order.
+/// An answer that stands from before is about another angle, and a fault code from before about
+/// another order.
 #[test]
 fn what_the_drive_says_before_it_can_have_obeyed_is_not_about_this_angle() {
     let since = std::cell::Cell::new(0.0);

@@ -1,6 +1,7 @@
-//! Holds, overrides from 0 to 200 % and single block, at any instant of random paths: what the axes are told keeps speed,
-//! acceleration, jerk and the path, by differences of the setpoints at the servo period. Overrides of feeds and rapids, hold,
-//! resume, single block and abort come at any instant.
+//! Holds, overrides from 0 to 200 % and single block, at any instant of random paths: what the axes
+//! are told keeps speed, acceleration, jerk and the path, by differences of the setpoints at the
+//! servo period. Overrides of feeds and rapids, hold, resume, single block and abort come at any
+//! instant.
 use crate::operated::{ACCEL, PERIOD, Seen, distance, loads, order, run, run_replanning, xyz};
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
@@ -94,8 +95,8 @@ fn twice_the_feed_from_one_second_on_takes_half_of_what_is_left() {
     }
 }
 
-/// The same, planned anew from a quarter of a second ahead: 12.5 mm, then 47.5 mm at 20 mm/s. The move is longer than
-/// that, and is cut.
+/// The same, planned anew from a quarter of a second ahead: 12.5 mm, then 47.5 mm at 20 mm/s. The
+/// move is longer than that, and is cut.
 #[test]
 fn a_long_move_is_planned_anew_from_a_moment_ahead_where_planning_takes_time() {
     for jerk in [f64::INFINITY, 20e3] {
@@ -108,8 +109,9 @@ fn a_long_move_is_planned_anew_from_a_moment_ahead_where_planning_takes_time() {
     }
 }
 
-/// From 100 to 200 % within two seconds, a step each 20 ms: the speed follows, no more than 50 ms late; on a curve
-/// without a limit of jerk, whose law of time changes its speed more gently, 300 ms.
+/// From 100 to 200 % within two seconds, a step each 20 ms: the speed follows, no more than 50 ms
+/// late; on a curve without a limit of jerk, whose law of time changes its speed more gently, 300
+/// ms.
 #[test]
 fn a_knob_that_is_turned_steadily_is_followed_while_it_turns() {
     const BEGINS: usize = 1000;
@@ -164,8 +166,9 @@ fn single_block_stops_exactly_at_the_end_of_every_line() {
     }
 }
 
-/// Switched on under way, on a curve that is fitted through many short lines: it stops at the end of each line that is far
-/// enough ahead, nowhere else, and each time at the place of the curve that is nearest to it.
+/// Switched on under way, on a curve that is fitted through many short lines: it stops at the end
+/// of each line that is far enough ahead, nowhere else, and each time at the place of the curve
+/// that is nearest to it.
 #[test]
 fn single_block_on_a_fitted_curve_stops_where_each_line_ends() {
     let point = |n: u32| {

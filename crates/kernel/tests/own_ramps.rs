@@ -1,4 +1,5 @@
-//! A spindle on a frequency converter that is only told a speed, and brakes slower than its control was told.
+//! A spindle on a frequency converter that is only told a speed, and brakes slower than its control
+//! was told.
 use crate::common::*;
 use bus::State;
 use kernel::{Config, Learning, OwnRamps, Prediction, SyncMode};

@@ -1,10 +1,12 @@
-//! A plant that is not what its control was told: what play, stretch and errors of encoders cost then, by closed forms.
+//! A plant that is not what its control was told: what play, stretch and errors of encoders cost
+//! then, by closed forms.
 use crate::common;
 use crate::common::{control, line, machine, run};
 use canon::Position;
 use units::{Angle, Coordinate, Length};
 
-/// Where X really is against its setpoint while it goes 6 mm forth and back at 20 mm/s: mean over the middle of either way, µm.
+/// Where X really is against its setpoint while it goes 6 mm forth and back at 20 mm/s: mean over
+/// the middle of either way, µm.
 fn forth_and_back(machine: &sim::Config, control: &kernel::Config) -> [f64; 2] {
     let (near, far) = (Position::xyz(1.0, 0.0, 0.0), Position::xyz(7.0, 0.0, 0.0));
     let origin = Position::default();
@@ -42,7 +44,8 @@ fn play_costs_what_it_is_off_from_what_the_control_compensates() {
     let lost = |real, believed| {
         let (machine, told) = with_play(real, believed);
         let [forth, back] = forth_and_back(&machine, &told);
-        // forth the table stays behind, back it stays ahead: the difference is what is lost at a reversal
+        // forth the table stays behind, back it stays ahead: the difference is what is lost at a
+        // reversal
         back - forth
     };
     let compensated = lost(30.0, 30.0);
@@ -91,7 +94,8 @@ fn an_eccentric_encoder_moves_the_table_once_per_revolution_of_its_screw() {
     let mut machine = machine(1);
     let told = control(&machine);
     let exact = forth_and_back(&machine, &told);
-    // a reading that is too large by e·sin(2πx/16 mm): at 4 mm, a quarter of a revolution, the table is short by e
+    // a reading that is too large by e·sin(2πx/16 mm): at 4 mm, a quarter of a revolution, the
+    // table is short by e
     let amplitude = Angle::rev(5e-3 / 16.0);
     machine.axes[0].1.errors.eccentricity = Some((amplitude, Angle::ZERO));
     let off = forth_and_back(&machine, &told);

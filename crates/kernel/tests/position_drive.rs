@@ -1,4 +1,5 @@
-//! A spindle whose drive closes its own position loop: it is told an angle in every period, whatever it does.
+//! A spindle whose drive closes its own position loop: it is told an angle in every period,
+//! whatever it does.
 use crate::common::*;
 use bus::{Command, Feedback, Machine, State};
 use kernel::{Config, EncoderCheckControl, Fault, FaultKind};
@@ -6,7 +7,8 @@ use plan::{SpindleStep, StepKind};
 use sim::SimulatedMachine;
 use units::{Angle, Spin, Time};
 
-/// A machine whose spindle is, a period later, where it was told to be; what its encoder counts is so many times that.
+/// A machine whose spindle is, a period later, where it was told to be; what its encoder counts is
+/// so many times that.
 struct Drives {
     machine: SimulatedMachine,
     angle: f64,
@@ -140,7 +142,8 @@ fn one_that_does_not_follow_stops_the_machine_also_while_it_only_turns() {
     assert!(fault.value >= window && fault.value < 1.2 * window, "{fault}");
 }
 
-/// A tap with an encoder that counts so many times what the drive turns: the first fault, and whether the axis has gone in.
+/// A tap with an encoder that counts so many times what the drive turns: the first fault, and
+/// whether the axis has gone in.
 fn counted(counts: f64) -> (Option<Fault>, bool) {
     let control = control_of(true);
     let mut drives = Drives { counts, angle: 0.0, ..Drives::new() };
@@ -149,7 +152,8 @@ fn counted(counts: f64) -> (Option<Fault>, bool) {
     (seen.kernel.faults().first().copied(), goes_in)
 }
 
-/// The drive keeps its angle: a scale that is off by a hundredth is seen, which a drive that is told a speed may slip.
+/// The drive keeps its angle: a scale that is off by a hundredth is seen, which a drive that is
+/// told a speed may slip.
 #[test]
 fn its_encoder_is_checked_as_well_and_more_sharply() {
     let (none, goes_in) = counted(1.0);

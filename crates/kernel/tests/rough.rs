@@ -1,6 +1,7 @@
-//! Rough paths, as worn digitisers and careless posts write them: zigzags below and above P, noise on smooth curves, dust, lengths
-//! of all scales, spikes, changes of mode, with P from 0.1 µm to 10 mm. What the axes are told keeps speed, acceleration, jerk and P,
-//! by differences of the setpoints at the servo period, whatever the operator does.
+//! Rough paths, as worn digitisers and careless posts write them: zigzags below and above P, noise
+//! on smooth curves, dust, lengths of all scales, spikes, changes of mode, with P from 0.1 µm to 10
+//! mm. What the axes are told keeps speed, acceleration, jerk and P, by differences of the
+//! setpoints at the servo period, whatever the operator does.
 use crate::operated::{Seen, distance, loads, order, run, run_replanning, xyz};
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
@@ -25,7 +26,8 @@ fn program(points: &[[f64; 3]], feed: f64, modes: &[(usize, Option<f64>)]) -> Ve
     (1..).zip(kinds).map(|(line, kind)| Op { span: place(line), kind }).collect()
 }
 
-/// The farthest that a setpoint is from the programmed lines. The path goes along them: only those near the last are looked at.
+/// The farthest that a setpoint is from the programmed lines. The path goes along them: only those
+/// near the last are looked at.
 fn off_path(seen: &Seen, points: &[[f64; 3]]) -> f64 {
     let all: Vec<[f64; 3]> = [[0.0; 3]].iter().chain(points).copied().collect();
     let near = |p| all.windows(2).map(|w| distance(p, [w[0], w[1]])).fold(f64::INFINITY, f64::min);
@@ -107,8 +109,8 @@ proptest! {
     }
 }
 
-/// A zigzag of 0.04 mm in chords of 0.045 mm at F6000, P 0.05: what is run through in a period is more than a control can do one
-/// by one.
+/// A zigzag of 0.04 mm in chords of 0.045 mm at F6000, P 0.05: what is run through in a period is
+/// more than a control can do one by one.
 #[test]
 fn a_fine_zigzag_is_run_through_without_a_stop() {
     // multiples of the golden ratio, squared: as good as chance

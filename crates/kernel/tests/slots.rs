@@ -1,4 +1,5 @@
-//! Whatever happens to the steps of a program, the kernel can take as many plans afterwards as a new one.
+//! Whatever happens to the steps of a program, the kernel can take as many plans afterwards as a
+//! new one.
 use crate::common::{M6, TapOrder, await_speed, control, line, machine, turn};
 use bus::Machine;
 use kernel::{CHIP_REMOVALS, Full, Kernel, MOVES, Order, RAMPS, TAPS, WithdrawalPlan};

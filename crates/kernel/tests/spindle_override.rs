@@ -1,5 +1,6 @@
-//! The operator's spindle override: within its limits, locked where the program or a synchronised cut needs the programmed
-//! speed, and no alarm of a cut that is made at the speed the operator has chosen.
+//! The operator's spindle override: within its limits, locked where the program or a synchronised
+//! cut needs the programmed speed, and no alarm of a cut that is made at the speed the operator has
+//! chosen.
 use crate::common::{await_speed, control, line, machine, run_ordered, turn};
 use canon::Position;
 use kernel::{EventKind, Kernel, Notice, Order, Overrides};
@@ -7,7 +8,8 @@ use plan::StepKind;
 use sim::SimulatedMachine;
 use units::Spin;
 
-/// Real speeds of the spindle, rpm, at these times, s: M3 S1000, then a cut of ten seconds; with orders at ticks.
+/// Real speeds of the spindle, rpm, at these times, s: M3 S1000, then a cut of ten seconds; with
+/// orders at ticks.
 fn speeds(
     limits: Overrides,
     orders: &[(usize, Order)],

@@ -1,4 +1,5 @@
-//! Power cuts, kills and stops throughout a tap: a small campaign as a test, the whole of it with `cargo xtask stops`.
+//! Power cuts, kills and stops throughout a tap: a small campaign as a test, the whole of it with
+//! `cargo xtask stops`.
 use crate::campaign;
 use crate::campaign::*;
 use crate::common;
@@ -26,8 +27,8 @@ fn a_tap_comes_out_along_its_helix_after_a_power_cut_or_a_kill() {
 
 #[test]
 fn drives_and_encoders_that_fail_in_a_tap_leave_it_near_its_helix() {
-    // how far off at most, µm: a spindle's drive is followed, an encoder bridged; without the axis' drive the thread
-    // alone guides the headstock
+    // how far off at most, µm: a spindle's drive is followed, an encoder bridged; without the axis'
+    // drive the thread alone guides the headstock
     let faults = [
         (Fault::SpindleDrive(0), 20.0),
         (Fault::Slip(Angle::deg(10.0)), 20.0),

@@ -1,4 +1,5 @@
-//! Stops in the middle of a tap with the drives alive, what may follow them, and the way out after a stop without.
+//! Stops in the middle of a tap with the drives alive, what may follow them, and the way out after
+//! a stop without.
 use crate::common::*;
 use bus::{Command, Machine, Sample, State};
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryPlan};
@@ -75,7 +76,8 @@ fn turns(bench: &Bench) -> f64 {
     bench.last().spindle(0).value()
 }
 
-/// Run into the tap until the axis is at a height over the surface, going in or out; the angle at which it started.
+/// Run into the tap until the axis is at a height over the surface, going in or out; the angle at
+/// which it started.
 fn at_depth(order: &TapOrder, z: f64, state: State) -> (Bench, f64) {
     let mut bench = Bench::new(order);
     bench.until(|b| b.events.contains(&EventKind::TapStarted));

@@ -65,7 +65,8 @@ fn run_here(steps: &[StepKind], orders: &[(usize, Order)]) -> Run {
     seen
 }
 
-/// "At speed" is a window of some per cent; this is about what follows once the loop has settled in it.
+/// "At speed" is a window of some per cent; this is about what follows once the loop has settled in
+/// it.
 fn settled() -> StepKind {
     StepKind::Dwell(Time::s(0.3))
 }

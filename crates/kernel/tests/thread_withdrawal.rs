@@ -1,4 +1,5 @@
-//! Threads that a hold, an abort, an alarm or a lost encoder ends on the way: the tool leaves along the helix, away from the work.
+//! Threads that a hold, an abort, an alarm or a lost encoder ends on the way: the tool leaves along
+//! the helix, away from the work.
 use crate::common::{control, machine};
 use crate::threading::{ACCEL, FROM, LEAD, PERIOD_S, off_um, steps};
 use canon::Axis;
@@ -138,7 +139,8 @@ fn a_hold_takes_the_tool_off_the_thread_along_its_helix_and_the_pass_is_turned_a
 
 #[test]
 fn a_hold_takes_the_tool_off_whatever_block_of_the_chain_is_under_way() {
-    // the thread goes over into its taper at Z-20: some of these ways out begin in the one and end in the other
+    // the thread goes over into its taper at Z-20: some of these ways out begin in the one and end
+    // in the other
     for tenths in 110..165 {
         let mut bench = Bench::new();
         let z = FROM - f64::from(tenths) / 10.0;

@@ -1,4 +1,5 @@
-//! Turned threads: the axes are a function of the spindle's turns, on a simulated machine with all its physics.
+//! Turned threads: the axes are a function of the spindle's turns, on a simulated machine with all
+//! its physics.
 use crate::common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use canon::Position;
 use kernel::{Kernel, Order};
@@ -19,7 +20,8 @@ fn half(change: f64, n: f64) -> f64 {
     (0.75 * change * n * n / ACCEL).max((1.5 * change * n * n * n / JERK).sqrt())
 }
 
-/// A thread from Z−5 down over 15 mm at X0, out along a taper of 45° to X1.5, at a quarter of a turn.
+/// A thread from Z−5 down over 15 mm at X0, out along a taper of 45° to X1.5, at a quarter of a
+/// turn.
 fn chain(rpm: f64) -> [StepKind; 2] {
     let n = rpm / 60.0;
     let (along, out) = ([0.0, 0.0, -LEAD], [LEAD, 0.0, -LEAD]);
@@ -102,7 +104,8 @@ fn the_thread_is_on_the_same_helix_at_any_speed_and_either_way_round() {
     }
 }
 
-/// A thread from Z−5 that begins with 1.5 mm and grows by 0.1 mm in each of 12 turns, over 25.2 mm, at a quarter of a turn.
+/// A thread from Z−5 that begins with 1.5 mm and grows by 0.1 mm in each of 12 turns, over 25.2 mm,
+/// at a quarter of a turn.
 fn growing(rpm: f64) -> StepKind {
     let n = rpm / 60.0;
     StepKind::Thread(ThreadStretch {

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use sim::SimulatedMachine;
 use units::Time;
 
-/// Tap with a disk that takes so long; how long the spindle stood at the bottom, s, and whether the turn was on the disk when it
-/// turned back.
+/// Tap with a disk that takes so long; how long the spindle stood at the bottom, s, and whether the
+/// turn was on the disk when it turned back.
 fn tap(order: &TapOrder, disk: Time) -> (f64, bool) {
     let model = machine(1);
     let mut kernel = Kernel::new(control(&model));

@@ -1,4 +1,5 @@
-//! The same program on ten machines of one model, each with what its control does not know: how many are good?
+//! The same program on ten machines of one model, each with what its control does not know: how
+//! many are good?
 //!
 //! ```sh
 //! cargo run --release -p leadscrew --example run -- programs/plate-12xM6.ngc

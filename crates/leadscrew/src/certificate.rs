@@ -1,5 +1,5 @@
-//! From what the judge found to the certificate that other programs rely on. What was not cut has no measures: they are `null`,
-//! as the report leaves their cells empty.
+//! From what the judge found to the certificate that other programs rely on. What was not cut has
+//! no measures: they are `null`, as the report leaves their cells empty.
 use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
@@ -8,7 +8,8 @@ use verify::{
     TurnedLimits, TurnedSizes, TurnedThread, Verdict,
 };
 
-/// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
+/// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose
+/// zero is there.
 pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
     let common = Common {
         line: found.line,

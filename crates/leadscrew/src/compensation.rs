@@ -6,8 +6,9 @@
 //!                                  └─► gain and phase ────────────┴─► harmonics, learnt ─┘
 //! ```
 //!
-//! Every processor of the computer runs rows. Every cell is a run of its own on a machine that has just been switched on, by a program of the neutral codes; the last
-//! whole turn is judged by where work and wheel really were.
+//! Every processor of the computer runs rows. Every cell is a run of its own on a machine that has
+//! just been switched on, by a program of the neutral codes; the last whole turn is judged by where
+//! work and wheel really were.
 use crate::Program;
 use control::Outcome;
 use control::Refused;
@@ -132,7 +133,8 @@ pub fn compensation(
     Ok(page)
 }
 
-/// Every row, in the order of the cases: they know nothing of one another, so each processor takes the next one that is left.
+/// Every row, in the order of the cases: they know nothing of one another, so each processor takes
+/// the next one that is left.
 fn rows(cases: &[Case], hear: Hear<'_>) -> Vec<Result<Row, Refused>> {
     let next = AtomicUsize::new(0);
     let work = || {

@@ -1,4 +1,5 @@
-//! What an editor's programs meet: the machine, the tools and the files beside them, for the language server.
+//! What an editor's programs meet: the machine, the tools and the files beside them, for the
+//! language server.
 use control::job::options::ProgramOptions;
 use control::job::{Interruption, Session, preflight, subprograms};
 use control::operation::Found;

@@ -1,6 +1,7 @@
 //! Leadscrew: an open numerical control for spindle-synchronised machining.
 //!
-//! A [`Program`] is brought to a machine, checked, timed, and run on the simulated machine; the workpiece is judged.
+//! A [`Program`] is brought to a machine, checked, timed, and run on the simulated machine; the
+//! workpiece is judged.
 //!
 //! ```no_run
 //! use leadscrew::{Ending, Program, RunOptions};

@@ -1,4 +1,5 @@
-//! The machine that a run controls, in this process or in another one, and the sync record that is kept of it.
+//! The machine that a run controls, in this process or in another one, and the sync record that is
+//! kept of it.
 use crate::RunOptions;
 use crate::program::Job;
 use crate::replay::Replay;
@@ -59,11 +60,13 @@ impl From<NotReady> for Refused {
     }
 }
 
-/// The machine that is controlled, and the state that is kept of it, before the program is known to be in order.
+/// The machine that is controlled, and the state that is kept of it, before the program is known to
+/// be in order.
 pub(crate) struct Link {
     remote: Option<Remote<UnixStream>>,
     state: Option<(Slots<StateFolder>, Identity)>,
-    /// The hole of this program whose tap a recovery took out, where the program goes on after that.
+    /// The hole of this program whose tap a recovery took out, where the program goes on after
+    /// that.
     recovered: Option<u32>,
 }
 

@@ -1,4 +1,5 @@
-//! A machine file in memory, whose values can be changed; what is changed is read and checked like any machine file.
+//! A machine file in memory, whose values can be changed; what is changed is read and checked like
+//! any machine file.
 use control::Refused;
 use control::config::machine_file::{self, MachineSource};
 use serde_json::Value;
@@ -24,12 +25,12 @@ impl Machine {
         Ok(Self { source, text, file })
     }
 
-    /// The same with values changed, by their keys: `axes.z.structure.backlash_um`, `spindles.0.inertia_kg_m2`. All are changed,
-    /// then the file is checked.
+    /// The same with values changed, by their keys: `axes.z.structure.backlash_um`,
+    /// `spindles.0.inertia_kg_m2`. All are changed, then the file is checked.
     ///
     /// # Errors
-    /// Everything that is wrong with the file then: unknown keys, such as one with another unit, values out of bounds, values
-    /// that contradict each other.
+    /// Everything that is wrong with the file then: unknown keys, such as one with another unit,
+    /// values out of bounds, values that contradict each other.
     pub fn with(&self, changes: &[(String, Value)]) -> Result<Self, Refused> {
         let base = match (&self.source.text, machine::embedded(&self.source.name)) {
             (None, Some(_)) => format!("extends = \"{}\"\n", self.source.name),

@@ -40,7 +40,8 @@ impl Program {
         Self { name: name.into(), path: "-".into(), text: text.into() }
     }
 
-    /// Bring it to a machine: a name from `leadscrew machine list`, a machine file, or everything in [`ProgramOptions`].
+    /// Bring it to a machine: a name from `leadscrew machine list`, a machine file, or everything
+    /// in [`ProgramOptions`].
     ///
     /// # Errors
     /// The machine, the tools, or another file that the options name cannot be read or is wrong.
@@ -52,8 +53,8 @@ impl Program {
     }
 }
 
-/// A program with the machine, the tools and the work that it meets. It is interpreted once: what is found in it, how long
-/// it takes and the run share its operations.
+/// A program with the machine, the tools and the work that it meets. It is interpreted once: what
+/// is found in it, how long it takes and the run share its operations.
 pub struct Job {
     /// The program.
     pub program: Program,
@@ -69,7 +70,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// Everything that is wrong with the program, and what is likely to hurt, in the order of its text.
+    /// Everything that is wrong with the program, and what is likely to hurt, in the order of its
+    /// text.
     pub fn check(&mut self) -> &[Diagnostic] {
         &self.proved(&mut |_| ()).known.findings
     }
@@ -94,8 +96,8 @@ impl Job {
     /// Run it on the simulated machine, and judge the workpiece.
     ///
     /// # Errors
-    /// It is refused; a file that the options name cannot be read or is wrong. An alarm on the machine and a workpiece out
-    /// of tolerance are no errors: [`Finished::verdict`] says them.
+    /// It is refused; a file that the options name cannot be read or is wrong. An alarm on the
+    /// machine and a workpiece out of tolerance are no errors: [`Finished::verdict`] says them.
     pub fn run(self, options: &RunOptions) -> Result<Finished, Refused> {
         let mut run = crate::Run::prepare(self, options)?;
         run.prove(&mut |_| ())?;
@@ -172,7 +174,8 @@ impl Job {
         config::judged_tools(self.session.plant(), &self.session.tools, seed, self.part)
     }
 
-    /// Prove it, and make it ready to run on this machine, judged by this. Nothing stops it, nothing is kept.
+    /// Prove it, and make it ready to run on this machine, judged by this. Nothing stops it,
+    /// nothing is kept.
     pub(crate) fn start(
         &mut self,
         machine: Plant,

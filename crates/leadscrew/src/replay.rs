@@ -1,5 +1,5 @@
-//! What the part of a program before the line or hole at which it is begun has left in the work: simulated, without moving the
-//! machine that is controlled.
+//! What the part of a program before the line or hole at which it is begun has left in the work:
+//! simulated, without moving the machine that is controlled.
 //!
 //! ```text
 //!   operations before ─► a machine of the same seed, and a judge ─► holes, threads, turned bar, ground blanks
@@ -7,8 +7,8 @@
 //!                                                                     └─► the judge of the run
 //! ```
 //!
-//! What is left out in fact was cut before, by the same program: so the whole of it is simulated, not its nominal form.
-//! Features of that part are no features of the run.
+//! What is left out in fact was cut before, by the same program: so the whole of it is simulated,
+//! not its nominal form. Features of that part are no features of the run.
 use crate::link;
 use crate::program::Job;
 use control::{Loaded, Plant, ProgramRun, Refused};

@@ -1,5 +1,5 @@
-//! One run of a program: on the machine that is simulated, or on one in another process; what stops it, what is learnt and
-//! written down meanwhile, and what is known at its end.
+//! One run of a program: on the machine that is simulated, or on one in another process; what stops
+//! it, what is learnt and written down meanwhile, and what is known at its end.
 //!
 //! ```text
 //!   Job + RunOptions ─► Run::prepare ─► link, memory ─► prove ─► execute ─► Finished ─► certificate, report
@@ -30,7 +30,8 @@ use units::Time;
 /// How a run is done; the default is that of `leadscrew run` without options.
 #[derive(Debug, Clone, Default)]
 pub struct RunOptions {
-    /// Seed of what the control does not know of its machine, and of what scatters; `None` is the machine file's.
+    /// Seed of what the control does not know of its machine, and of what scatters; `None` is the
+    /// machine file's.
     pub seed: Option<u64>,
     /// Number of the workpiece on that machine; `None` is the first.
     pub part: Option<u32>,
@@ -102,7 +103,8 @@ impl Run {
     /// Check the options, and connect to the machine.
     ///
     /// # Errors
-    /// An option is wrong, a file that it names cannot be read, or a tool is, or may be, in the work.
+    /// An option is wrong, a file that it names cannot be read, or a tool is, or may be, in the
+    /// work.
     pub fn prepare(mut job: Job, options: &RunOptions) -> Result<Self, NotReady> {
         let session = &mut job.session;
         job.material = material(options.material.as_deref(), job.material)?;
@@ -170,7 +172,8 @@ impl Run {
         })
     }
 
-    /// Interpret and plan the program before anything moves, and find out where it is begun; a look at every step.
+    /// Interpret and plan the program before anything moves, and find out where it is begun; a look
+    /// at every step.
     ///
     /// # Errors
     /// The program is refused, or cannot be begun there.
@@ -218,10 +221,12 @@ impl Run {
         config::tolerances(self.mode.map_or(own, |mode| mode != SyncMode::CommandSynchronised))
     }
 
-    /// Run it to its end, or to the alarm that ends it. `progress` hears now and then how long the machine has been at it.
+    /// Run it to its end, or to the alarm that ends it. `progress` hears now and then how long the
+    /// machine has been at it.
     ///
     /// # Errors
-    /// It was not proved; the machine cannot be simulated; the trace or what was learnt cannot be written.
+    /// It was not proved; the machine cannot be simulated; the trace or what was learnt cannot be
+    /// written.
     pub fn execute(self, progress: &mut dyn FnMut(Time)) -> Result<Finished, Refused> {
         let tolerances = self.tolerances();
         let Self {
@@ -231,8 +236,8 @@ impl Run {
             return Err(Refused::because("the program was not proved"));
         };
         let (session, planned) = (&job.session, known.planned);
-        // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
-        // if there is a file for it
+        // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is
+        // used, and kept if there is a file for it
         let learns = memory.is_some() || config::plain_drive(&session.machine).is_some();
         let mut control = config::control(&session.machine, mode, learns);
         let replaying = control.clone();

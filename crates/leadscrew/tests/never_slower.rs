@@ -1,4 +1,5 @@
-//! A path that may round its corners takes no longer than one that stops at each, nor than one that may round them less.
+//! A path that may round its corners takes no longer than one that stops at each, nor than one that
+//! may round them less.
 #![allow(clippy::unwrap_used)] // a test may panic
 use leadscrew::Program;
 

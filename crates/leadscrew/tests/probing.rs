@@ -1,7 +1,8 @@
-//! Probing finds the simulated work wherever it really lies: faces, bores, bosses, in millimetres and inches, on several
-//! machines. What is found is true if the probe then stands where the work really is: within 2 µm where the axes have scales.
-//! A motor's encoder does not see the wobble of its screw, 3 µm to each side (`[simulation.plant]`), at the two contacts and where
-//! the axis goes to in the end; no probing can.
+//! Probing finds the simulated work wherever it really lies: faces, bores, bosses, in millimetres
+//! and inches, on several machines. What is found is true if the probe then stands where the work
+//! really is: within 2 µm where the axes have scales. A motor's encoder does not see the wobble of
+//! its screw, 3 µm to each side (`[simulation.plant]`), at the two contacts and where the axis goes
+//! to in the end; no probing can.
 #![allow(clippy::unwrap_used)] // a test may panic
 use bus::Sample;
 use control::observers::Observer;
@@ -38,7 +39,8 @@ fn round(x: f64, y: f64, diameter: f64, height: f64) -> Round {
     Round { at: [x, y], diameter, height }
 }
 
-/// A program with the probe in the spindle over a work with a ring of 30 mm at X40 Y30, which lies elsewhere by so much.
+/// A program with the probe in the spindle over a work with a ring of 30 mm at X40 Y30, which lies
+/// elsewhere by so much.
 fn job(machine: &str, lines: &str, shift: [f64; 3]) -> Job {
     let programs = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../programs");
     let options = ProgramOptions {

@@ -1,4 +1,5 @@
-//! The engine by the clock: the same setpoints as in lock-step, no memory taken, late periods noticed and harmless.
+//! The engine by the clock: the same setpoints as in lock-step, no memory taken, late periods
+//! noticed and harmless.
 #![allow(clippy::unwrap_used)] // a test may panic
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use bus::Sample;
@@ -45,7 +46,8 @@ fn run(real_time: Option<RealTimeOptions>) -> (Vec<Sample>, Option<RealTimeFigur
     (Arc::into_inner(heard).unwrap().into_inner().unwrap(), figures)
 }
 
-/// The same, in real time; a computer that had no time for the observers for a whole second shows nothing, and is asked again.
+/// The same, in real time; a computer that had no time for the observers for a whole second shows
+/// nothing, and is asked again.
 fn run_by_the_clock(options: RealTimeOptions) -> (Vec<Sample>, RealTimeFigures) {
     for _ in 0..5 {
         let (heard, figures) = run(Some(options));

@@ -1,4 +1,5 @@
-//! Single block and more feed at any moment of a program with cycles, stops and joined paths: what is planned anew is the same program.
+//! Single block and more feed at any moment of a program with cycles, stops and joined paths: what
+//! is planned anew is the same program.
 #![allow(clippy::unwrap_used)] // a test may panic
 use leadscrew::{Program, RunOptions};
 

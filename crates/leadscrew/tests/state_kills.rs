@@ -1,8 +1,9 @@
-//! A control that is killed at any instant, while it runs a program and writes offsets, tools, position and alarms, has
-//! lost nothing that it had acknowledged, and nothing half-written is believed.
+//! A control that is killed at any instant, while it runs a program and writes offsets, tools,
+//! position and alarms, has lost nothing that it had acknowledged, and nothing half-written is
+//! believed.
 //!
-//! The test starts itself as the control ([`control_that_is_killed`]) and sends SIGKILL at random instants. `STATE_KILLS`
-//! says how often: `cargo xtask state-kills` 500 times.
+//! The test starts itself as the control ([`control_that_is_killed`]) and sends SIGKILL at random
+//! instants. `STATE_KILLS` says how often: `cargo xtask state-kills` 500 times.
 #![allow(clippy::unwrap_used)] // a test may panic
 use control::job::{ProgramOptions, Session, preflight};
 use control::observers::Workpiece;

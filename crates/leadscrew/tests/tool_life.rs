@@ -1,4 +1,5 @@
-//! The life of a tool: counted by what is executed, said or refused where the tool is called at its end.
+//! The life of a tool: counted by what is executed, said or refused where the tool is called at its
+//! end.
 #![allow(clippy::unwrap_used)] // a test may panic
 use control::job::preflight;
 use control::job::{ProgramOptions, Session};
@@ -92,7 +93,8 @@ fn what_is_executed_is_counted_in_holes_time_and_length() {
     let mut ended = running.end();
     let used = ended.take_tool_use();
     assert_eq!((used[&2].uses, used[&3].uses), (2, 2));
-    // each tap goes 20 mm in and out: from R5 to Z-15; each drill 25 mm in, at 5 mm/s, and out in a rapid
+    // each tap goes 20 mm in and out: from R5 to Z-15; each drill 25 mm in, at 5 mm/s, and out in a
+    // rapid
     let close = |found: f64, wanted: f64| (found - wanted).abs() < 0.02 * wanted;
     assert!(close(used[&3].length.value(), 80.0), "{used:?}");
     assert!(close(used[&2].length.value(), 50.0), "{used:?}");

@@ -1,4 +1,5 @@
-//! The program executed as it is written: findings, and how things stood before and after each block.
+//! The program executed as it is written: findings, and how things stood before and after each
+//! block.
 //!
 //! ```text
 //!   kept:   s₀ ──2048 blocks── s₁ ── … ── sₙ ──► advance(): the next slice
@@ -64,7 +65,8 @@ impl Analysis {
         }
     }
 
-    /// Take in an edit that the document has taken in: what may depend on the edited text is forgotten.
+    /// Take in an edit that the document has taken in: what may depend on the edited text is
+    /// forgotten.
     pub(crate) fn edited(&mut self, edit: &Edit) {
         self.contents = Contents::default();
         let holds = |slice: &&Slice| slice.holds(edit);
@@ -143,7 +145,8 @@ impl Analysis {
         }
     }
 
-    /// The block at which a line (from 1) is executed for the first time; `None` if it is never executed, or not soon.
+    /// The block at which a line (from 1) is executed for the first time; `None` if it is never
+    /// executed, or not soon.
     fn first_block(&mut self, document: &Document, line: u32) -> Option<u64> {
         let begin = self.kept.last().map_or(0, Slice::end);
         let mut found = self.kept.iter().find_map(|slice| slice.visit(line));

@@ -288,7 +288,8 @@ fn lines(menu: &'static [&'static str], most: usize) -> impl Strategy<Value = St
         .prop_map(|lines| lines.iter().fold(String::new(), |text, line| text + line + "\n"))
 }
 
-/// Edit by edit, with slices executed between them: every line stands as in an interpretation from the beginning.
+/// Edit by edit, with slices executed between them: every line stands as in an interpretation from
+/// the beginning.
 fn holds_over_edits(dialect: Dialect, text: String, edits: &[(u32, u32, String, usize)]) {
     let encoding = PositionEncodingKind::UTF16;
     let mut document = Document::new(text, &encoding);

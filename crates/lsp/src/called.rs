@@ -1,6 +1,8 @@
-//! Which programs a text calls in files of their own: where an edit calls one that nobody knew, its file is looked for.
+//! Which programs a text calls in files of their own: where an edit calls one that nobody knew, its
+//! file is looked for.
 //!
-//! Only the lines that an edit touches are read for it; all of the text where a subprogram may have gone from it.
+//! Only the lines that an edit touches are read for it; all of the text where a subprogram may have
+//! gone from it.
 use crate::document::{Document, Edit};
 use gcode::Grammar;
 use interp::Setup;
@@ -10,7 +12,8 @@ use interp::Setup;
 pub(crate) struct Called(Vec<String>);
 
 impl Called {
-    /// Take in an edit that the document has taken in: whether a file is called that is not part of the set-up.
+    /// Take in an edit that the document has taken in: whether a file is called that is not part of
+    /// the set-up.
     pub(crate) fn edited(
         &mut self,
         edit: &Edit,

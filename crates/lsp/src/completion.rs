@@ -1,4 +1,5 @@
-//! What may stand at a place: codes with what they do, and the words of the block's codes with what they say to them.
+//! What may stand at a place: codes with what they do, and the words of the block's codes with what
+//! they say to them.
 use crate::document::Document;
 use crate::roles;
 use gcode::{Block, Parser};

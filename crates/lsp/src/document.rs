@@ -169,8 +169,8 @@ impl Document {
     }
 }
 
-/// What jumps and calls lead to in these lines, in their order: O-words, numbered blocks, begins and ends of loops; and what ends a
-/// text, so that none of it is behind that.
+/// What jumps and calls lead to in these lines, in their order: O-words, numbered blocks, begins
+/// and ends of loops; and what ends a text, so that none of it is behind that.
 fn targets(lines: &[u8], grammar: Grammar) -> Vec<String> {
     let (mut parser, mut block) = (Parser::with_grammar(lines, 0, grammar), Block::new());
     parser.seek(0, 2); // what only a program's first line can be, these are not

@@ -1,7 +1,8 @@
 //! Quick fixes: the words that make a finding go, written into the program.
 //!
-//! A finding says the number that works as data ([`diag::Remedy`]), never only in its sentence. A word of the block is
-//! changed; one that stays in force and stands in a block before is written into this one.
+//! A finding says the number that works as data ([`diag::Remedy`]), never only in its sentence. A
+//! word of the block is changed; one that stays in force and stands in a block before is written
+//! into this one.
 use crate::open::Open;
 use diag::{Diagnostic, Remedy, RemedyWord};
 use gcode::{Block, Parser, Value};
@@ -41,7 +42,8 @@ fn action(open: &mut Open, uri: &Uri, finding: &Diagnostic) -> Option<lsp::CodeA
     })
 }
 
-/// Words as they will be written, and how; `None`: the program does not say this in a word of this block.
+/// Words as they will be written, and how; `None`: the program does not say this in a word of this
+/// block.
 fn edits(open: &mut Open, remedy: &Remedy) -> Option<(Vec<String>, Vec<lsp::TextEdit>)> {
     let Remedy { span, words } = remedy;
     let visit = open.analysis.visit(&open.document, span.line, None)?;

@@ -10,7 +10,8 @@ pub trait Host {
     fn setup(&self, uri: &str, text: &[u8]) -> Result<interp::Setup, String>;
     /// The URI of the file that `o<name> call` opens from this program, if it exists.
     fn subprogram(&self, uri: &str, name: &str) -> Option<String>;
-    /// Begin to find out everything that is wrong with a program, with what it meets: machine, tools and workpiece too.
+    /// Begin to find out everything that is wrong with a program, with what it meets: machine,
+    /// tools and workpiece too.
     fn preflight(&self, uri: &str, text: &[u8]) -> Box<dyn Preflight>;
 }
 
@@ -18,6 +19,7 @@ pub trait Host {
 pub trait Preflight {
     /// All findings, in their order, once they are known; or why they cannot be had.
     fn take(&mut self) -> Option<Result<Vec<Diagnostic>, String>>;
-    /// Once the findings are taken: the time that the program takes, s, once it is known; `None` of it where it is refused.
+    /// Once the findings are taken: the time that the program takes, s, once it is known; `None` of
+    /// it where it is refused.
     fn planned(&mut self) -> Option<Option<f64>>;
 }

@@ -1,4 +1,5 @@
-//! What the word under the pointer does here, what is in force, and where the machine stands before and after.
+//! What the word under the pointer does here, what is in force, and where the machine stands before
+//! and after.
 use crate::analysis::{Analysis, Visit};
 use crate::document::Document;
 use crate::{

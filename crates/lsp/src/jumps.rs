@@ -21,7 +21,8 @@ enum Jump {
     Loop,
 }
 
-/// Where the block at a byte of a line (from 0) leads, if it jumps to a place that is written in it.
+/// Where the block at a byte of a line (from 0) leads, if it jumps to a place that is written in
+/// it.
 pub(crate) fn target(document: &Document, line: usize, byte: usize) -> Option<Target> {
     let text = &document.text;
     let (mut parser, mut block) = (Parser::with_grammar(text, 0, Grammar::Fanuc), Block::new());

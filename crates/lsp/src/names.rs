@@ -1,5 +1,5 @@
-//! Names in a program: parameters (`#<depth>`, `#5`) and O-words (`o<peck>`, `o100`), where they stand and what they
-//! belong to.
+//! Names in a program: parameters (`#<depth>`, `#5`) and O-words (`o<peck>`, `o100`), where they
+//! stand and what they belong to.
 //!
 //! ```text
 //!   #<depth> = 5             scope 0, the main program
@@ -190,7 +190,8 @@ pub(crate) fn definition(
     names.iter().find(|name| name.set && name.is_same(here)).cloned()
 }
 
-/// P of `M98 P100`, and of Fanuc's `G65 P100` and `G66 P100`, or the name in its place: the program that is called.
+/// P of `M98 P100`, and of Fanuc's `G65 P100` and `G66 P100`, or the name in its place: the program
+/// that is called.
 fn called(
     text: &[u8],
     block: &Block,

@@ -75,7 +75,8 @@ impl Open {
         self.document.range(Span { start, end, ..Span::default() })
     }
 
-    /// Everything found: by executing, by reading what is never executed, and what is legal but hurts.
+    /// Everything found: by executing, by reading what is never executed, and what is legal but
+    /// hurts.
     pub(crate) fn findings(&mut self) -> Vec<Diagnostic> {
         let mut all = self.analysis.findings();
         all.retain(|finding| finding.span.file == 0);

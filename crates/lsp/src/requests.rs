@@ -15,7 +15,8 @@ use lsp_types::request::{
 };
 use serde_json::{Value, json};
 
-/// A request of ours: `{"textDocument":{"uri"}}` is answered `{"planned_s"}` once the time is known that the program takes.
+/// A request of ours: `{"textDocument":{"uri"}}` is answered `{"planned_s"}` once the time is known
+/// that the program takes.
 const PLANNED_TIME: &str = "leadscrew/plannedTime";
 
 /// Answer to a request: a value, or why there is none.

@@ -1,4 +1,5 @@
-//! The conversation: what the editor says, what is answered, and what is done while it says nothing.
+//! The conversation: what the editor says, what is answered, and what is done while it says
+//! nothing.
 use crate::analysis::Analysis;
 use crate::document::Document;
 use crate::host::Host;
@@ -17,7 +18,8 @@ use lsp_types::{InitializeParams, PositionEncodingKind, Uri};
 use serde_json::{Value, json};
 use std::{collections::HashMap, time::Duration};
 
-/// Blocks read at once for what is found by reading alone: an editor that asks meanwhile waits that long.
+/// Blocks read at once for what is found by reading alone: an editor that asks meanwhile waits that
+/// long.
 const READ_AT_ONCE: usize = 8192;
 /// A message is waited for so long before a preflight is looked at again.
 const LOOK_AGAIN: Duration = Duration::from_millis(2);

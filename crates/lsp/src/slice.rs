@@ -1,4 +1,5 @@
-//! A stretch of a program's execution: what it read, what it found, and the interpreter's state at its end.
+//! A stretch of a program's execution: what it read, what it found, and the interpreter's state at
+//! its end.
 use crate::document::Edit;
 use diag::{Diagnostic, Span};
 use interp::{Resolver, Snapshot};
@@ -23,7 +24,8 @@ pub(crate) struct Notes {
 }
 
 impl Notes {
-    /// The text was read up to this byte: the one behind a block's last, for more there could belong to the block.
+    /// The text was read up to this byte: the one behind a block's last, for more there could
+    /// belong to the block.
     pub(crate) fn read(&mut self, up_to: u32) {
         self.up_to = self.up_to.max(up_to);
     }
@@ -83,7 +85,8 @@ impl Slice {
         Some(self.begin + u64::from(run.block + (line - run.line)))
     }
 
-    /// Whether it is executed alike after an edit. How a program ends depends on the text behind it.
+    /// Whether it is executed alike after an edit. How a program ends depends on the text behind
+    /// it.
     pub(crate) fn holds(&self, edit: &Edit) -> bool {
         let jumps = edit.jumps || self.snapshot.looks_ahead();
         self.notes.up_to < edit.from && !(jumps && self.steered) && !self.snapshot.has_ended()

@@ -1,4 +1,5 @@
-//! Steps that couple: an electronic gear between spindles, and what is superposed on an axis by a spindle's turn.
+//! Steps that couple: an electronic gear between spindles, and what is superposed on an axis by a
+//! spindle's turn.
 //!
 //! ```text
 //!   Engage   follower = ratio·θ (+ axis/lead) + phase     coarse: same speed; fine: same phase; then locked
@@ -6,8 +7,9 @@
 //!   Release  the follower is a spindle of its own again
 //! ```
 //!
-//! The functions g are tables over one turn of the master, or over the few after which a gear begins anew. A step is `Copy` and short, so it names its table by a
-//! number; whoever feeds the kernel hands it the tables themselves before the steps.
+//! The functions g are tables over one turn of the master, or over the few after which a gear
+//! begins anew. A step is `Copy` and short, so it names its table by a number; whoever feeds the
+//! kernel hands it the tables themselves before the steps.
 use units::{Angle, Axis, Lead, Ratio};
 
 /// Names a table that the kernel has been given.
@@ -25,7 +27,8 @@ pub struct GearStep {
     pub master: u8,
     /// Follower's turns per master's turns.
     pub ratio: Ratio,
-    /// A second master: the follower turns once more for each lead that this axis travels from zero.
+    /// A second master: the follower turns once more for each lead that this axis travels from
+    /// zero.
     pub axis: Option<(Axis, Lead)>,
     /// Angle of the follower while the masters are at zero.
     pub phase: Angle,
@@ -53,6 +56,7 @@ pub struct Superpose {
     pub table: Option<TableId>,
     /// Turns of the master that the table spans, one or more.
     pub turns: f64,
-    /// Turns of the master over which it fades in or out, at least; the limits of moves at approach speed may ask for more.
+    /// Turns of the master over which it fades in or out, at least; the limits of moves at approach
+    /// speed may ask for more.
     pub over: Angle,
 }

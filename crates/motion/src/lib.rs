@@ -4,7 +4,9 @@
 //!   plan ─► Step ─► kernel      q(s) of a path, s(t) of a profile, θ(t) of a spindle, z(θ) of a tap, X Z(θ) of a thread
 //! ```
 //!
-//! A [`Step`] with its plan is complete: position, velocity and acceleration of every axis at every instant follow from it alone. Nothing here allocates, optimises or knows a machine; all has a fixed size.
+//! A [`Step`] with its plan is complete: position, velocity and acceleration of every axis at every
+//! instant follow from it alone. Nothing here allocates, optimises or knows a machine; all has a
+//! fixed size.
 //!
 //! | file | answers |
 //! |---|---|

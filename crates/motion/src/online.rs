@@ -6,10 +6,11 @@
 //!   ends of travel ────────────┘
 //! ```
 //!
-//! Within a period the jerk is constant. Every period takes the acceleration, among those that the jerk reaches, that leads
-//! to the goal soonest and from which the axis can still come to rest before the end: where it comes to rest
-//! when it brakes as hard as it may grows with that acceleration, so the largest one is found by bisection.
-//! The end is kept within a quarter of a micrometre: periods are no finer. Units: mm (or degrees) and s.
+//! Within a period the jerk is constant. Every period takes the acceleration, among those that the
+//! jerk reaches, that leads to the goal soonest and from which the axis can still come to rest
+//! before the end: where it comes to rest when it brakes as hard as it may grows with that
+//! acceleration, so the largest one is found by bisection. The end is kept within a quarter of a
+//! micrometre: periods are no finer. Units: mm (or degrees) and s.
 use libm::sqrt;
 
 /// What one axis keeps, whatever its target does.
@@ -47,7 +48,8 @@ pub struct OnlineState {
     pub jerk: f64,
 }
 
-/// Shares of acceleration and jerk that braking counts on: what lies between the instants of the periods takes the rest.
+/// Shares of acceleration and jerk that braking counts on: what lies between the instants of the
+/// periods takes the rest.
 const COUNTED: (f64, f64) = (0.98, 0.9);
 /// Halvings of the interval of accelerations: what is left of it is below what a number can hold.
 const HALVINGS: u32 = 48;
@@ -74,8 +76,8 @@ impl OnlineState {
             }
     }
 
-    /// One period later. `ends` are those of travel, from and to; an axis that is beyond one of them, or cannot stop before
-    /// it, is not driven back, but comes to rest where it first can.
+    /// One period later. `ends` are those of travel, from and to; an axis that is beyond one of
+    /// them, or cannot stop before it, is not driven back, but comes to rest where it first can.
     #[must_use]
     pub fn next(&self, goal: Goal, limits: &OnlineLimits, ends: (f64, f64), period_s: f64) -> Self {
         let j = limits.jerk.min(2.0 * limits.accel / period_s);
@@ -94,7 +96,8 @@ impl OnlineState {
             (reach.0.max(-limits.accel).min(reach.1), reach.1.min(limits.accel).max(reach.0));
         let after = |accel: f64| self.after(accel, period_s);
         let place = |accel: f64| stops_at(&after(accel), braking, braking_j);
-        // the speeds that are reached on the way to rest of the acceleration, from below and from above
+        // the speeds that are reached on the way to rest of the acceleration, from below and from
+        // above
         let fastest = |accel: f64| fastest(&after(accel), braking_j);
         let slowest = |accel: f64| -fastest_mirrored(&after(accel), braking_j);
         let accel = match goal {
@@ -137,7 +140,8 @@ impl OnlineState {
         }
     }
 
-    /// A last step of this length and none after it: third differences of the places keep the jerk too.
+    /// A last step of this length and none after it: third differences of the places keep the jerk
+    /// too.
     fn may_end_at(&self, step: f64, j: f64, period_s: f64) -> bool {
         let h = period_s;
         let before = h * (self.speed - h * (self.accel / 2.0 - h * self.jerk / 6.0));
@@ -167,7 +171,8 @@ fn counted(limits: &OnlineLimits, period_s: f64) -> (f64, f64) {
     (COUNTED.0 * limits.accel, COUNTED.1 * jerk)
 }
 
-/// The largest acceleration within reach whose outcome, which grows with it, is not beyond `wanted`; the least if all are.
+/// The largest acceleration within reach whose outcome, which grows with it, is not beyond
+/// `wanted`; the least if all are.
 fn highest((mut low, mut high): (f64, f64), wanted: f64, outcome: impl Fn(f64) -> f64) -> f64 {
     if outcome(high) <= wanted {
         return high;
@@ -202,7 +207,8 @@ fn fastest_mirrored(state: &OnlineState, j: f64) -> f64 {
     fastest(&OnlineState { speed, accel, ..*state }, j)
 }
 
-/// Where it comes to rest when it brakes as hard as it may: acceleration to −p, held, and back to zero.
+/// Where it comes to rest when it brakes as hard as it may: acceleration to −p, held, and back to
+/// zero.
 fn stops_at(state: &OnlineState, most: f64, j: f64) -> f64 {
     // mirrored so that it has to be slowed down from a positive speed
     let sense = if settles_at(state, j) < 0.0 { -1.0 } else { 1.0 };
@@ -257,7 +263,8 @@ mod tests {
         Ok(())
     }
 
-    /// Shortest time of a move from rest to rest over this distance, by the seven stretches of constant jerk.
+    /// Shortest time of a move from rest to rest over this distance, by the seven stretches of
+    /// constant jerk.
     fn shortest(distance: f64, limits: &OnlineLimits) -> f64 {
         let (v, a) = (limits.speed, limits.accel);
         let j = limits.jerk.min(2.0 * a / H);

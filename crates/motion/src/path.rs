@@ -15,9 +15,9 @@
 //! | R(φ) | rotation by φ, counter-clockwise seen against the plane's normal | |
 //! | e | what the rotated start lacks to the programmed end: rounding of the program | mm |
 //!
-//! Spreading e over the path (instead of jumping at its end) keeps the motion smooth and its end exact.
-//! Of a spline X and Y are its own polynomials of the length ([`Bezier`]).
-//! On a circle the acceleration has a part towards the centre, v²/r, beside the part along the path.
+//! Spreading e over the path (instead of jumping at its end) keeps the motion smooth and its end
+//! exact. Of a spline X and Y are its own polynomials of the length ([`Bezier`]). On a circle the
+//! acceleration has a part towards the centre, v²/r, beside the part along the path.
 //!
 //! Length follows RS-274/NGC (NIST IR 6556, 2.1.2.5): along X Y Z if one of them moves, else along
 //! U V W, else the turn of the rotary axes in degrees; all others arrive at the same time.
@@ -83,8 +83,8 @@ impl Path {
         }
     }
 
-    /// Length of the path, mm: what its profile's parameter runs over. For a move of rotary axes alone
-    /// it is the turn in degrees, as RS-274/NGC measures it.
+    /// Length of the path, mm: what its profile's parameter runs over. For a move of rotary axes
+    /// alone it is the turn in degrees, as RS-274/NGC measures it.
     pub fn length(&self) -> f64 {
         match self {
             Self::Line { from, to } => line_length(from, to),
@@ -256,8 +256,8 @@ mod tests {
         assert_eq!([0, 1, 2].map(|i| m.position[i].of_linear()), to.linear);
     }
 
-    /// Quarter circle of radius 10 about the origin, from (10, 0): at half way the speed points along
-    /// (−1, 1)/√2, and v²/r points to the centre.
+    /// Quarter circle of radius 10 about the origin, from (10, 0): at half way the speed points
+    /// along (−1, 1)/√2, and v²/r points to the centre.
     #[test]
     fn on_an_arc_the_acceleration_points_to_the_centre_with_v_squared_over_r() {
         let arc = Arc { plane: Plane::XY, centre: [Length::ZERO; 2], sweep: Angle::rev(0.25) };

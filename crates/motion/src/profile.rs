@@ -10,8 +10,8 @@
 //! | v, a, j | its rates | mm/s, mm/s², mm/s³ | rev/s, rev/s², rev/s³ |
 //! | t | time | s | s |
 //!
-//! The same phases run along a joined path ([`crate::Follow`]). How they are made is the planner's; here is what the kernel
-//! evaluates each period.
+//! The same phases run along a joined path ([`crate::Follow`]). How they are made is the planner's;
+//! here is what the kernel evaluates each period.
 
 /// Most pieces a profile may have: a spindle's run-up on a power curve needs the most.
 pub const MAX_PHASES: usize = 64;

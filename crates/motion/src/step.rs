@@ -57,8 +57,8 @@ pub enum StepKind<S: Storage> {
     Tap(S::Of<TapPlan>),
     /// Turn a stretch of a thread.
     Thread(ThreadStretch),
-    /// From here on the tool may be in the work, tied to a spindle, and this is the way out: wait until it is written down
-    /// where somebody does. `None`: it is out.
+    /// From here on the tool may be in the work, tied to a spindle, and this is the way out: wait
+    /// until it is written down where somebody does. `None`: it is out.
     WayOut(Option<WayOut>),
     /// Gear a spindle to another one, and wait until it is locked.
     Engage(GearStep),
@@ -78,8 +78,8 @@ pub enum StepKind<S: Storage> {
         /// How many turns from now.
         turns: Angle,
     },
-    /// Wait, with spindles turning and couplings engaged, until whoever runs the kernel has done what this number
-    /// stands for, and answers.
+    /// Wait, with spindles turning and couplings engaged, until whoever runs the kernel has done
+    /// what this number stands for, and answers.
     Consult(u16),
     /// Change the tool; the planner has brought the axes to the change position before.
     ChangeTool {
@@ -97,8 +97,8 @@ pub enum StepKind<S: Storage> {
     },
     /// Whether the operator's feed override acts from here on (M48, M49, M50).
     FeedOverride(bool),
-    /// Whether the operator's spindle override acts from here on (M48, M49, M51); what needs the programmed speed locks it, and
-    /// goes on when the spindle has it.
+    /// Whether the operator's spindle override acts from here on (M48, M49, M51); what needs the
+    /// programmed speed locks it, and goes on when the spindle has it.
     SpindleOverride(bool),
     /// Switch an output.
     Output(Output),
@@ -169,8 +169,8 @@ impl Follow {
         self.phases[..usize::from(self.count)].iter().map(|phase| phase.duration).sum()
     }
 
-    /// It ends at this time from its start, in the motion that it has there, and goes on into the next step; whether that is
-    /// within it.
+    /// It ends at this time from its start, in the motion that it has there, and goes on into the
+    /// next step; whether that is within it.
     #[must_use]
     pub fn cut(&mut self, time: f64) -> bool {
         if !(time > 0.0 && time < self.duration()) {
@@ -212,7 +212,8 @@ impl Follow {
 pub struct Move {
     /// Where.
     pub path: Path,
-    /// When: path parameter over time. For `per_revolution` moves, over spindle revolutions instead.
+    /// When: path parameter over time. For `per_revolution` moves, over spindle revolutions
+    /// instead.
     pub profile: Profile,
     /// Not cutting.
     pub rapid: bool,
@@ -220,7 +221,8 @@ pub struct Move {
     pub per_revolution: bool,
     /// At the end, wait until every axis is in position before the next step.
     pub exact_stop: bool,
-    /// A tap's holder takes whatever spindle and feed differ by: nothing is wrong while the spindle is not at speed.
+    /// A tap's holder takes whatever spindle and feed differ by: nothing is wrong while the spindle
+    /// is not at speed.
     pub floats: bool,
     /// Its feed, if it may be planned anew for another one.
     pub programmed: Option<Programmed>,
@@ -232,8 +234,8 @@ impl Move {
         !self.profile.is_cut()
     }
 
-    /// It ends at this time from its start, in the motion that it has there, and goes on into the next step; whether that is
-    /// within it.
+    /// It ends at this time from its start, in the motion that it has there, and goes on into the
+    /// next step; whether that is within it.
     #[must_use]
     pub fn cut(&mut self, time: f64) -> bool {
         let is_cut = self.profile.cut(time);
@@ -253,19 +255,21 @@ impl Move {
     ))
 )]
 pub enum SpindleStep<S: Storage> {
-    /// Turn at this speed (sign: sense; zero stops) along `ramp`, which runs from the speed that the
-    /// planner knows the spindle to be ordered to; go on to the next step at once.
+    /// Turn at this speed (sign: sense; zero stops) along `ramp`, which runs from the speed that
+    /// the planner knows the spindle to be ordered to; go on to the next step at once.
     Turn {
         /// Speed to hold.
         spin: Spin,
         /// Speed over time, as the profile's `v`; its `s` is revolutions.
         ramp: S::Of<Profile>,
     },
-    /// Turn by the place of X from now on, on the ramps that the spindle's drive has; go on to the next step at once.
+    /// Turn by the place of X from now on, on the ramps that the spindle's drive has; go on to the
+    /// next step at once.
     Surface {
         /// Surface speed, limit and axis of the work.
         surface: SurfaceSpeed,
-        /// As the planner expects it to come from its speed to the one at the place where X is, for the planned time alone.
+        /// As the planner expects it to come from its speed to the one at the place where X is, for
+        /// the planned time alone.
         ramp: S::Of<Profile>,
     },
     /// Wait until the spindle is within its at-speed window of the ordered speed (or at rest).
@@ -276,8 +280,8 @@ pub enum SpindleStep<S: Storage> {
     Throw(S::Of<ChipThrow>),
 }
 
-/// Chip removal: wait until an axis passes a level, run against the cut, turn round as soon as that speed is
-/// reached.
+/// Chip removal: wait until an axis passes a level, run against the cut, turn round as soon as that
+/// speed is reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChipThrow {
@@ -297,7 +301,8 @@ pub struct ChipThrow {
     pub upwards: bool,
 }
 
-/// The step that a kernel is executing, and the planned time of it that is done, while what follows is planned anew.
+/// The step that a kernel is executing, and the planned time of it that is done, while what follows
+/// is planned anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UnderWay {
@@ -307,7 +312,8 @@ pub struct UnderWay {
     pub pace: f64,
 }
 
-/// What a kernel gives back of the steps that it was given, so that they can be planned anew. Whoever gave them keeps them.
+/// What a kernel gives back of the steps that it was given, so that they can be planned anew.
+/// Whoever gave them keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandedBack {

@@ -12,8 +12,9 @@
 //!   bytes ─► Step<Inline>     the plans themselves: what came from another process, on its way to push
 //! ```
 //!
-//! A tap with both strokes of its spindle takes 5 kB, a dwell 8 bytes. A queue of steps that contained their plans would have room
-//! for a tap in every place. So a [`Step`] is small whatever it does, and the storage says what stands in it for a plan.
+//! A tap with both strokes of its spindle takes 5 kB, a dwell 8 bytes. A queue of steps that
+//! contained their plans would have room for a tap in every place. So a [`Step`] is small whatever
+//! it does, and the storage says what stands in it for a plan.
 use crate::{ChipThrow, Follow, Move, Profile, SpindleStep, Step, StepKind, TapPlan};
 use core::fmt::Debug;
 

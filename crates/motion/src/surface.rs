@@ -1,4 +1,5 @@
-//! Constant surface speed (G96): the work turns the faster, the nearer the tip of the tool is to its axis.
+//! Constant surface speed (G96): the work turns the faster, the nearer the tip of the tool is to
+//! its axis.
 //!
 //! ```text
 //!   n │ limit ────╮

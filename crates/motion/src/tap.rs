@@ -23,10 +23,11 @@ pub struct TapPlan {
     pub start: Position,
     /// Coordinate of `axis` at the turning point.
     pub bottom: Length,
-    /// Coordinate of `axis` down to which it may follow a spindle that coasts because its drive is gone.
+    /// Coordinate of `axis` down to which it may follow a spindle that coasts because its drive is
+    /// gone.
     pub deepest: Length,
-    /// Coordinate of `axis` where it ends: the start, or inside the thread where a peck only breaks the
-    /// chip and the next one goes on from there.
+    /// Coordinate of `axis` where it ends: the start, or inside the thread where a peck only breaks
+    /// the chip and the next one goes on from there.
     pub end: Length,
     /// Coordinate of `axis` where the material begins.
     pub surface: Length,
@@ -45,8 +46,8 @@ pub struct TapPlan {
     pub outward: Profile,
     /// Spindle angle within a turn at the start; `None`: wherever it stands.
     pub start_angle: Option<Angle>,
-    /// A spindle whose drive makes its own ramps may, once it is learnt, turn back straight from its speed: so well does
-    /// it repeat. No matter for any other.
+    /// A spindle whose drive makes its own ramps may, once it is learnt, turn back straight from
+    /// its speed: so well does it repeat. No matter for any other.
     pub turns_at_speed: bool,
     /// What kept it from being faster.
     pub limiting: TapLimiting,

@@ -1,9 +1,10 @@
 //! Turned threads: where the tool is for each angle of the spindle.
 //!
-//! A chain of stretches is one function of the turns φ since the spindle passed the start angle. Each stretch runs along
-//! one straight line, `s·x + b·x²/2` along it in the x turns since it began: its slope s, mm per revolution, grows by its bend b in
-//! each (zero where the lead is constant). There is a corner wherever slope or bend change; at both ends of the chain they change
-//! from and to zero.
+//! A chain of stretches is one function of the turns φ since the spindle passed the start angle.
+//! Each stretch runs along one straight line, `s·x + b·x²/2` along it in the x turns since it
+//! began: its slope s, mm per revolution, grows by its bend b in each (zero where the lead is
+//! constant). There is a corner wherever slope or bend change; at both ends of the chain they
+//! change from and to zero.
 //!
 //! ```text
 //!   q ▲              ●━━━━━━━  stands at the end          a corner is rounded over ±h turns about it:
@@ -15,14 +16,16 @@
 //!     └─┴────┴─────► φ                                    both 0 before; x and x²/2 after
 //! ```
 //!
-//! R″ = ¾·(1 − u²)/h, and P″ = ½ + 9u/8 − 5u³/8 goes from 0 to 1, by 0.081 beyond both on its way: a smooth step that does not
-//! would leave the law after it shifted.
+//! R″ = ¾·(1 − u²)/h, and P″ = ½ + 9u/8 − 5u³/8 goes from 0 to 1, by 0.081 beyond both on its way:
+//! a smooth step that does not would leave the law after it shifted.
 //!
-//! So the tool is exactly on `start + lead·φ + growth·φ²/2` outside the corners, whatever the speed: passes over a thread find the
-//! groove of the pass before, at the same speed or another. The run-in takes h·lead of path behind the start.
+//! So the tool is exactly on `start + lead·φ + growth·φ²/2` outside the corners, whatever the
+//! speed: passes over a thread find the groove of the pass before, at the same speed or another.
+//! The run-in takes h·lead of path behind the start.
 //!
-//! With n revolutions a second the corner costs an acceleration of at most ¾·|Δs|·n²/h + (|b| + 0.081·|Δb|)·n², b the larger of
-//! both, and a jerk of at most 3/2·|Δs|·n³/h² + 9/8·|Δb|·n³/h; the planner makes h long enough for both.
+//! With n revolutions a second the corner costs an acceleration of at most ¾·|Δs|·n²/h +
+//! (|b| + 0.081·|Δb|)·n², b the larger of both, and a jerk of at most 3/2·|Δs|·n³/h² +
+//! 9/8·|Δb|·n³/h; the planner makes h long enough for both.
 use units::Angle;
 
 /// The axes that thread: X, Y, Z.
@@ -194,7 +197,8 @@ mod tests {
         [thread, exit]
     }
 
-    /// A thread that begins with 2 mm at Z5 and grows by 0.1 mm in each of 10 turns, to 3 mm; on with that for 5 turns.
+    /// A thread that begins with 2 mm at Z5 and grows by 0.1 mm in each of 10 turns, to 3 mm; on
+    /// with that for 5 turns.
     fn growing(half: [f64; 3]) -> [ThreadStretch; 2] {
         let (middle, bend) = ([0.0, 0.0, -20.0], [0.0, 0.0, -0.1]);
         let grows = ThreadStretch {

@@ -1,4 +1,5 @@
-//! The way out of work in which a tool is tied to a spindle, but not screwed to it: turned threads, cams, polygons, gears.
+//! The way out of work in which a tool is tied to a spindle, but not screwed to it: turned threads,
+//! cams, polygons, gears.
 //!
 //! ```text
 //!     X ▲      ● clear                 after a stop in which spindle and axes ran apart, the law of the coupling leads
@@ -8,8 +9,8 @@
 //!       └──────────────────► Z
 //! ```
 //!
-//! Where the tool is clear is where it stood before it was fed in: that of a thread's pass, of a wheel before its cam, of a
-//! polygon's cutter when it was geared up.
+//! Where the tool is clear is where it stood before it was fed in: that of a thread's pass, of a
+//! wheel before its cam, of a polygon's cutter when it was geared up.
 use units::{Angle, Axis, Lead, LeadGrowth, Length, Spin};
 
 /// What is being cut.
@@ -24,7 +25,8 @@ pub enum TiedCut {
     Polygon,
     /// A gear.
     Gear,
-    /// A thread, by a tap in a floating or clutch holder: no axis is tied to its spindle, and the thread holds it.
+    /// A thread, by a tap in a floating or clutch holder: no axis is tied to its spindle, and the
+    /// thread holds it.
     FloatingTap,
 }
 
@@ -46,7 +48,8 @@ pub struct WayOut {
     pub pass: Option<Pass>,
 }
 
-/// One pass over a thread: `position = start + lead·(θ − angle) + growth·(θ − angle)²/2`, θ within a turn.
+/// One pass over a thread: `position = start + lead·(θ − angle) + growth·(θ − angle)²/2`, θ within
+/// a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pass {
@@ -71,7 +74,8 @@ pub struct Pass {
 }
 
 impl WayOut {
-    /// Nothing but the infeed axis is needed to take the tool off the work: it is held by nothing on the side from which it came.
+    /// Nothing but the infeed axis is needed to take the tool off the work: it is held by nothing
+    /// on the side from which it came.
     pub const fn is_straight(&self) -> bool {
         match self.cut {
             TiedCut::Thread | TiedCut::Cam | TiedCut::Polygon | TiedCut::Gear => true,

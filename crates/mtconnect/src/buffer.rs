@@ -1,4 +1,5 @@
-//! Observations in the order of their sequence numbers: so many are kept, and what was true at each of those.
+//! Observations in the order of their sequence numbers: so many are kept, and what was true at each
+//! of those.
 //!
 //! ```text
 //!   before the first │ first … last │ next         state before the first + what follows = state at any of them

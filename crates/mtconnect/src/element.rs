@@ -1,4 +1,5 @@
-//! A document as a tree of elements, and its text: XML, or JSON as the standard's own agent writes it.
+//! A document as a tree of elements, and its text: XML, or JSON as the standard's own agent writes
+//! it.
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};
 use serde_json::{Map, Value, json};

@@ -1,7 +1,8 @@
 //! From a control's pictures and events to observations.
 //!
-//! What the program does and who leads the axes come from the control's events alone: each change is observed, in its order,
-//! however short it was. Everything else comes from pictures: events and conditions from each, samples ten times a second.
+//! What the program does and who leads the axes come from the control's events alone: each change
+//! is observed, in its order, however short it was. Everything else comes from pictures: events and
+//! conditions from each, samples ten times a second.
 use crate::buffer::{Buffer, FaultValue, Value};
 use crate::device::Device;
 use crate::documents::{Asset, CUTTING_TOOL};

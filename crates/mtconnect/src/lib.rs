@@ -1,4 +1,5 @@
-//! An `MTConnect` 2.4 agent of one machine: what it is made of, what was observed of it, and the documents that a client reads.
+//! An `MTConnect` 2.4 agent of one machine: what it is made of, what was observed of it, and the
+//! documents that a client reads.
 //!
 //! ```text
 //!   machine file ─► Device (components, data items)
@@ -19,9 +20,9 @@
 //! | `topics` | what is published: each observation by itself, the device, its assets |
 //! | `documents`, `element` | documents, as a tree and as text |
 //!
-//! It is read-only by construction: it has pictures and events, and no way to ask a control for anything. Words and numbers
-//! are the standard's; what only Leadscrew knows (sync error, class, verdict, recovery) stands in its own namespace, whose
-//! schema is [`SCHEMA`].
+//! It is read-only by construction: it has pictures and events, and no way to ask a control for
+//! anything. Words and numbers are the standard's; what only Leadscrew knows (sync error, class,
+//! verdict, recovery) stands in its own namespace, whose schema is [`SCHEMA`].
 #![forbid(unsafe_code)]
 
 mod agent;

@@ -7,7 +7,8 @@
 //!   test  = "@" attribute "=" quoted          `and` binds as it does in XPath: before `or`
 //! ```
 //!
-//! What is chosen of a component is all that is below it. A prefix of a name (`m:Device`) is passed over: there is one namespace.
+//! What is chosen of a component is all that is below it. A prefix of a name (`m:Device`) is passed
+//! over: there is one namespace.
 use crate::element::Element;
 use crate::query::{ErrorCode, QueryError};
 

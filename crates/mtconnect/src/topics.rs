@@ -1,11 +1,13 @@
-//! What is published without being asked for: each observation on a topic of its data item, as the standard's own agent writes it.
+//! What is published without being asked for: each observation on a topic of its data item, as the
+//! standard's own agent writes it.
 //!
 //! ```json
 //! {"dataItemId": "path_execution", "type": "EXECUTION", "category": "EVENT", "timestamp": "2026-11-25T10:36:52.345Z",
 //!  "result": "ACTIVE", "sequence": 1234, "instanceId": 1795603012345}
 //! ```
 //!
-//! An observation is known again by `instanceId` and `sequence`: a reader that gets it twice drops the second.
+//! An observation is known again by `instanceId` and `sequence`: a reader that gets it twice drops
+//! the second.
 use crate::agent::Agent;
 use crate::buffer::{Observation, StateAt, Value};
 use crate::documents::date;
@@ -50,7 +52,8 @@ impl Agent {
         self.buffer.from(from).take(count).map(|seen| self.message(seen)).collect()
     }
 
-    /// The last observation of each data item before this one, oldest first; of a condition each that is wrong. None: it is not kept.
+    /// The last observation of each data item before this one, oldest first; of a condition each
+    /// that is wrong. None: it is not kept.
     pub fn messages_before(&self, sequence: u64) -> Vec<ItemMessage> {
         let state = self.buffer.before(sequence);
         let mut seen: Vec<_> = state.iter().flat_map(StateAt::all).collect();

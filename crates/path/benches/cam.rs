@@ -1,4 +1,5 @@
-//! How many programmed moves a second are joined and timed: `cargo bench -p path --bench cam [PART OF A NAME]`.
+//! How many programmed moves a second are joined and timed:
+//! `cargo bench -p path --bench cam [PART OF A NAME]`.
 mod paths;
 use motion::{AXES, Bounds, Limits, Piece};
 use path::geometry::Joiner;

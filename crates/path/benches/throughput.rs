@@ -1,4 +1,5 @@
-//! How many segments a second the law of time plans, and how much memory it needs: `cargo bench -p path`.
+//! How many segments a second the law of time plans, and how much memory it needs:
+//! `cargo bench -p path`.
 use motion::Line;
 use motion::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
 use path::law::{Config, Law};

@@ -1,8 +1,10 @@
-//! The joined path of a program as a grid of derivatives, and how long the law of time takes along it: for `tools/optimum`.
+//! The joined path of a program as a grid of derivatives, and how long the law of time takes along
+//! it: for `tools/optimum`.
 //!
-//! `grid PROGRAM P JERK STEP`: a program of G0 and G1 in mm, X Y Z at 200 mm/s and 1000 mm/s², P in mm, jerk in m/s³ or `inf`. The
-//! first line is the time in s; each other one a stretch of the path of about STEP mm: its length, its feed, and q′, q″, q‴ of X, Y
-//! and Z at its beginning, in its middle, and at its end.
+//! `grid PROGRAM P JERK STEP`: a program of G0 and G1 in mm, X Y Z at 200 mm/s and 1000 mm/s², P in
+//! mm, jerk in m/s³ or `inf`. The first line is the time in s; each other one a stretch of the path
+//! of about STEP mm: its length, its feed, and q′, q″, q‴ of X, Y and Z at its beginning, in its
+//! middle, and at its end.
 use motion::Line;
 use motion::{AXES, Bounds, Curve, Limits, Piece, Shape};
 use path::geometry::{Joiner, Segment};

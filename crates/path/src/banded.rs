@@ -1,5 +1,5 @@
-//! Symmetric positive definite systems of equations whose matrix is a band of blocks: B unknowns belong together, and meet
-//! those of their own block and of the next W − 1 ones.
+//! Symmetric positive definite systems of equations whose matrix is a band of blocks: B unknowns
+//! belong together, and meet those of their own block and of the next W − 1 ones.
 //!
 //! ```text
 //!   ┌ D A₁ A₂       ┐      L·D·Lᵀ, from above: each row of blocks loses what the W − 1 rows before it take,
@@ -16,8 +16,8 @@ const LOST: f64 = 1e-12;
 
 type Block<const B: usize> = [[f64; B]; B];
 
-/// The matrix, by rows of blocks: the one on the diagonal, of which only what is on it and above counts, and those behind it.
-/// After [`Banded::factor`] Lᵀ, with 1/D on the diagonal.
+/// The matrix, by rows of blocks: the one on the diagonal, of which only what is on it and above
+/// counts, and those behind it. After [`Banded::factor`] Lᵀ, with 1/D on the diagonal.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Banded<const B: usize, const W: usize> {
     pub(crate) rows: Vec<[Block<B>; W]>,
@@ -37,7 +37,8 @@ impl<const B: usize, const W: usize> Banded<B, W> {
         self.rows.resize(count, [[[0.0; B]; B]; W]);
     }
 
-    /// An unknown that is given: its equation becomes x = right-hand side, which nothing else meets.
+    /// An unknown that is given: its equation becomes x = right-hand side, which nothing else
+    /// meets.
     pub(crate) fn fix(&mut self, block: usize, unknown: usize) {
         for row in 0..B {
             self.rows[block][0][row][unknown] = 0.0;
@@ -56,8 +57,8 @@ impl<const B: usize, const W: usize> Banded<B, W> {
         }
     }
 
-    /// Turn the matrix into its factors, in place. Where rounding leaves nothing of a stiff diagonal, 1/D is zero, and
-    /// the unknown comes out as zero.
+    /// Turn the matrix into its factors, in place. Where rounding leaves nothing of a stiff
+    /// diagonal, 1/D is zero, and the unknown comes out as zero.
     pub(crate) fn factor(&mut self) {
         for at in 0..self.rows.len() {
             let (above, rest) = self.rows.split_at_mut(at);

@@ -1,4 +1,5 @@
-//! What joining promises: near enough to what was programmed, exact at its ends, and smooth where it says so.
+//! What joining promises: near enough to what was programmed, exact at its ends, and smooth where
+//! it says so.
 use motion::{AXES, Bounds, Curve, Derivatives, Entry, Limits, Piece, Shape};
 use motion::{Arc, Line};
 use path::geometry::{Joiner, Segment, cubic};
@@ -98,8 +99,9 @@ fn followed(pieces: &[Piece]) -> Vec<(f64, Point)> {
     points
 }
 
-/// Farthest that points are from a path of chords. Both run over nearly the same way, so the nearest chord is looked for
-/// around the one of the point before; where a small loop was cut short and none there is near, among all of them.
+/// Farthest that points are from a path of chords. Both run over nearly the same way, so the
+/// nearest chord is looked for around the one of the point before; where a small loop was cut short
+/// and none there is near, among all of them.
 fn farthest(points: &[(f64, Point)], path: &[(f64, Point)], tolerance: f64) -> f64 {
     let nearest = |q: &Point, chords: &[(f64, Point)], until: f64| {
         let (mut near, mut place) = (f64::INFINITY, 0.0);
@@ -151,7 +153,8 @@ fn check_with(segments: &[Segment], tolerance: f64, jerk: f64) -> Vec<Piece> {
     let (path, curve) = (programmed(segments), followed(&pieces));
     let far = farthest(&curve, &path, tolerance);
     assert!(far <= tolerance * 1.001 + CHORDS, "{far} mm from the path with P {tolerance}");
-    // nor does it cut a place off by more than the point of a right angle, where it is P from both lines
+    // nor does it cut a place off by more than the point of a right angle, where it is P from both
+    // lines
     let far = farthest(&path, &curve, tolerance);
     let corner = std::f64::consts::SQRT_2 * tolerance;
     assert!(far <= corner * 1.001 + CHORDS, "{far} mm are cut off with P {tolerance}");
@@ -185,7 +188,8 @@ fn an_acute_corner_is_passed_no_farther_away_than_a_right_angle() {
     }
 }
 
-/// Nothing is fitted across a gap, where a curve would have to jump: both sides are paths of their own.
+/// Nothing is fitted across a gap, where a curve would have to jump: both sides are paths of their
+/// own.
 #[test]
 fn a_move_that_begins_elsewhere_does_not_go_on_from_the_one_before() {
     let before = lines(&[at(0.0, 0.0, 0.0), at(4.3, 11.1, 0.0), at(4.9, 11.2, 0.0)], 0.1);
@@ -280,7 +284,8 @@ fn curvature(piece: &Piece) -> f64 {
     (d.q1[0] * d.q2[1] - d.q1[1] * d.q2[0]).abs() / d.q1[0].hypot(d.q1[1]).powi(3)
 }
 
-/// Every second point is 4 µm beside a line, P is 10 µm: the line itself is within P of all of them.
+/// Every second point is 4 µm beside a line, P is 10 µm: the line itself is within P of all of
+/// them.
 #[test]
 fn what_lies_within_p_of_a_straight_line_becomes_one() {
     let points: Vec<Point> = (0..=400)
@@ -293,8 +298,9 @@ fn what_lies_within_p_of_a_straight_line_becomes_one() {
     assert!(most < 2e-3, "{most}");
 }
 
-/// The end of a raster's row: 0.1 mm moves, a right angle, half a millimetre, and back. A piece that is much shorter than the
-/// corner's reach must change the bend within it, which no limit of jerk lets pass at speed.
+/// The end of a raster's row: 0.1 mm moves, a right angle, half a millimetre, and back. A piece
+/// that is much shorter than the corner's reach must change the bend within it, which no limit of
+/// jerk lets pass at speed.
 #[test]
 fn a_fitted_corner_has_no_crumbs() {
     let mut points: Vec<Point> = (0..=40).map(|k| at(0.1 * f64::from(k), 0.0, 0.0)).collect();
@@ -333,7 +339,8 @@ fn a_feed_that_changes_right_behind_a_sharp_corner_costs_no_memory() {
     check(&segments, 0.0196);
 }
 
-/// A long line between short ones: the curve through them swings from one side to the other within one of its spans.
+/// A long line between short ones: the curve through them swings from one side to the other within
+/// one of its spans.
 #[test]
 fn a_fitted_curve_is_within_p_between_its_samples_too() {
     let steps = [

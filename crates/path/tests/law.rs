@@ -46,7 +46,8 @@ fn a_single_line_is_a_trapezoid() {
     assert!((duration(&phases) - 2.1).abs() < 1e-12);
 }
 
-/// A curve at a low feed, where the axes need little of the way to reach it: v/a longer than length/v, as a line would be.
+/// A curve at a low feed, where the axes need little of the way to reach it: v/a longer than
+/// length/v, as a line would be.
 #[test]
 fn a_slow_arc_from_rest_to_rest_takes_as_long_as_a_line() {
     let (radius, feed, accel) = (10.0, 10.0, 1000.0);
@@ -67,7 +68,8 @@ fn a_slow_arc_from_rest_to_rest_takes_as_long_as_a_line() {
         let arc = Piece { curve, begin: 0.0, length, feed, rapid: false, entry, op: 0, line: 0 };
         let limits = bounds(200.0, accel, f64::INFINITY);
         let phases = timed(&[arc], &config(limits));
-        // where both axes go along, s̈ may be higher than for one; the bend takes 0.1 % of the acceleration
+        // where both axes go along, s̈ may be higher than for one; the bend takes 0.1 % of the
+        // acceleration
         let took = duration(&phases);
         let line = length / feed + feed / accel;
         assert!(took <= line * 1.001 && took > length / feed, "{turns}: {took} for {line}");
@@ -76,7 +78,8 @@ fn a_slow_arc_from_rest_to_rest_takes_as_long_as_a_line() {
     }
 }
 
-/// An arc so flat that it is one cell, between two stops, and one after another: as the line beside it.
+/// An arc so flat that it is one cell, between two stops, and one after another: as the line beside
+/// it.
 #[test]
 fn a_flat_arc_takes_as_long_as_a_line() {
     let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
@@ -122,7 +125,8 @@ fn a_spline_that_ends_in_a_sharp_bend_is_slow_there() {
     }
 }
 
-/// Control points that cross over make a cusp: the curve turns back on the spot. One that nearly does takes hardly longer.
+/// Control points that cross over make a cusp: the curve turns back on the spot. One that nearly
+/// does takes hardly longer.
 #[test]
 fn a_cusp_is_passed_nearly_at_rest_and_takes_no_time_to_plan() {
     let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
@@ -149,7 +153,8 @@ fn a_cusp_is_passed_nearly_at_rest_and_takes_no_time_to_plan() {
     }
 }
 
-/// Over revolutions of a fast spindle, a servo period is more of a revolution than the longest step between two knots.
+/// Over revolutions of a fast spindle, a servo period is more of a revolution than the longest step
+/// between two knots.
 #[test]
 fn a_period_longer_than_the_longest_step_is_no_panic() {
     let piece = line([0.0; 3], [10.0, 0.0, 0.0], 5.0, Entry::Rest);
@@ -250,7 +255,8 @@ fn with_jerk_ten_thousand_parts_of_a_line_take_hardly_longer_than_the_line() {
     assert!((0.999..1.005).contains(&ratio), "{ratio}");
 }
 
-/// Nothing happens on most of the way: neither the plan nor what is handed out grows with the time that it takes.
+/// Nothing happens on most of the way: neither the plan nor what is handed out grows with the time
+/// that it takes.
 #[test]
 fn with_jerk_a_slow_arc_takes_as_long_as_its_feed_and_few_phases() {
     let (radius, jerk) = (50.0, 20e3);
@@ -269,7 +275,8 @@ fn with_jerk_a_slow_arc_takes_as_long_as_its_feed_and_few_phases() {
     }
 }
 
-/// A slow cut that goes on as a rapid too short for its own speed: the cut holds its feed up to the rapid.
+/// A slow cut that goes on as a rapid too short for its own speed: the cut holds its feed up to the
+/// rapid.
 #[test]
 fn with_jerk_a_slow_line_before_a_rapid_takes_few_phases() {
     let (jerk, ends) = (20e3, [0.0, 20.0, 30.0].map(|x| [x, 0.0, 0.0]));
@@ -282,7 +289,8 @@ fn with_jerk_a_slow_line_before_a_rapid_takes_few_phases() {
     assert!(phases.len() < 400, "{} phases", phases.len());
 }
 
-/// A wave of 2 mm, F9000, P 1 µm: it takes as long however finely it was chopped, and as few pieces; within 0.2 % and a tenth.
+/// A wave of 2 mm, F9000, P 1 µm: it takes as long however finely it was chopped, and as few
+/// pieces; within 0.2 % and a tenth.
 #[test]
 fn a_wave_takes_as_long_however_it_is_chopped() {
     for jerk in [f64::INFINITY, 50e3, 20e3] {

@@ -1,7 +1,8 @@
 //! How fast a path may be run: the limits of each axis, turned into limits along the path.
 //!
-//! On a line each axis takes a fixed share uᵢ of the motion, so `v ≤ vᵢ/uᵢ`, likewise for a and j. On a circle of
-//! radius r (k: share of the path's speed that lies in the plane; 1 without a helix) the direction turns:
+//! On a line each axis takes a fixed share uᵢ of the motion, so `v ≤ vᵢ/uᵢ`, likewise for a and j.
+//! On a circle of radius r (k: share of the path's speed that lies in the plane; 1 without a helix)
+//! the direction turns:
 //!
 //! ```text
 //!        j_t − v³/r²                          a = a_t·T + v²/r·N
@@ -15,8 +16,9 @@
 //! | `v`, `a_t`, `j_t` | speed along the path and its rates | mm/s… |
 //! | A, J | lowest acceleration and jerk limit of the plane's two axes | mm/s², mm/s³ |
 //!
-//! The vectors a and j are kept shorter than A and J, so no axis sees more, whichever way the path points.
-//! The speed is lowered first, until v²/r ≤ 0.8·A and v³/r² ≤ 0.4·J; then what is left goes to `a_t` and `j_t`:
+//! The vectors a and j are kept shorter than A and J, so no axis sees more, whichever way the path
+//! points. The speed is lowered first, until v²/r ≤ 0.8·A and v³/r² ≤ 0.4·J; then what is left goes
+//! to `a_t` and `j_t`:
 //!
 //! ```text
 //!   a_t = min(√(A² − v⁴/r²), 0.2·J·r/v)        j_t = √(J² − (3·v·a_t/r)²) − v³/r²
@@ -65,8 +67,8 @@ impl OfAxis {
     }
 }
 
-/// Limits along a path of positive length; `wanted` is the speed it shall have, which on an arc decides how much
-/// acceleration is left along it. `Err` names an axis that the machine lacks.
+/// Limits along a path of positive length; `wanted` is the speed it shall have, which on an arc
+/// decides how much acceleration is left along it. `Err` names an axis that the machine lacks.
 pub(crate) fn along(
     path: &Path,
     limits: &MachineLimits,
@@ -156,8 +158,8 @@ impl Along {
         rest_to_rest(length, speed.min(self.speed), self.accel, self.jerk)
     }
 
-    /// From rest to rest at a feed per revolution of a spindle that turns at `n` rev/s: the profile's
-    /// time is revolutions, in which speed is v/n, acceleration a/n², jerk j/n³.
+    /// From rest to rest at a feed per revolution of a spindle that turns at `n` rev/s: the
+    /// profile's time is revolutions, in which speed is v/n, acceleration a/n², jerk j/n³.
     pub(crate) fn profile_over_revolutions(&self, length: f64, feed: f64, n: f64) -> Profile {
         let speed = feed.min(self.speed / n);
         rest_to_rest(length, speed, self.accel / (n * n), self.jerk / (n * n * n))
@@ -165,8 +167,8 @@ impl Along {
 
     /// From rest to rest in a given time, or as fast as allowed.
     ///
-    /// With cruising speed v the time is length/v + v/a + a/j (…+ 2·√(v/j) if a is never reached), which falls
-    /// with v: v is found by halving.
+    /// With cruising speed v the time is length/v + v/a + a/j (…+ 2·√(v/j) if a is never reached),
+    /// which falls with v: v is found by halving.
     pub(crate) fn profile_lasting(&self, length: f64, time: f64) -> Profile {
         let fastest = self.profile(length, self.speed);
         if fastest.duration() >= time {

@@ -1,4 +1,5 @@
-//! The bar of a lathe as far as it is known before motion: between which radii there is material, along Z.
+//! The bar of a lathe as far as it is known before motion: between which radii there is material,
+//! along Z.
 //!
 //! ```text
 //!   r │ outer ────╮            ╭──────      what feeds of an insert have left
@@ -9,10 +10,11 @@
 //!                                    face
 //! ```
 //!
-//! Coordinates are those of the insert's *tip* in the machine's frame, mm. What is remembered errs on the side of too much
-//! removed: a cut takes the width of the insert to both sides, thin material before the tip is cut by its edge, and of a bored
-//! place nothing is known once it was cut, from inside or from outside. A thread along the bar leaves its crests: down to its root
-//! it is open to what goes straight out of it, and to another pass.
+//! Coordinates are those of the insert's *tip* in the machine's frame, mm. What is remembered errs
+//! on the side of too much removed: a cut takes the width of the insert to both sides, thin
+//! material before the tip is cut by its edge, and of a bored place nothing is known once it was
+//! cut, from inside or from outside. A thread along the bar leaves its crests: down to its root it
+//! is open to what goes straight out of it, and to another pass.
 use crate::stock::Stock;
 use alloc::{vec, vec::Vec};
 use units::Length;
@@ -118,8 +120,9 @@ impl Outline {
         last.map_or(self.rear, |i| (self.rear + (i + 1) as f64 * self.cell).min(self.face))
     }
 
-    /// What stands behind an insert's point: a boring bar where the point is nearer to the bore than to the outside, else the
-    /// shank of a turning tool. `shank` is how thick it is, `out` how far the point stands over it, or out of the holder.
+    /// What stands behind an insert's point: a boring bar where the point is nearer to the bore
+    /// than to the outside, else the shank of a turning tool. `shank` is how thick it is, `out` how
+    /// far the point stands over it, or out of the holder.
     pub(crate) fn behind(
         &self,
         at: [f64; 3],
@@ -153,7 +156,8 @@ impl Outline {
         (by > 0.0).then_some(Behind::Shoulder { by, out, surface })
     }
 
-    /// Places along the part of a line that lies between the bar's ends, no farther from one another than a cell.
+    /// Places along the part of a line that lies between the bar's ends, no farther from one
+    /// another than a cell.
     pub(crate) fn along(&self, [a, b]: [[f64; 3]; 2], beyond: f64, mut each: impl FnMut([f64; 3])) {
         let sides = [a[0] - self.axis[0], b[0] - self.axis[0]];
         let nearest = sides[0].abs().min(sides[1].abs());
@@ -217,8 +221,8 @@ impl Outline {
         self.face
     }
 
-    /// How far a line keeps off the material, across the axis; below zero, how deep it goes in. `None`: it stays beside the
-    /// bar's ends.
+    /// How far a line keeps off the material, across the axis; below zero, how deep it goes in.
+    /// `None`: it stays beside the bar's ends.
     pub(crate) fn gap(&self, [a, b]: [[f64; 3]; 2]) -> Option<f64> {
         let (low, high) = (a[2].min(b[2]), a[2].max(b[2]));
         let (first, last) = self.cells(low, high)?;
@@ -379,7 +383,8 @@ mod tests {
     #[test]
     fn a_boring_bar_needs_a_bore_and_a_turning_tool_room_over_its_point() {
         let mut bar = bar(6.0);
-        // a bar of 16 mm whose point cuts at 6.5 mm from the axis: its back would be at 9.5 mm, in a bore of 6
+        // a bar of 16 mm whose point cuts at 6.5 mm from the axis: its back would be at 9.5 mm, in
+        // a bore of 6
         let met = bar.behind([11.5, 0.0, -20.0], Some(16.0), None).unwrap();
         assert_eq!(met, Behind::Bore { by: 3.5, bar: 16.0, bore: 12.0 });
         assert_eq!(bar.behind([11.5, 0.0, -20.0], Some(12.0), Some(30.0)), None);

@@ -1,9 +1,11 @@
-//! What the planner knows of cams: the profiles, and what is sent instead of them where it has been compensated.
+//! What the planner knows of cams: the profiles, and what is sent instead of them where it has been
+//! compensated.
 use alloc::vec::Vec;
 use canon::{CamLibrary, CamProfile};
 use units::{Length, Spin};
 
-/// The number by which a step asks whoever runs the kernel to look at the turn of a cam that has just ended.
+/// The number by which a step asks whoever runs the kernel to look at the turn of a cam that has
+/// just ended.
 pub const TURN_ENDED: u16 = 151;
 
 /// A compensated table of one profile at one speed.
@@ -17,21 +19,23 @@ pub struct CamCommand {
     pub nodes: Vec<f64>,
 }
 
-/// How one profile is sent at one speed without compensation, where that is not the profile as it stands.
+/// How one profile is sent at one speed without compensation, where that is not the profile as it
+/// stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
     /// The profile.
     pub profile: u32,
     /// Mean speed of the work.
     pub spin: Spin,
-    /// By how much the work is ahead of its even turn φ, at equal steps of that turn, rev: θ = φ + lead(φ). `None`: it
-    /// turns evenly.
+    /// By how much the work is ahead of its even turn φ, at equal steps of that turn, rev: θ = φ +
+    /// lead(φ). `None`: it turns evenly.
     pub lead: Option<Vec<f64>>,
     /// Where the wheel's centre belongs, at equal steps of the even turn, mm.
     pub nodes: Vec<f64>,
 }
 
-/// How the wheel wears: its radius loses, in a turn that takes the depth s off a work of the mean radius r, s·r/(G·R).
+/// How the wheel wears: its radius loses, in a turn that takes the depth s off a work of the mean
+/// radius r, s·r/(G·R).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelWear {
     /// R.
@@ -41,7 +45,8 @@ pub struct WheelWear {
 }
 
 impl WheelWear {
-    /// What the radius loses while so much is ground off a profile: the volumes over the width that both have in common.
+    /// What the radius loses while so much is ground off a profile: the volumes over the width that
+    /// both have in common.
     pub fn of(&self, profile: &CamProfile, stock: Length) -> Length {
         let count = profile.nodes.len().max(1) as f64;
         let mean = profile.nodes.iter().sum::<f64>() / count - profile.wheel.value();
@@ -83,7 +88,8 @@ impl Cams {
     }
 }
 
-/// Node values of the same function later by a part of a turn: a cubic through the four nodes around.
+/// Node values of the same function later by a part of a turn: a cubic through the four nodes
+/// around.
 pub fn turned(nodes: &[f64], turn: f64) -> Vec<f64> {
     let n = nodes.len();
     let by = (turn - libm::floor(turn)) * n as f64;

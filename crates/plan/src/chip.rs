@@ -13,8 +13,8 @@
 //! | De, d | diameter that cuts, diameter that is open already | mm |
 //! | κ | half the point angle | |
 //!
-//! Source: Sandvik Coromant, *Metal Cutting Technology*, drilling formulas; the core's strength is that of taps of
-//! high-speed steel by their known break torques (M6 9.2 N·m, M12 73 N·m).
+//! Source: Sandvik Coromant, *Metal Cutting Technology*, drilling formulas; the core's strength is
+//! that of taps of high-speed steel by their known break torques (M6 9.2 N·m, M12 73 N·m).
 use core::f64::consts::PI;
 
 /// Shear strength of the core, N/mm².
@@ -36,7 +36,8 @@ pub(crate) struct Drill {
 }
 
 impl Drill {
-    /// Stress over strength, with a feed per turn of so many mm at this depth where `open` is bored already.
+    /// Stress over strength, with a feed per turn of so many mm at this depth where `open` is bored
+    /// already.
     pub(crate) fn load(&self, feed: f64, depth: f64, open: f64) -> f64 {
         let cuts = if self.cone > 0.0 { (depth / self.cone).clamp(0.0, 1.0) } else { 1.0 };
         let outer = self.diameter * cuts;

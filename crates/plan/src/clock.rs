@@ -1,4 +1,5 @@
-//! The planned time of steps: how long they will take, one after another, with the spindle ramps that run beside them.
+//! The planned time of steps: how long they will take, one after another, with the spindle ramps
+//! that run beside them.
 use crate::limits::MachineLimits;
 use crate::planner::passed_by;
 use crate::{SpindleStep, Step, StepKind};
@@ -114,8 +115,8 @@ impl Clock {
         }
     }
 
-    /// A move changes the speed that the surface asks for: of a rapid the spindle has to come to it beside the travel, a cut
-    /// takes the mean of what its turns last.
+    /// A move changes the speed that the surface asks for: of a rapid the spindle has to come to it
+    /// beside the travel, a cut takes the mean of what its turns last.
     fn by_surface(&mut self, order: &Move, limits: &MachineLimits) {
         let Some(surface) = self.surface else { return };
         if order.rapid {
@@ -160,7 +161,8 @@ impl Clock {
     }
 }
 
-/// How long a spindle takes for a ramp, s: a drive that makes its own ramps is told the speed at once.
+/// How long a spindle takes for a ramp, s: a drive that makes its own ramps is told the speed at
+/// once.
 fn ramp_lasts(ramp: &Profile, limits: &MachineLimits) -> f64 {
     let (from, to) = (Spin::rev_per_s(ramp.at(0.0).v), Spin::rev_per_s(ramp.end().v));
     limits.tapping.own_ramps.map_or(ramp.duration(), |own| own.change(from, to).value())
@@ -197,7 +199,8 @@ mod tests {
             let lasts = OWN.change(Spin::rev_per_s(from), Spin::rev_per_s(to)).value();
             assert!((lasts - seconds).abs() < 1e-12, "{from} to {to}: {lasts} s");
         }
-        // 20 turns at 10 rev/s: 0.2 s up over one turn, 0.1 s down over half a turn, 18.5 turns in between
+        // 20 turns at 10 rev/s: 0.2 s up over one turn, 0.1 s down over half a turn, 18.5 turns in
+        // between
         let lasts = OWN.stroke(Spin::rev_per_s(10.0), Angle::rev(20.0)).value();
         assert!((lasts - (0.01 + 0.2 + 0.1 + 1.85)).abs() < 1e-12, "{lasts}");
         // 1.5 turns are the two ramps alone

@@ -25,8 +25,9 @@
 //!   e ≥ t_d                     or the spindle's coasting goes into the depth
 //! ```
 //!
-//! With straight ramps `t_r` is 1.5 times the stopping time: as long to stop, and half as much again to run up. Here
-//! it comes from the ramp that is really ordered, or from what was measured of a spindle with a drive of its own.
+//! With straight ramps `t_r` is 1.5 times the stopping time: as long to stop, and half as much
+//! again to run up. Here it comes from the ramp that is really ordered, or from what was measured
+//! of a spindle with a drive of its own.
 //!
 //! Source: JPS6020134B2 (cycle and holder); the window is deduced, the source does not have it.
 use units::{Angle, Lead, Length, Spin, Time};
@@ -91,7 +92,8 @@ impl DwellWindow {
 mod tests {
     use super::*;
 
-    /// D 5 mm, S3000, M6: `t_d` 0.1 s; stopping in 0.08 s along a straight ramp; a tenth of a turn of backlash.
+    /// D 5 mm, S3000, M6: `t_d` 0.1 s; stopping in 0.08 s along a straight ramp; a tenth of a turn
+    /// of backlash.
     fn m6(clearance_mm: f64) -> ClutchCycle {
         ClutchCycle {
             spline_length: Length::mm(5.0),

@@ -1,22 +1,25 @@
-//! Tables of what is superposed on an axis by a spindle's turn: over one turn of the master, or over the few after which a gear
-//! begins anew. Whoever feeds the kernel hands it the tables before the steps that name them ([`motion::Superpose`]).
+//! Tables of what is superposed on an axis by a spindle's turn: over one turn of the master, or
+//! over the few after which a gear begins anew. Whoever feeds the kernel hands it the tables before
+//! the steps that name them ([`motion::Superpose`]).
 use alloc::vec::Vec;
 use canon::Harmonic;
 use core::f64::consts::TAU;
 use motion::TableId;
 
-/// Nodes of a table that is made from harmonics: a cubic through 720 of them errs by 4·10⁻⁹ of the amplitude of
-/// the fourth harmonic.
+/// Nodes of a table that is made from harmonics: a cubic through 720 of them errs by 4·10⁻⁹ of the
+/// amplitude of the fourth harmonic.
 const NODES: usize = 720;
 /// Nodes for each period of the highest harmonic, at least.
 const NODES_PER_PERIOD: usize = 90;
 /// Most nodes of a table.
 const MOST_NODES: usize = 7200;
 
-/// The number by which a step asks whoever runs the kernel to look at how a polygon's oscillation came out.
+/// The number by which a step asks whoever runs the kernel to look at how a polygon's oscillation
+/// came out.
 pub const OSCILLATION_SEEN: u16 = 514;
 
-/// A function of one turn of a master, or of a few, at equal steps from 0: mm on an axis, rev on a spindle.
+/// A function of one turn of a master, or of a few, at equal steps from 0: mm on an axis, rev on a
+/// spindle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Its name.
@@ -39,7 +42,8 @@ pub fn sampled(harmonics: &[Harmonic]) -> Vec<f64> {
     (0..count).map(at).collect()
 }
 
-/// Largest speed, acceleration and jerk of a sum of harmonics whose argument turns once a second, mm and s.
+/// Largest speed, acceleration and jerk of a sum of harmonics whose argument turns once a second,
+/// mm and s.
 pub(crate) fn rates(harmonics: &[Harmonic]) -> [f64; 3] {
     let circle = circle(harmonics);
     let count = circle.len();

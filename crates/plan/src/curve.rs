@@ -18,14 +18,14 @@
 //! | h₁(n) = q − k − c·n | α where torque is the limit, below the base speed | rev/s² |
 //! | h₂(n) = p/n − k − c·n | α where power is the limit, above it | rev/s² |
 //!
-//! A [`Ceiling`] is a chain of straight lines in the plane of n and α². h₁ and h₂ are convex, so are their squares
-//! where they are positive, and a tangent of a convex curve lies below it: the chain is made of tangents, and a
-//! plan made with it never asks for more than the curve. Neighbouring tangents touch h₂ at speeds 10 % apart, so
-//! that they meet about 0.4 % (of α) below it. Where the curve falls more steeply than the jerk
-//! allows, the chain leaves it early enough.
+//! A [`Ceiling`] is a chain of straight lines in the plane of n and α². h₁ and h₂ are convex, so
+//! are their squares where they are positive, and a tangent of a convex curve lies below it: the
+//! chain is made of tangents, and a plan made with it never asks for more than the curve.
+//! Neighbouring tangents touch h₂ at speeds 10 % apart, so that they meet about 0.4 % (of α) below
+//! it. Where the curve falls more steeply than the jerk allows, the chain leaves it early enough.
 //!
-//! A forced or level ramp that ignores P/ω saturates the drive, and with it goes the synchronism: that is
-//! the commonest way for fast tapping to fail.
+//! A forced or level ramp that ignores P/ω saturates the drive, and with it goes the synchronism:
+//! that is the commonest way for fast tapping to fail.
 use crate::SpindleLimits;
 use crate::ramp::{Ceiling, MAX_STRETCHES, Ramp, Stretch};
 use core::f64::consts::TAU;
@@ -40,10 +40,11 @@ const TORQUE_TANGENTS: i32 = 5;
 const POWER_TANGENTS: i32 = 22;
 #[allow(clippy::cast_possible_wrap)] // a few dozen
 const _: () = assert!(1 + TORQUE_TANGENTS + POWER_TANGENTS <= MAX_STRETCHES as i32);
-/// Of the allowed jerk, the share that following the curve may use; the fall at the ramp's end must be steeper.
+/// Of the allowed jerk, the share that following the curve may use; the fall at the ramp's end must
+/// be steeper.
 const FOLLOW_SHARE: f64 = 0.9;
-/// Of the level acceleration, what must be left at the highest speed: below it a speed is not reached
-/// in any useful time.
+/// Of the level acceleration, what must be left at the highest speed: below it a speed is not
+/// reached in any useful time.
 const RESERVE: f64 = 0.03;
 
 /// α over n: the lower of h₁ and h₂.
@@ -170,8 +171,8 @@ impl Curve {
         (drive - self.k - self.c * n, fall - self.c)
     }
 
-    /// Where the curve has fallen to `accel`: q = k + accel + c·n or p/n = k + accel + c·n, whichever comes first;
-    /// infinite if it never does.
+    /// Where the curve has fallen to `accel`: q = k + accel + c·n or p/n = k + accel + c·n,
+    /// whichever comes first; infinite if it never does.
     fn speed_where(&self, accel: f64) -> f64 {
         let b = self.k + accel;
         let by_torque = if self.c > 0.0 { (self.q - b) / self.c } else { f64::INFINITY };
@@ -196,8 +197,8 @@ impl Curve {
         ceiling
     }
 
-    /// Tangents of h₁: it falls by the growing friction only, so few are enough. With m of them over a fall by a
-    /// share d of the whole, α is missed by less than (d/2m)².
+    /// Tangents of h₁: it falls by the growing friction only, so few are enough. With m of them
+    /// over a fall by a share d of the whole, α is missed by less than (d/2m)².
     fn follow_torque(&self, ceiling: &mut Ceiling, from: f64, to: f64, jerk: f64) {
         let fall = self.c * (to - from) / self.h(from, false).0;
         let count = libm::ceil(fall / 0.2).clamp(1.0, f64::from(TORQUE_TANGENTS)) as i32;
@@ -218,15 +219,15 @@ impl Curve {
         }
     }
 
-    /// The line that touches h² at speed `n`. (Where even the highest speed needs more than `jerk`, the
-    /// flattest line allowed, which is below the curve on the slower side.)
+    /// The line that touches h² at speed `n`. (Where even the highest speed needs more than `jerk`,
+    /// the flattest line allowed, which is below the curve on the slower side.)
     fn tangent(&self, n: f64, power: bool, jerk: f64) -> Stretch {
         let (h, slope) = self.h(n, power);
         Stretch { v: n, y: h * h, slope: (2.0 * h * slope).max(-2.0 * jerk) }
     }
 
-    /// Lowest speed from `bend` on at which following h₂ needs no more than `jerk` = |h·dh/dn|, which falls
-    /// with speed.
+    /// Lowest speed from `bend` on at which following h₂ needs no more than `jerk` = |h·dh/dn|,
+    /// which falls with speed.
     fn flattest_from(&self, bend: f64, top: f64, jerk: f64) -> f64 {
         let steep = |n: f64| {
             let (h, slope) = self.h(n, true);

@@ -6,12 +6,14 @@
 //!                      │                        │
 //! ```
 //!
-//! One piece of a joined path may serve many lines: its own `op` is the first, and all that come before the next piece's end
-//! on it. Where every line is to end at rest, such a piece is cut at the places nearest to their ends.
+//! One piece of a joined path may serve many lines: its own `op` is the first, and all that come
+//! before the next piece's end on it. Where every line is to end at rest, such a piece is cut at
+//! the places nearest to their ends.
 use alloc::collections::VecDeque;
 use motion::{AXES, Piece, Shape};
 
-/// Ends that are kept: more lines than can be on their way. Of those before, a stop may come where the next piece begins.
+/// Ends that are kept: more lines than can be on their way. Of those before, a stop may come where
+/// the next piece begins.
 const KEPT: usize = 1 << 16;
 /// Places of a piece that are looked at, to find the one nearest to an end.
 const LOOKS: usize = 64;
@@ -81,7 +83,8 @@ impl Cutter {
         }
     }
 
-    /// The path comes to rest here; what follows begins with the move `next`, which may be of the same path.
+    /// The path comes to rest here; what follows begins with the move `next`, which may be of the
+    /// same path.
     pub(crate) fn finish(&mut self, next: u32, ends: &Ends, emit: &mut impl FnMut(Piece)) {
         if let Some(held) = self.held.take() {
             cut(&held, core::mem::take(&mut self.done), next, ends, emit);

@@ -1,8 +1,8 @@
 //! What the planner has found, all of it, with an end to repetition.
 //!
-//! One wrong offset puts every block of a program outside the travel: findings of one cause are one finding, with the
-//! worst place and their number. Of those that have causes of their own the first of a kind are kept word for word, the
-//! rest are counted, and a note says how many there were.
+//! One wrong offset puts every block of a program outside the travel: findings of one cause are one
+//! finding, with the worst place and their number. Of those that have causes of their own the first
+//! of a kind are kept word for word, the rest are counted, and a note says how many there were.
 use alloc::{
     collections::{BTreeMap, BTreeSet},
     format,
@@ -69,8 +69,9 @@ impl Findings {
         self.merge(cause, 0.0, error);
     }
 
-    /// Add a move that is wrong by so much for this cause: the worst is said, and how many there are. `finding` makes what is
-    /// said of it: severity, place and help; then what is wrong, and what works.
+    /// Add a move that is wrong by so much for this cause: the worst is said, and how many there
+    /// are. `finding` makes what is said of it: severity, place and help; then what is wrong, and
+    /// what works.
     pub(crate) fn merge(
         &mut self,
         cause: Cause,

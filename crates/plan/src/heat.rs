@@ -1,4 +1,5 @@
-//! How hot a spindle's drive becomes: the root of the mean square of its torque, over the time in which it warms.
+//! How hot a spindle's drive becomes: the root of the mean square of its torque, over the time in
+//! which it warms.
 //!
 //! ```text
 //!   τ·dΘ/dt = M² − Θ        overloaded: √Θ > M of continuous duty
@@ -12,8 +13,9 @@
 //! | M | torque of the drive, as planned: inertia, friction, the tap's cut | N·m |
 //! | Θ, τ | its mean square, and the time over which; one figure for drive and winding | N²·m², s |
 //!
-//! What milling and drilling take is not known before the cut, and is left out; so is what a spindle swings. Time goes as the
-//! moves alone take, without what joining them costs: it is the same for a program that is checked and for one that runs.
+//! What milling and drilling take is not known before the cut, and is left out; so is what a
+//! spindle swings. Time goes as the moves alone take, without what joining them costs: it is the
+//! same for a program that is checked and for one that runs.
 //!
 //! Source: IEC 60034-1, duty types S1 and S3; a winding warms by the square of its current.
 use crate::limits::{MachineLimits, SpindleLimits};

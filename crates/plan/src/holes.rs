@@ -9,7 +9,8 @@
 //!         tip ──────╲╱         = axis coordinate − tool length
 //! ```
 //!
-//! All depths here are those of the tool's *tip*, so that a drill and a tap of different length compare.
+//! All depths here are those of the tool's *tip*, so that a drill and a tap of different length
+//! compare.
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 use canon::{Axis, Hole, Position, Tool, ToolKind};
@@ -87,8 +88,8 @@ impl Holes {
         Some((*nearest, Length::mm(off(nearest))))
     }
 
-    /// The hole at a place that matters to a tap whose tip goes down to `tip`: the widest of those that reach that
-    /// deep, else the deepest.
+    /// The hole at a place that matters to a tap whose tip goes down to `tip`: the widest of those
+    /// that reach that deep, else the deepest.
     pub(crate) fn at(&self, at: &Position, tip: Length) -> Option<Drilled> {
         let (x, y) = place(at);
         let near = |d: &&Drilled| libm::hypot(d.x - x, d.y - y) <= SAME_PLACE;

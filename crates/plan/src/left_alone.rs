@@ -1,4 +1,5 @@
-//! How far a tap goes on when its spindle is left to coast: the control has died, or the mains have failed.
+//! How far a tap goes on when its spindle is left to coast: the control has died, or the mains have
+//! failed.
 //!
 //! ```text
 //!   ω │────────╮ lost here, where braking would have begun
@@ -7,9 +8,10 @@
 //!     └────────┴──┴───────────────────┴──► θ           overrun H·(θc − θb), deeper than programmed
 //! ```
 //!
-//! J·ω·dω/dθ = −(c₀ + c₁·ω), from ω to rest, is θc = J/c₁·(ω − c₀/c₁·ln(1 + c₁·ω/c₀)); the planned stroke brakes within
-//! θb = J·ω²/(2·M), M the share of the peak torque that strokes are planned with. θc − θb grows with ω, so the worst moment of a stroke
-//! is the one at which its braking begins.
+//! J·ω·dω/dθ = −(c₀ + c₁·ω), from ω to rest, is θc = J/c₁·(ω − c₀/c₁·ln(1 + c₁·ω/c₀)); the planned
+//! stroke brakes within θb = J·ω²/(2·M), M the share of the peak torque that strokes are planned
+//! with. θc − θb grows with ω, so the worst moment of a stroke is the one at which its braking
+//! begins.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -17,7 +19,8 @@
 //! | c₀, c₁ | friction of the spindle at 80 % of what its file has, and 70 % of the torque of the cut | N·m, N·m·s/rad |
 //! | H | lead | mm |
 //!
-//! A spindle turns more easily than its file has it by up to a fifth, and a cut takes less than the formula by up to 30 %.
+//! A spindle turns more easily than its file has it by up to a fifth, and a cut takes less than the
+//! formula by up to 30 %.
 use crate::limits::SpindleLimits;
 use core::f64::consts::TAU;
 use units::{Angle, Lead, Length, Spin, Torque};
@@ -111,7 +114,8 @@ mod tests {
 
     #[test]
     fn an_m6_tap_at_3000_rpm_goes_45_mm_too_deep_and_survives_with_5_mm_below_it_up_to_950_rpm() {
-        // c₀ = 0.24 + 1.211 = 1.451 N·m, c₁ = 0.00096: θc = 299.1 rad; θb = 493.5/35.7 = 13.8 rad; 285.3 rad are 45.4 turns
+        // c₀ = 0.24 + 1.211 = 1.451 N·m, c₁ = 0.00096: θc = 299.1 rad; θb = 493.5/35.7 = 13.8
+        // rad; 285.3 rad are 45.4 turns
         let deep = overrun(&SPINDLE, M6, Lead::mm_per_rev(1.0), Spin::rpm(3000.0));
         assert!((deep.value() - 45.4).abs() < 0.1, "{deep:?}");
         let most = SPINDLE.tapping_max;

@@ -1,7 +1,7 @@
 //! What a machine can do, as the planner needs to know it; the machine file fills it in.
 //!
-//! Rotary axes (A, B, C) use the same [`AxisLimits`], in degrees, as RS-274/NGC does for the feed of a
-//! rotary axis.
+//! Rotary axes (A, B, C) use the same [`AxisLimits`], in degrees, as RS-274/NGC does for the feed
+//! of a rotary axis.
 use alloc::{string::String, vec::Vec};
 use canon::{Axis, PathMode};
 use motion::{AXES, Bounds, Limits};
@@ -31,7 +31,8 @@ impl AxisLimits {
     /// Least share of a limit that moves keep beside what swings: what swings is held to the rest.
     const LEAST_BESIDE: f64 = 0.05;
 
-    /// What is left to moves while the axis swings with at most this speed, acceleration and jerk, in its own unit and s.
+    /// What is left to moves while the axis swings with at most this speed, acceleration and jerk,
+    /// in its own unit and s.
     pub(crate) fn beside(self, [speed, accel, jerk]: [f64; 3]) -> Self {
         let left = |most: f64, taken: f64| (most - taken).max(most * Self::LEAST_BESIDE);
         Self {
@@ -66,8 +67,8 @@ pub struct SpindleLimits {
     pub max_speed: Spin,
     /// Highest speed while tapping.
     pub tapping_max: Spin,
-    /// Share of the drive's torque and power that planned motion may use, 0…1; the rest is left to the
-    /// control loop. 0.9 as a rule.
+    /// Share of the drive's torque and power that planned motion may use, 0…1; the rest is left to
+    /// the control loop. 0.9 as a rule.
     pub margin: f64,
     /// Time in which planned torque may rise from zero to its peak; zero: at once.
     pub torque_rise: Time,
@@ -134,7 +135,8 @@ pub struct OwnRamps {
     pub repeats_delay: Time,
     /// Share by which its ramp may differ from what was learnt.
     pub repeats: f64,
-    /// A stroke may turn back straight from its speed if its turning point repeats within this; else it creeps.
+    /// A stroke may turn back straight from its speed if its turning point repeats within this;
+    /// else it creeps.
     pub turns_within: Length,
     /// Share of a tap's speed at which strokes creep to their bottom.
     pub creep: f64,
@@ -145,7 +147,8 @@ pub struct OwnRamps {
 impl OwnRamps {
     /// From an order of another speed until it turns at that.
     pub fn change(&self, from: Spin, to: Spin) -> Time {
-        // through rest where the sense changes: the part towards it with one ramp, the part away from it with the other
+        // through rest where the sense changes: the part towards it with one ramp, the part away
+        // from it with the other
         let (a, b) = (from.value(), to.value());
         let turns_round = a * b < 0.0;
         let down = if turns_round { a.abs() } else { (a.abs() - b.abs()).max(0.0) };
@@ -169,8 +172,8 @@ impl OwnRamps {
         spin.abs() * self.delay + Angle::rev(n * n / (2.0 * self.decel.value()))
     }
 
-    /// By how much the turning point of a tap may be missed, on a coupling of a lead: by the stroke that creeps for
-    /// want of knowledge, or by a later one, because nothing repeats exactly.
+    /// By how much the turning point of a tap may be missed, on a coupling of a lead: by the stroke
+    /// that creeps for want of knowledge, or by a later one, because nothing repeats exactly.
     pub fn miss(&self, spin: Spin, turns: Angle, lead: Lead) -> Length {
         let creep = spin.min(self.fastest_within(turns)) * self.creep;
         let unknown = (self.stopping_angle(creep) * self.uncertainty) * lead.abs();
@@ -185,8 +188,9 @@ impl OwnRamps {
         self.straight(spin, turns) * lead.abs() <= self.turns_within
     }
 
-    /// Scatter of a turn straight from the speed. In a stroke too short for its speed the spindle still gains some
-    /// when it is told, and goes on so until it obeys: then what is late counts 1 + a/d times.
+    /// Scatter of a turn straight from the speed. In a stroke too short for its speed the spindle
+    /// still gains some when it is told, and goes on so until it obeys: then what is late counts
+    /// 1 + a/d times.
     fn straight(&self, spin: Spin, turns: Angle) -> Angle {
         let fastest = self.fastest_within(turns);
         if spin < fastest {
@@ -287,8 +291,8 @@ pub struct SignalNames {
 }
 
 impl MachineLimits {
-    /// What the axes can do, by a time of which `n` units pass in a second: revolutions, for a feed per revolution.
-    /// Speed over n, acceleration over n², jerk over n³.
+    /// What the axes can do, by a time of which `n` units pass in a second: revolutions, for a feed
+    /// per revolution. Speed over n, acceleration over n², jerk over n³.
     pub fn motion(&self, n: f64) -> Limits {
         let none = [f64::INFINITY; AXES];
         let bounds = |of: fn(&AxisLimits) -> (f64, f64)| {
@@ -321,7 +325,8 @@ pub struct Joining {
 }
 
 impl Joining {
-    /// Exactly along the path until the program says otherwise; P is 0.01 mm where it is not stated.
+    /// Exactly along the path until the program says otherwise; P is 0.01 mm where it is not
+    /// stated.
     pub const EXACT: Self =
         Self { period: Time::s(250e-6), tolerance: Length::mm(0.01), mode: PathMode::Exact };
 }
@@ -329,8 +334,8 @@ impl Joining {
 /// What the user chooses for one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Tap with a straight ramp from rest to the programmed speed in this time, whatever the spindle
-    /// can do: to show what becomes of the synchronism when the drive saturates.
+    /// Tap with a straight ramp from rest to the programmed speed in this time, whatever the
+    /// spindle can do: to show what becomes of the synchronism when the drive saturates.
     pub force_ramp: Option<Time>,
     /// Specific cutting force of the work's material, N/mm²: 3900 for C45, 1300 for `AlSi`.
     pub cutting_pressure_n_per_mm2: f64,
@@ -341,7 +346,8 @@ pub struct Options {
 /// How taps are driven that are not tied to the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Unsynchronised {
-    /// Whether the feed is tied to the spindle. A tap in a clutch holder has its own cycle either way.
+    /// Whether the feed is tied to the spindle. A tap in a clutch holder has its own cycle either
+    /// way.
     pub method: TapMethod,
     /// What becomes of a dwell with which a clutch holder does not work.
     pub dwell: DwellCheck,

@@ -1,4 +1,5 @@
-//! Steps on their way out: what must wait for the next op before it can be said, and the time that all takes.
+//! Steps on their way out: what must wait for the next op before it can be said, and the time that
+//! all takes.
 //!
 //! Two things cannot be decided when they are ordered:
 //!
@@ -9,7 +10,8 @@
 //!                             anything else: stops, in position
 //! ```
 //!
-//! So rapids wait while a spindle order is open, and cuts are gathered in a [`Run`] until something else comes.
+//! So rapids wait while a spindle order is open, and cuts are gathered in a [`Run`] until something
+//! else comes.
 use crate::Step;
 use crate::clock::Clock;
 use crate::ends::Ends;
@@ -41,7 +43,8 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    /// Planned time of what was handed on and what waits; of moves that go on into one another, only what is decided.
+    /// Planned time of what was handed on and what waits; of moves that go on into one another,
+    /// only what is decided.
     pub(crate) fn elapsed(&self, limits: &MachineLimits) -> Time {
         let mut clock = self.clock;
         self.run.alone().iter().for_each(|step| clock.count(step, limits));
@@ -64,8 +67,8 @@ impl Outbox {
         self.waiting.push(step);
     }
 
-    /// Hand on what waits; `before` goes ahead of it, and is booked on the op of the first that waits, so that the
-    /// ops of the steps never run backwards.
+    /// Hand on what waits; `before` goes ahead of it, and is booked on the op of the first that
+    /// waits, so that the ops of the steps never run backwards.
     pub(crate) fn release(
         &mut self,
         before: impl IntoIterator<Item = Step>,

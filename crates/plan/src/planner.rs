@@ -8,15 +8,18 @@
 //!            └──────────────────────────────────────────┘
 //! ```
 //!
-//! A program is planned twice: once by [`preflight`], which keeps the findings and the time and throws the steps
-//! away, and, if nothing is refused, again beside the running machine. An op that is refused makes no step; the
-//! planner goes on as though it had been done, so that one mistake does not hide the next.
+//! A program is planned twice: once by [`preflight`], which keeps the findings and the time and
+//! throws the steps away, and, if nothing is refused, again beside the running machine. An op that
+//! is refused makes no step; the planner goes on as though it had been done, so that one mistake
+//! does not hide the next.
 //!
-//! **Spindle.** An M3 or M4 stays in force over taps and orientations, which leave the spindle at rest; it is told
-//! to turn again as early as possible before the next cut, and the first cut awaits its speed.
+//! **Spindle.** An M3 or M4 stays in force over taps and orientations, which leave the spindle at
+//! rest; it is told to turn again as early as possible before the next cut, and the first cut
+//! awaits its speed.
 //!
-//! **Tool change.** The spindle is stopped, Z goes to the change position, then X and Y where the machine has one for them, the
-//! tool is changed. The program does not know that they have moved ([`tool_change`]).
+//! **Tool change.** The spindle is stopped, Z goes to the change position, then X and Y where the
+//! machine has one for them, the tool is changed. The program does not know that they have moved
+//! ([`tool_change`]).
 use crate::cams::Cams;
 use crate::coupled::Table;
 use crate::findings::{Findings, number};
@@ -267,8 +270,9 @@ impl Planner {
         }
     }
 
-    /// One that finds what is wrong and no more: it hands on no cuts, and its [`duration`](Self::duration) counts none.
-    /// A move takes a thousandth of the time that joining it to its neighbours takes.
+    /// One that finds what is wrong and no more: it hands on no cuts, and its
+    /// [`duration`](Self::duration) counts none. A move takes a thousandth of the time that joining
+    /// it to its neighbours takes.
     #[must_use]
     pub fn only_judging(self) -> Self {
         Self { only_judges: true, ..self }
@@ -285,7 +289,8 @@ impl Planner {
         self.frame.written = frame;
     }
 
-    /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in order.
+    /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in
+    /// order.
     pub fn push(&mut self, index: u32, op: &Op, emit: &mut impl FnMut(Step)) {
         let mut job = Job { index, span: op.span, emit };
         if leaves_cam(&op.kind) {
@@ -389,7 +394,8 @@ impl Planner {
         &mut self.cams
     }
 
-    /// What the wheel has lost of its radius so far, by the model of its wear: so much farther it was sent.
+    /// What the wheel has lost of its radius so far, by the model of its wear: so much farther it
+    /// was sent.
     pub const fn worn(&self) -> Length {
         self.worn
     }

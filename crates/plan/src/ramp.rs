@@ -1,4 +1,5 @@
-//! From one speed to another as fast as a ceiling on the acceleration and a jerk allow, and strokes made of two such ramps.
+//! From one speed to another as fast as a ceiling on the acceleration and a jerk allow, and strokes
+//! made of two such ramps.
 //!
 //! The trick is the plane of v and a²: there a piece of constant jerk is a *straight line*, because
 //! d(a²)/dv = 2a·(da/dt)/(dv/dt) = 2j. The fastest ramp is then simply the lowest of three:
@@ -20,8 +21,8 @@
 //! | y | a² | |
 //! | `v_r`, `v_f` | where the rise meets the ceiling, where the fall leaves it | |
 //!
-//! Under a level ceiling this is the known seven-piece profile: a/j up, level, a/j down, cruise, and
-//! the same mirrored (Biagiotti, Melchiorri: Trajectory Planning for Automatic Machines, 3.4).
+//! Under a level ceiling this is the known seven-piece profile: a/j up, level, a/j down, cruise,
+//! and the same mirrored (Biagiotti, Melchiorri: Trajectory Planning for Automatic Machines, 3.4).
 use motion::{Instant, Phase, Profile};
 
 /// A stretch of a ceiling: y = `y` + `slope`·(speed − `v`), up to the next stretch's `v`.
@@ -43,7 +44,8 @@ impl Stretch {
     }
 }
 
-/// Most stretches of a ceiling. Two ramps, each with a rise and a fall, and a cruise: 2·(28 + 2) + 1 < 64.
+/// Most stretches of a ceiling. Two ramps, each with a rise and a fall, and a cruise: 2·(28 + 2) +
+/// 1 < 64.
 pub(crate) const MAX_STRETCHES: usize = 28;
 
 /// The largest acceleration at each speed: falls with speed, never rises.
@@ -61,8 +63,9 @@ impl Ceiling {
         Self { stretches, count: 1 }
     }
 
-    /// Go on along another line from where it crosses the last one; stretches that begin beyond that are
-    /// forgotten. Ignored when the lines are parallel or there is no room (the last line then goes on).
+    /// Go on along another line from where it crosses the last one; stretches that begin beyond
+    /// that are forgotten. Ignored when the lines are parallel or there is no room (the last line
+    /// then goes on).
     pub(crate) fn bend_to(&mut self, line: Stretch) {
         while self.count > 0 {
             let last = self.stretches[self.count - 1];
@@ -116,7 +119,8 @@ impl Ceiling {
     }
 }
 
-/// Pieces from one speed to a higher one, with no acceleration at either end (unless the jerk is infinite).
+/// Pieces from one speed to a higher one, with no acceleration at either end (unless the jerk is
+/// infinite).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ramp {
     pieces: [Phase; MAX_STRETCHES + 2],
@@ -220,8 +224,9 @@ pub(crate) fn stroke(length: f64, up: &Ramp, down: &Ramp) -> Profile {
 ///
 /// A length that is not positive gives [`Profile::EMPTY`], as do limits that are not.
 ///
-/// With the peak speed v: the two ramps take v/a + a/j each (2·√(v/j) when a is never reached), so that
-/// their length is v²/a + v·a/j (2·√(v³/j)); v is the programmed speed, or where that is `length`.
+/// With the peak speed v: the two ramps take v/a + a/j each (2·√(v/j) when a is never reached), so
+/// that their length is v²/a + v·a/j (2·√(v³/j)); v is the programmed speed, or where that is
+/// `length`.
 pub fn rest_to_rest(length: f64, speed: f64, accel: f64, jerk: f64) -> Profile {
     let sound = length > 0.0 && speed > 0.0 && accel > 0.0 && accel.is_finite() && jerk > 0.0;
     if !(sound && length.is_finite()) {

@@ -8,10 +8,11 @@
 //!         └──────┴────────┴────► way
 //! ```
 //!
-//! A plan leaves its limits unused only where the feed holds it back. To go faster than that (an override above 100 %) the
-//! law of time is asked again, from the motion that is under way, with more feed: what follows keeps every limit as the
-//! first plan did. So does a stop at the end of each line (single block). Slower needs no new plan: the kernel lets planned
-//! time pass more slowly.
+//! A plan leaves its limits unused only where the feed holds it back. To go faster than that (an
+//! override above 100 %) the law of time is asked again, from the motion that is under way, with
+//! more feed: what follows keeps every limit as the first plan did. So does a stop at the end of
+//! each line (single block). Slower needs no new plan: the kernel lets planned time pass more
+//! slowly.
 use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::planner::Planner;
@@ -25,7 +26,8 @@ use path::law::State;
 /// Where less of a piece is left, it has been done, mm.
 const SHORTEST: f64 = 1e-9;
 
-/// A phase of a curve that takes longer than this, s, and ends as fast as it begins, to such a share, can be left anywhere.
+/// A phase of a curve that takes longer than this, s, and ends as fast as it begins, to such a
+/// share, can be left anywhere.
 const LONG: f64 = 0.02;
 const LEVEL: f64 = 0.02;
 
@@ -90,12 +92,13 @@ impl Planner {
         self.wanted = settings;
     }
 
-    /// Plan anew what the kernel has not done, as the operator wants it: these steps, and of the first of them the planned time
-    /// that is done, if it is under way, s or revolutions ([`motion::HandedBack`]). All that comes of it goes to `emit`, in
-    /// order; the kernel must have nothing else.
+    /// Plan anew what the kernel has not done, as the operator wants it: these steps, and of the
+    /// first of them the planned time that is done, if it is under way, s or revolutions
+    /// ([`motion::HandedBack`]). All that comes of it goes to `emit`, in order; the kernel must
+    /// have nothing else.
     ///
-    /// Where an axis begins or ceases to swing among these steps, the limits are not the same for all of them: they stay as
-    /// they were planned.
+    /// Where an axis begins or ceases to swing among these steps, the limits are not the same for
+    /// all of them: they stay as they were planned.
     pub fn repace(
         &mut self,
         settings: OperatorSettings,
@@ -138,7 +141,8 @@ impl Planner {
 }
 
 impl Row {
-    /// To where it comes to rest: at the path's end, or before, at that of a line, where `next` is the first move of what follows.
+    /// To where it comes to rest: at the path's end, or before, at that of a line, where `next` is
+    /// the first move of what follows.
     fn again(
         self,
         known: (&MachineLimits, &Ends),
@@ -166,7 +170,8 @@ impl Row {
             Waits::Rest(next) => (&[][..], Some(next)),
         };
         let spin = self.per_revolution.then_some(self.pace.turning);
-        // on a curve, from where the first plan looked at its limits, unless that is far and nothing happens until then
+        // on a curve, from where the first plan looked at its limits, unless that is far and
+        // nothing happens until then
         let at_once = self.parts.first().is_none_or(|part| {
             matches!(part.piece.curve, Curve::Line(_))
                 || part.phase.duration > LONG && part.is_level()
@@ -285,8 +290,8 @@ impl Run {
     }
 }
 
-/// The pieces of phases, and what follows them. A piece that a plan before this one has cut, or counted to its next line, has
-/// phases of both plans: it is as the later one had it.
+/// The pieces of phases, and what follows them. A piece that a plan before this one has cut, or
+/// counted to its next line, has phases of both plans: it is as the later one had it.
 fn pieces(parts: &[Part], waits: &[Piece]) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::new();
     let mut left = 0.0;
@@ -306,7 +311,8 @@ fn is_same(a: &Piece, b: &Piece) -> bool {
     a.curve == b.curve && a.begin == b.begin && a.op == b.op
 }
 
-/// What a step does along its path after a time of it, and whether it ends at rest. `None`: it is no such step.
+/// What a step does along its path after a time of it, and whether it ends at rest. `None`: it is
+/// no such step.
 fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
     let (mut parts, mut left) = (Vec::new(), done);
     let mut add = |piece: Piece, phase: Phase| {

@@ -4,7 +4,8 @@
 //!   moves ─► Joiner ─► pieces ─► Timing ─► Follow steps
 //! ```
 //!
-//! A move that stays alone between two stops is a [`Move`] with its own profile, as before: it needs no joining.
+//! A move that stays alone between two stops is a [`Move`] with its own profile, as before: it
+//! needs no joining.
 use crate::along::Along;
 use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;

@@ -1,5 +1,5 @@
-//! Inputs and outputs of a program, as the kernel executes them. When an output switches with the next move, its operation
-//! comes right before that move, so its step needs no word of it.
+//! Inputs and outputs of a program, as the kernel executes them. When an output switches with the
+//! next move, its operation comes right before that move, so its step needs no word of it.
 use motion::{Await, InputWait, Output, Signal};
 
 /// An output.

@@ -1,4 +1,5 @@
-//! The workpiece as far as it is known before motion: a block of material, and what the program has removed of it.
+//! The workpiece as far as it is known before motion: a block of material, and what the program has
+//! removed of it.
 //!
 //! ```text
 //!      top ──────┐  ┌───┐ ╱ ┌────      bores: round, by place, diameter and depth (what drills and mills leave)
@@ -6,8 +7,9 @@
 //!                └──┘
 //! ```
 //!
-//! Coordinates are those of the tool's *tip* in the machine's frame, mm; depths count from the top downwards. What is
-//! remembered errs on the side of too much removed: a place that a mill has passed is never taken for solid.
+//! Coordinates are those of the tool's *tip* in the machine's frame, mm; depths count from the top
+//! downwards. What is remembered errs on the side of too much removed: a place that a mill has
+//! passed is never taken for solid.
 use crate::bar::Bar;
 use alloc::{collections::BTreeMap, vec, vec::Vec};
 use units::Length;
@@ -36,7 +38,8 @@ impl Stock {
         (0..2).all(|i| (self.from[i].value()..=self.to[i].value()).contains(&at[i]))
     }
 
-    /// How far a circle about a place reaches over the nearest side, mm; negative: by so much it is inside.
+    /// How far a circle about a place reaches over the nearest side, mm; negative: by so much it is
+    /// inside.
     pub(crate) fn over_side(&self, at: [f64; 2], radius: f64) -> f64 {
         let over = |i: usize| {
             (self.from[i].value() - at[i] + radius).max(at[i] + radius - self.to[i].value())
@@ -44,7 +47,8 @@ impl Stock {
         over(0).max(over(1))
     }
 
-    /// The part of a line, as shares of it within `part`, that lies over the block; `None`: no part does.
+    /// The part of a line, as shares of it within `part`, that lies over the block; `None`: no part
+    /// does.
     pub(crate) fn over(&self, [a, b]: [[f64; 3]; 2], part: (f64, f64)) -> Option<(f64, f64)> {
         let (mut from, mut to) = part;
         for i in 0..2 {

@@ -13,8 +13,8 @@
 //! tap does not run past its depth by the ω²/2α of a spindle that is reversed on reaching it. Lower
 //! bounds for an ideal spindle with acceleration A: 2·√(N/A) if N ≤ n²/A, else N/n + n/A.
 //!
-//! A stroke too short for S gets the highest speed whose two ramps still fit; what rounding leaves of
-//! the stroke is a short cruise.
+//! A stroke too short for S gets the highest speed whose two ramps still fit; what rounding leaves
+//! of the stroke is a short cruise.
 use crate::limits::{AxisLimits, SpindleLimits};
 use crate::ramp::stroke;
 use crate::ramp::{Ceiling, Ramp};
@@ -49,8 +49,8 @@ pub struct Stroke {
 }
 
 impl StrokeRequest {
-    /// The fastest stroke that spindle and feed axis allow; empty if there is nothing to turn or the cut
-    /// is heavier than the spindle.
+    /// The fastest stroke that spindle and feed axis allow; empty if there is nothing to turn or
+    /// the cut is heavier than the spindle.
     pub fn plan(&self, spindle: &SpindleLimits, axis: &AxisLimits) -> Stroke {
         let (top, speed_bound) = self.top_speed(spindle, axis);
         if !(top > 0.0 && self.revolutions > Angle::ZERO) {
@@ -69,7 +69,8 @@ impl StrokeRequest {
         Stroke { profile: stroke(length, &up, &down), limiting: TapLimiting { speed, ramp } }
     }
 
-    /// The acceleration that spindle and feed axis allow from rest, whatever gentler one is asked for.
+    /// The acceleration that spindle and feed axis allow from rest, whatever gentler one is asked
+    /// for.
     pub fn acceleration_from_rest(&self, spindle: &SpindleLimits, axis: &AxisLimits) -> SpinAccel {
         let torque = SpinAccel::rev_per_s2(spindle.speeding_up(self.cut).at_rest());
         torque.min(axis.accel.of_linear() / self.lead.abs())
@@ -163,8 +164,8 @@ impl Ramps {
         low
     }
 
-    /// What bounds a ramp for the longest part of its time: the jerk where it is used up, else torque or feed
-    /// acceleration where the speed is low or the line level, else power.
+    /// What bounds a ramp for the longest part of its time: the jerk where it is used up, else
+    /// torque or feed acceleration where the speed is low or the line level, else power.
     fn bound_of(&self, ramp: &Ramp) -> Limiting {
         let (mut rising, mut level, mut falling) = (0.0, 0.0, 0.0);
         for piece in ramp.pieces() {

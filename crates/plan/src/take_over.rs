@@ -1,4 +1,5 @@
-//! From which moment on motion that is under way is planned anew, while the kernel goes on with what it has.
+//! From which moment on motion that is under way is planned anew, while the kernel goes on with
+//! what it has.
 //!
 //! ```text
 //!   now        now + lead
@@ -7,14 +8,15 @@
 //!   │ step under way ┆                │ …   one that lasts long is cut there
 //! ```
 //!
-//! Planning takes its time, and an axis that moves must have a step all the while. So the new plan takes over at a moment that
-//! is far enough ahead, and the kernel is told of it when the plan is there: if it has come too late for that moment, nothing
-//! has changed, and a later one is taken.
+//! Planning takes its time, and an axis that moves must have a step all the while. So the new plan
+//! takes over at a moment that is far enough ahead, and the kernel is told of it when the plan is
+//! there: if it has come too late for that moment, nothing has changed, and a later one is taken.
 use crate::{Step, StepKind};
 use motion::{Follow, Move, UnderWay};
 use units::Time;
 
-/// A step that lasts beyond so many times the lead is cut, or waited for; one that ends before is left whole.
+/// A step that lasts beyond so many times the lead is cut, or waited for; one that ends before is
+/// left whole.
 const LONG: f64 = 3.0;
 
 /// What stays as it was planned, of the steps that a kernel has.
@@ -26,7 +28,8 @@ pub struct TakeOver {
     pub at: Option<f64>,
 }
 
-/// From which moment on these steps, of which the first is under way, can be planned anew. `None`: not yet, ask again later.
+/// From which moment on these steps, of which the first is under way, can be planned anew. `None`:
+/// not yet, ask again later.
 pub fn take_over<'a>(
     steps: impl Iterator<Item = &'a Step>,
     under_way: Option<UnderWay>,

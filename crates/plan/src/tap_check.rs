@@ -11,8 +11,8 @@
 //!
 //! The stroke is synchronised from rest to rest, so any run-in is long enough; none is asked for.
 //!
-//! Thread core: ISO 724 (basic dimensions); its tolerance TD1 of grade 6 by the table of ISO 965-1, else by
-//! formula: 230·P^0.7 µm, or 433·P − 190·P^1.22 up to 0.8 mm.
+//! Thread core: ISO 724 (basic dimensions); its tolerance TD1 of grade 6 by the table of ISO 965-1,
+//! else by formula: 230·P^0.7 µm, or 433·P − 190·P^1.22 up to 0.8 mm.
 use crate::findings::number;
 use crate::holes::Drilled;
 use crate::left_alone::{overrun, survives};
@@ -248,8 +248,8 @@ impl TapCheck<'_> {
         })
     }
 
-    /// A spindle that cannot be stopped at an angle misses its turning point by some of its stopping angle: a blind
-    /// hole must have as much below the tap.
+    /// A spindle that cannot be stopped at an angle misses its turning point by some of its
+    /// stopping angle: a blind hole must have as much below the tap.
     fn stopping_margin(&self, hole: &Drilled) -> Option<Diagnostic> {
         let own = self.own_ramps?;
         let lead = self.tap.lead.abs();
@@ -279,7 +279,8 @@ impl TapCheck<'_> {
         )
     }
 
-    /// How much deeper than programmed the hole has its full diameter, where this program has drilled it.
+    /// How much deeper than programmed the hole has its full diameter, where this program has
+    /// drilled it.
     fn hole_has(&self) -> Option<Length> {
         self.hole.map(|hole| self.tap.bottom - self.tool.worn_length() - hole.full_bottom)
     }
@@ -289,14 +290,15 @@ impl TapCheck<'_> {
         self.tap_tool.thread_length - self.depth()
     }
 
-    /// How much deeper than programmed there is room for the tap: what its hole has, or by convention [`BEYOND_PITCHES`] where that is
-    /// not known, as far as its flutes reach.
+    /// How much deeper than programmed there is room for the tap: what its hole has, or by
+    /// convention [`BEYOND_PITCHES`] where that is not known, as far as its flutes reach.
     pub(crate) fn room(&self) -> Length {
         let unknown = Length::mm(BEYOND_PITCHES * self.tap_tool.lead.abs().value());
         self.hole_has().unwrap_or(unknown).min(self.flutes_reach()).max(Length::ZERO)
     }
 
-    /// A spindle that coasts when the control dies or the mains fail, deeper than there is room for.
+    /// A spindle that coasts when the control dies or the mains fail, deeper than there is room
+    /// for.
     fn left_alone(&self, cut: Torque) -> Option<Diagnostic> {
         let Coasts { on_link_loss, on_power_loss } = self.coasts;
         let (when, key) = match (on_link_loss, on_power_loss) {

@@ -1,4 +1,5 @@
-//! How long a corner of a turned thread must be, for what the axes can do: see [`motion::ThreadStretch`] for its law.
+//! How long a corner of a turned thread must be, for what the axes can do: see
+//! [`motion::ThreadStretch`] for its law.
 
 /// How far P″ goes beyond 0 and 1: at u² = 3/5, 9u/8 − 5u³/8 − ½.
 const BEYOND: f64 = 0.081;
@@ -15,8 +16,9 @@ pub(crate) struct Change {
 }
 
 impl Change {
-    /// Turns to each side of a corner over which the law of an axis may change so at `n` rev/s, where that is limited to
-    /// `accel`, mm/s², and `jerk`, mm/s³. Infinite where the bends alone are more than the axis can.
+    /// Turns to each side of a corner over which the law of an axis may change so at `n` rev/s,
+    /// where that is limited to `accel`, mm/s², and `jerk`, mm/s³. Infinite where the bends alone
+    /// are more than the axis can.
     pub(crate) fn half(&self, n: f64, accel: f64, jerk: f64) -> f64 {
         let (slope, bend) = (self.slope.abs(), self.bend.abs());
         let left = accel - (self.most_bend + BEYOND * bend) * n * n;
@@ -37,7 +39,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The acceleration and the jerk of a corner are what the planner has made it long enough for.
+        /// The acceleration and the jerk of a corner are what the planner has made it long enough
+        /// for.
         #[test]
         fn a_corner_keeps_the_limits(
             slope in -5.0_f64..5.0, bends in (-0.5_f64..0.5, -0.5_f64..0.5), n in 1.0_f64..60.0, at in -1.0_f64..1.0,

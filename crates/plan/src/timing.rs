@@ -13,8 +13,8 @@ use path::law::{Config, Law, Refusal, State, Timed, merged};
 /// How much farther ahead than braking takes the first stop is that is asked for in motion.
 const AHEAD: f64 = 2.0;
 
-/// Share of a servo period that phases are merged within: setpoints do not show what happens between them, and what the
-/// control does in a period is bounded.
+/// Share of a servo period that phases are merged within: setpoints do not show what happens
+/// between them, and what the control does in a period is bounded.
 const SHORTEST_PHASE: f64 = 0.125;
 
 /// A law of time comes to rest by arithmetic: slower than this it stands, mm/s.
@@ -43,7 +43,8 @@ pub(crate) struct Timing {
 }
 
 impl Timing {
-    /// From rest, or from motion that is under way on the first piece. `spin`: revolutions per second, for a feed per revolution.
+    /// From rest, or from motion that is under way on the first piece. `spin`: revolutions per
+    /// second, for a feed per revolution.
     pub(crate) fn new(
         limits: &MachineLimits,
         spin: Option<f64>,

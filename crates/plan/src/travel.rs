@@ -1,7 +1,7 @@
 //! Soft limits: does a path stay within each axis' travel?
 //!
-//! A line's extremes are its ends; a spline is looked at all along. An arc bulges beyond them wherever it passes one of the four points
-//! where an axis turns back:
+//! A line's extremes are its ends; a spline is looked at all along. An arc bulges beyond them
+//! wherever it passes one of the four points where an axis turns back:
 //!
 //! ```text
 //!         ╭──┴──╮ ¼ turn: highest Y
@@ -55,8 +55,8 @@ pub(crate) fn beyond<'a>(
     })
 }
 
-/// Lowest and highest coordinate of an axis on the way and at the end. (The start is the end of the move
-/// before, which has been judged.)
+/// Lowest and highest coordinate of an axis on the way and at the end. (The start is the end of the
+/// move before, which has been judged.)
 fn extremes(path: &Path, axis: Axis) -> (f64, f64) {
     let end = coordinate(path.to(), axis);
     let (from, arc) = match path {

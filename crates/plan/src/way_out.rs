@@ -1,4 +1,5 @@
-//! Where a tool that is tied to a spindle came from: that is where it is clear of the work, and its way out.
+//! Where a tool that is tied to a spindle came from: that is where it is clear of the work, and its
+//! way out.
 use motion::{TiedCut, WayOut};
 use units::{Axis, Length};
 
@@ -7,7 +8,8 @@ pub(crate) const fn along_x(cut: TiedCut, spindle: u8, clear: Length) -> WayOut 
     WayOut { cut, spindle, infeed: Axis::X, clear, outward: 1.0, pass: None }
 }
 
-/// Of a tap that no axis is tied to: it is in the work below where it starts, and only its spindle turned backwards takes it out.
+/// Of a tap that no axis is tied to: it is in the work below where it starts, and only its spindle
+/// turned backwards takes it out.
 pub(crate) const fn floating(spindle: u8, infeed: Axis, clear: Length, outward: f64) -> WayOut {
     WayOut { cut: TiedCut::FloatingTap, spindle, infeed, clear, outward, pass: None }
 }

@@ -1,4 +1,5 @@
-//! Places, lengths and feeds in the words of the program: its unit, its work offset, diameters where X counts so.
+//! Places, lengths and feeds in the words of the program: its unit, its work offset, diameters
+//! where X counts so.
 //!
 //! | what | with G21, G54 | with G20, G54 | without a frame |
 //! |---|---|---|---|
@@ -6,10 +7,11 @@
 //! | length | 62.4 mm | 2.4567 in | 62.4 mm |
 //! | feed | 600 mm/min | 23.62 in/min | 600 mm/min |
 //!
-//! A place is where something is or would be. Advice is what to write instead: under G91, and in U, V and W of a Fanuc lathe,
-//! that is a way from where the block begins.
+//! A place is where something is or would be. Advice is what to write instead: under G91, and in U,
+//! V and W of a Fanuc lathe, that is a way from where the block begins.
 //!
-//! Under a rotation of the work offset X and Y have no words of their own: machine coordinates are said.
+//! Under a rotation of the work offset X and Y have no words of their own: machine coordinates are
+//! said.
 use crate::findings::number;
 use alloc::{format, string::String};
 use canon::{Axis, LengthUnit, Position, ProgramFrame};
@@ -84,7 +86,8 @@ fn in_unit(frame: &ProgramFrame, value: f64) -> String {
     }
 }
 
-/// A coordinate as the program writes it, such as `X312.4`; machine coordinates where it cannot write it.
+/// A coordinate as the program writes it, such as `X312.4`; machine coordinates where it cannot
+/// write it.
 pub(crate) fn word(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
     let value = match frame.written(axis, machine) {
         Some(value) if is_rotary(axis) => number(value),

@@ -89,7 +89,8 @@ fn planner() -> Planner {
     Planner::new(machine(), tools(), OPTIONS, Start::default())
 }
 
-/// Each step begins where the one before has ended, in place and in spindle speed; all numbers are finite.
+/// Each step begins where the one before has ended, in place and in spindle speed; all numbers are
+/// finite.
 fn assert_hangs_together(steps: &[Step]) {
     let (mut at, mut spin, mut awaited, mut op) = (Position::default(), Spin::ZERO, true, 0);
     let near =

@@ -24,7 +24,8 @@ fn planned(limits: &MachineLimits, from: Position, kind: OpKind) -> Move {
     *moves[0]
 }
 
-/// Sample a move and compare speed, acceleration and (by differences) jerk of each axis with its limits.
+/// Sample a move and compare speed, acceleration and (by differences) jerk of each axis with its
+/// limits.
 fn assert_within_limits(m: &Move, limits: &MachineLimits) {
     let n = 400;
     let dt = m.profile.duration() / f64::from(n);
@@ -42,7 +43,8 @@ fn assert_within_limits(m: &Move, limits: &MachineLimits) {
                 let j = (now.accel[k] - before.accel[k]).abs().value() / dt;
                 let jerk = if m.rapid { of.rapid_jerk } else { of.feed_jerk };
                 assert!(j <= jerk.value() * (1.0 + 1e-6), "{letter}: {j} mm/s³ of {jerk:?}");
-                // a step of the position is the mean speed, so the parts of the motion belong together
+                // a step of the position is the mean speed, so the parts of the motion belong
+                // together
                 let moved = (now.position[k] - before.position[k]).value() / dt;
                 let mean = (now.speed[k] + before.speed[k]).value() / 2.0;
                 let bend = of.accel.value() * dt;
@@ -89,8 +91,8 @@ fn a_slow_circle_keeps_its_feed() {
     assert_within_limits(&m, &limits);
 }
 
-/// A circle of 1 mm: with 10 m/s² the speed is at most √(0.8·10000·1) = 89 mm/s, by the jerk of 500 m/s³
-/// at most ∛(0.4·5e5) = 58 mm/s.
+/// A circle of 1 mm: with 10 m/s² the speed is at most √(0.8·10000·1) = 89 mm/s, by the jerk of 500
+/// m/s³ at most ∛(0.4·5e5) = 58 mm/s.
 #[test]
 fn a_narrow_circle_is_slowed_down_by_its_curvature() {
     let arc = Arc { plane: Plane::XY, centre: [mm(1.0), mm(0.0)], sweep: Angle::rev(-2.0) };

@@ -1,4 +1,5 @@
-//! Inserts against the bar of a lathe, before motion: a rapid goes only where the program has turned the bar away.
+//! Inserts against the bar of a lathe, before motion: a rapid goes only where the program has
+//! turned the bar away.
 use crate::common;
 use crate::common::{change, line, machine, mm, program, rapid, turn};
 use canon::{
@@ -34,7 +35,8 @@ fn tools() -> ToolLibrary {
         stand_in: false,
     };
     tools.insert(tool(1, 0.0, ToolKind::Insert(insert)));
-    // a boring bar of 7 mm that stands 25 mm out, and a grooving tool that stands 2 mm over a shank of 12 mm
+    // a boring bar of 7 mm that stands 25 mm out, and a grooving tool that stands 2 mm over a shank
+    // of 12 mm
     let bar = Body { shank: Some(mm(7.0)), stick_out: Some(mm(25.0)), ..Body::default() };
     tools.insert(Tool { body: bar, ..tool(3, 0.0, ToolKind::Insert(insert)) });
     let thick = Body { shank: Some(mm(10.0)), ..bar };

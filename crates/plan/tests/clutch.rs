@@ -114,8 +114,8 @@ fn a_dwell_that_is_left_out_is_the_middle_of_the_window_of_the_measured_spindle(
     }
 }
 
-/// The spindle's reversal between two feeds is a turn like any other: no preset of tapping changes it, and so none
-/// may change the dwell that is made for it.
+/// The spindle's reversal between two feeds is a turn like any other: no preset of tapping changes
+/// it, and so none may change the dwell that is made for it.
 #[test]
 fn a_preset_changes_neither_the_reversal_nor_the_dwell_that_waits_for_it() {
     let held = |effort: Effort| {

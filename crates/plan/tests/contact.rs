@@ -1,4 +1,5 @@
-//! The tool against the stock, before motion: what breaks it is refused, with what works, in the program's words.
+//! The tool against the stock, before motion: what breaks it is refused, with what works, in the
+//! program's words.
 use crate::common;
 use crate::common::{TOP, change, hole, line, machine, mm, program, rapid, tap, tools, turn};
 use canon::{
@@ -59,7 +60,8 @@ fn all_tools() -> ToolLibrary {
     tools
 }
 
-/// Findings of a program whose Z is that of the tip over the stock's top, with a tool of length 120.
+/// Findings of a program whose Z is that of the tip over the stock's top, with a tool of
+/// length 120.
 fn said_in(frame: ProgramFrame, number: u32, kinds: impl IntoIterator<Item = OpKind>) -> String {
     let start = Start { position: Position::xyz(0.0, 0.0, -10.0), tool: 0 };
     let planner = Planner::new(machine(), all_tools(), common::OPTIONS, start);
@@ -340,7 +342,8 @@ fn a_drill_deeper_than_its_flutes_or_its_holder_is_refused_with_the_depth_that_w
     assert!(!said(11, [to(5.0, 2.0), fed(5.0, -11.5)]).contains("M0367"));
 }
 
-/// A pocket of 60 by 60 mm, 20 mm deep: the holder of 30 mm fits where its middle stays 15 mm off the walls.
+/// A pocket of 60 by 60 mm, 20 mm deep: the holder of 30 mm fits where its middle stays 15 mm off
+/// the walls.
 #[test]
 fn a_holder_fits_into_a_pocket_that_is_wide_enough_and_not_into_a_slot() {
     let level = |depth: f64| {

@@ -1,4 +1,5 @@
-//! A spindle drive that is asked for more than its torque of continuous duty, and a magazine that has no such pocket.
+//! A spindle drive that is asked for more than its torque of continuous duty, and a magazine that
+//! has no such pocket.
 use crate::common;
 use crate::common::{OPTIONS, change, findings_of, machine, tools, turn};
 use canon::{OpKind, SpindleOrder, ToolLibrary};

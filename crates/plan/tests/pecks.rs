@@ -120,7 +120,8 @@ fn a_tap_with_less_dynamics_takes_longer_and_a_hard_return_is_shorter_than_its_w
 
 #[test]
 fn a_short_stroke_is_within_3_percent_of_the_time_that_no_tap_can_beat() {
-    // 20 mm deep at 1.25 mm: N = 16 rev; 500 rev/s² up and down. In and out, rest to rest: 4·√(N/A).
+    // 20 mm deep at 1.25 mm: N = 16 rev; 500 rev/s² up and down. In and out, rest to rest:
+    // 4·√(N/A).
     let bound = 4.0 * (16.0_f64 / 500.0).sqrt();
     assert!((bound - 0.7155).abs() < 1e-4);
     let spindle = SpindleLimits {

@@ -9,8 +9,8 @@ use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;
 use units::{Angle, Lead, Length, Time};
 
-/// Whether a step goes on with the one before, along the same straight line and without a stop between them: a law with
-/// a limit of jerk has more phases than one step holds.
+/// Whether a step goes on with the one before, along the same straight line and without a stop
+/// between them: a law with a limit of jerk has more phases than one step holds.
 fn goes_on(before: &Step, step: &Step) -> bool {
     let (StepKind::Follow(a), StepKind::Follow(b)) = (&before.kind, &step.kind) else {
         return false;
@@ -19,7 +19,8 @@ fn goes_on(before: &Step, step: &Step) -> bool {
     straight && a.piece == b.piece && before.op == step.op && !a.exact_stop
 }
 
-/// One word a step, so that a program's plan is a sentence; one word for all steps along one straight line.
+/// One word a step, so that a program's plan is a sentence; one word for all steps along one
+/// straight line.
 fn words(steps: &[Step]) -> String {
     let word = |step: &Step| match &step.kind {
         StepKind::Move(m) => {
@@ -180,7 +181,8 @@ fn under_g64_collinear_cuts_are_one_that_waits_until_in_position_at_its_end() {
     assert_eq!(words(&steps), "turn(1000) await cut(2,0,0) rapid(3,0,0)");
 }
 
-/// A point 0.02 mm beside the line, P 0.1 mm: LinuxCNC's Q is P where none is stated, which leaves all of P to the blend.
+/// A point 0.02 mm beside the line, P 0.1 mm: LinuxCNC's Q is P where none is stated, which leaves
+/// all of P to the blend.
 #[test]
 fn a_q_below_p_merges_what_is_within_it_and_one_as_large_as_p_does_not() {
     let merges = |q: f64| {
@@ -203,8 +205,8 @@ fn steps_carry_the_index_and_line_of_their_op_and_a_step_of_no_length_is_none() 
     assert_eq!(places, [(1, 2), (2, 3)]);
 }
 
-/// 100 mm at 6000 mm/min is 1 s; the ramps of 100 mm/s at 10 m/s², 500 m/s³ add v/a + a/j = 0.01 + 0.02 s (reached:
-/// v·j = 5e7 < a² = 1e8, so 2·√(v/j) = 0.02828 s).
+/// 100 mm at 6000 mm/min is 1 s; the ramps of 100 mm/s at 10 m/s², 500 m/s³ add v/a +
+/// a/j = 0.01 + 0.02 s (reached: v·j = 5e7 < a² = 1e8, so 2·√(v/j) = 0.02828 s).
 #[test]
 fn the_time_of_a_cut_is_its_closed_form() {
     let mut planner = planner_at(Position::default(), 0);
@@ -293,7 +295,8 @@ fn a_faster_return_takes_less_time() {
     assert!(plan.outward.duration() < 0.7 * plan.inward.duration());
 }
 
-/// Out with its own acceleration A under the jerk j: N/n + n/A + A/j, while the way in stays what it was.
+/// Out with its own acceleration A under the jerk j: N/n + n/A + A/j, while the way in stays what
+/// it was.
 #[test]
 fn the_way_out_has_an_acceleration_of_its_own() {
     let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 1500.0);
@@ -328,7 +331,8 @@ fn a_tool_that_is_in_the_spindle_is_not_changed() {
     assert_eq!(words(&steps), "tool(1) rapid(1,0,-5) rapid(2,0,-5)");
 }
 
-/// Turn to 1000 rpm takes longer than the short rapid; the cut waits for it, and the estimate with it.
+/// Turn to 1000 rpm takes longer than the short rapid; the cut waits for it, and the estimate with
+/// it.
 #[test]
 fn waiting_for_the_spindle_counts_in_the_planned_time() {
     let ramp = common::SPINDLE.ramp(units::Spin::ZERO, units::Spin::rpm(9000.0)).duration();

@@ -30,8 +30,8 @@ fn assert_sound(profile: &Profile, length: f64, speed: f64, accel: f64, jerk: f6
     assert_eq!(profile.at(profile.duration()), profile.end());
 }
 
-/// Shortest time among symmetric profiles with constant jerk phases, found by trying: `tj` of jerk, `ta`
-/// level, cruise as long as it takes.
+/// Shortest time among symmetric profiles with constant jerk phases, found by trying: `tj` of jerk,
+/// `ta` level, cruise as long as it takes.
 fn by_trying(length: f64, speed: f64, accel: f64, jerk: f64) -> f64 {
     let n = 120;
     let tj_most = (accel / jerk).min((speed / jerk).sqrt()).min((length / (2.0 * jerk)).cbrt());

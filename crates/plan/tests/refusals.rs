@@ -77,7 +77,8 @@ fn an_axis_that_the_machine_lacks() {
     assert_snapshot!(findings([OpKind::Rapid { to }]), @"M0305 Error line 1: the machine has no A axis, and the program moves it");
 }
 
-/// The move with the missing axis is left out, and Z with it: nothing may be planned across that gap.
+/// The move with the missing axis is left out, and Z with it: nothing may be planned across that
+/// gap.
 #[test]
 fn an_axis_that_the_machine_lacks_within_a_blended_path_ends_planning() {
     let mode = canon::PathMode::Blend { tolerance: Some(mm(0.1)), merge: None };

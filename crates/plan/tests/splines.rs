@@ -6,7 +6,8 @@ use motion::Shape;
 use plan::{Step, StepKind};
 use units::{Length, Speed, Time};
 
-/// y = x²/20 from the origin to (20, 20), as G5.1 writes it, raised to the fifth degree: points (4·k, k·(k − 1)).
+/// y = x²/20 from the origin to (20, 20), as G5.1 writes it, raised to the fifth degree: points
+/// (4·k, k·(k − 1)).
 fn parabola(feed: Feed) -> OpKind {
     let point = |k: i32| [mm(f64::from(4 * k)), mm(f64::from(k * (k - 1)))];
     OpKind::Spline {
@@ -55,7 +56,8 @@ fn on_the_exact_path_a_spline_is_followed_as_it_is_and_left_along_its_slope_with
     assert!(slowest > 50.0, "{slowest} mm/s");
 }
 
-/// Whatever it is cut into. From rest to rest at v a ramp adds √(v/j) at either end: v = 29.6 mm / 4 s, j = 500 m/s³.
+/// Whatever it is cut into. From rest to rest at v a ramp adds √(v/j) at either end: v = 29.6 mm /
+/// 4 s, j = 500 m/s³.
 #[test]
 fn with_inverse_time_a_spline_lasts_as_long_as_programmed() {
     let spline = parabola(Feed::Duration(Time::s(4.0)));

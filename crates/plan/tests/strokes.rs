@@ -58,7 +58,8 @@ fn lower_bound(n_rev: f64, speed: f64, accel: f64) -> f64 {
 }
 
 /// M8×1.25 from Z2 to Z−20 at 1000 rpm, the spindle reaching that in 0.25 s: in and out at least
-/// 2·(17.6/16.667 + 0.25) = 2.612 s; a control that reverses on reaching the depth needs 2.98 s and overruns.
+/// 2·(17.6/16.667 + 0.25) = 2.612 s; a control that reverses on reaching the depth needs 2.98 s and
+/// overruns.
 #[test]
 fn m8_at_1000_rpm_in_and_out_takes_2_6_seconds() {
     let (turns, speed, accel) = (22.0 / 1.25, 1000.0 / 60.0, 1000.0 / 60.0 / 0.25);
@@ -72,8 +73,8 @@ fn m8_at_1000_rpm_in_and_out_takes_2_6_seconds() {
     assert!(time > bound && time < bound * 1.03, "{time} s");
 }
 
-/// 32 mm at 1 mm with 6000 rpm: the cap is N/n + n/α with α at the power limit all the way; the run-up alone
-/// needs at least the spindle's energy over its power: ½·J·ω²/P beyond the base speed.
+/// 32 mm at 1 mm with 6000 rpm: the cap is N/n + n/α with α at the power limit all the way; the
+/// run-up alone needs at least the spindle's energy over its power: ½·J·ω²/P beyond the base speed.
 #[test]
 fn m6_at_6000_rpm_on_the_tapping_centre_in_and_out_takes_about_a_second() {
     let stroke = request(32.0, 6000.0, 1.0, 1.73).plan(&SPINDLE, &axis(-300.0, 0.0, 15.0));
@@ -172,8 +173,8 @@ fn free_ramps_go_from_any_speed_to_any_speed_and_through_rest() {
     assert_eq!(SPINDLE.ramp(Spin::rpm(100.0), Spin::rpm(100.0)).duration(), 0.0);
 }
 
-/// The drive's torque for a state, against margin · min(peak, P/ω): friction and cut burden the run-up,
-/// friction helps to brake.
+/// The drive's torque for a state, against margin · min(peak, P/ω): friction and cut burden the
+/// run-up, friction helps to brake.
 fn assert_within_curve(spindle: &SpindleLimits, now: motion::Instant, cut: f64) {
     let omega = TAU * now.v.abs();
     let inertia = TAU * spindle.inertia.value() * now.a;

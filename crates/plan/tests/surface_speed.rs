@@ -88,8 +88,8 @@ fn a_thread_needs_revolutions_per_minute() {
     assert!(said.contains(refused), "{said}");
 }
 
-/// A cut from 30 mm to 1 mm with 0.3 mm a turn, at rest at both ends: t = ∫ 2πr/(v·f)·dr, and turns at the limit below
-/// r = v/(2π·n).
+/// A cut from 30 mm to 1 mm with 0.3 mm a turn, at rest at both ends: t = ∫ 2πr/(v·f)·dr, and turns
+/// at the limit below r = v/(2π·n).
 #[test]
 fn the_time_of_a_feed_per_revolution_is_the_integral_over_the_radius() {
     let feed = Feed::PerRevolution(Lead::mm_per_rev(0.3));

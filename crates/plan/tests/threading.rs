@@ -172,7 +172,8 @@ fn a_chain_that_feeds_in_by_itself_is_left_to_where_it_began() {
 
 #[test]
 fn a_lead_that_grows_makes_as_many_turns_as_its_closed_form_says() {
-    // 2·20 + 0.1·20²/2 = 60 mm in 20 turns, up to 4 mm; then 2.5 turns of that, and 1 mm less in each of 2
+    // 2·20 + 0.1·20²/2 = 60 mm in 20 turns, up to 4 mm; then 2.5 turns of that, and 1 mm less in
+    // each of 2
     let found = stretches([
         turn(600.0),
         rapid(0.0, 0.0, -5.0),
@@ -227,13 +228,15 @@ fn a_lead_that_has_grown_too_much_for_its_axis_is_refused_with_the_speed_that_wo
     assert!(!at(2380.0).contains("M0423"), "{}", at(2380.0));
     let used_up = findings([turn(600.0), rapid(0.0, 0.0, -5.0), growing(0.0, -25.0, 2.0, -0.1)]);
     assert!(used_up.starts_with("M0424"), "{used_up}");
-    // growing by 200 mm in each turn takes 15 m/s² at 8.66 turns a second, and the spindle may be 5 % faster
+    // growing by 200 mm in each turn takes 15 m/s² at 8.66 turns a second, and the spindle may be 5
+    // % faster
     let fast =
         |rpm: f64| findings([turn(rpm), rapid(0.0, 0.0, -5.0), growing(0.0, -15.0, 2.0, 200.0)]);
     assert!(fast(600.0).contains("cannot speed up as the lead grows"), "{}", fast(600.0));
 }
 
-/// A chain as the property below has it: each stretch's end as Z and X, its lead and growth along the path.
+/// A chain as the property below has it: each stretch's end as Z and X, its lead and growth along
+/// the path.
 fn chained(leads: &[(f64, f64, f64)], taper: f64) -> Vec<(f64, f64, f64, f64)> {
     let (mut z, slant) = (-5.0, taper.hypot(1.0));
     leads
@@ -247,8 +250,9 @@ fn chained(leads: &[(f64, f64, f64)], taper: f64) -> Vec<(f64, f64, f64, f64)> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// A chain of up to three stretches, with steps of the lead between them, in setpoints of 250 µs at the fastest that the spindle may
-    /// turn: on the closed form outside its corners, and within the limits of each axis, by differences.
+    /// A chain of up to three stretches, with steps of the lead between them, in setpoints of 250
+    /// µs at the fastest that the spindle may turn: on the closed form outside its corners, and
+    /// within the limits of each axis, by differences.
     #[test]
     fn threads_of_changing_lead_keep_their_form_and_the_limits(
         rpm in 100.0_f64..4000.0,

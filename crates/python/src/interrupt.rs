@@ -1,5 +1,6 @@
-//! Ctrl-C while Python's lock is released. Python's own handler only notes the signal, for the main thread to look at: so a run
-//! in the main thread looks now and then, and ends when it has come. A run in another thread has nothing to look at.
+//! Ctrl-C while Python's lock is released. Python's own handler only notes the signal, for the main
+//! thread to look at: so a run in the main thread looks now and then, and ends when it has come. A
+//! run in another thread has nothing to look at.
 use pyo3::prelude::*;
 use std::cell::{Cell, RefCell};
 

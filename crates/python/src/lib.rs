@@ -1,11 +1,12 @@
-//! The native part of the Python package `leadscrew`: what commands answer, a run with its result, and the command itself.
+//! The native part of the Python package `leadscrew`: what commands answer, a run with its result,
+//! and the command itself.
 //!
 //! ```text
 //!   leadscrew/*.py ─► words, texts ─► cli::answers ─► values as JSON; RunResult, whose trace crosses as Arrow
 //! ```
 //!
-//! Options come as the words of the command line and are read by its reader, so that neither can differ. Python's lock is
-//! released while Leadscrew works.
+//! Options come as the words of the command line and are read by its reader, so that neither can
+//! differ. Python's lock is released while Leadscrew works.
 #![forbid(unsafe_code)]
 
 mod interrupt;
@@ -128,7 +129,8 @@ fn machine_text(py: Python<'_>, machine: Named) -> PyResult<String> {
     loaded.map(|m| m.text().to_owned()).map_err(|refused| refusal::exception(py, &refused))
 }
 
-/// Text of a machine's file with values changed; `changes` is a JSON array of pairs of key and value.
+/// Text of a machine's file with values changed; `changes` is a JSON array of pairs of key and
+/// value.
 #[pyfunction]
 fn machine_changed(py: Python<'_>, machine: Named, changes: &str) -> PyResult<String> {
     let changes: Vec<(String, Value)> = serde_json::from_str(changes)

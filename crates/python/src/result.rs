@@ -79,8 +79,8 @@ struct Ran {
     recorded: Option<(Columns, Vec<store::trace::Rows>)>,
 }
 
-/// Run a program on the simulated machine and judge the workpiece. `progress` is called with the machine's time and the planned
-/// one, in s.
+/// Run a program on the simulated machine and judge the workpiece. `progress` is called with the
+/// machine's time and the planned one, in s.
 #[pyfunction]
 #[pyo3(signature = (words, program=None, machine=None, plant=None, *, trace=false, progress=None))]
 pub(crate) fn run(

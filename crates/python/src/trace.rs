@@ -1,6 +1,8 @@
-//! The trace of a run in memory, handed to Python through the Arrow C stream interface: the columns are not copied.
+//! The trace of a run in memory, handed to Python through the Arrow C stream interface: the columns
+//! are not copied.
 //!
-//! Chunks have the rows of a group of the trace's file ([`store::trace::GROUP_ROWS`]); what is in them is the same to the bit.
+//! Chunks have the rows of a group of the trace's file ([`store::trace::GROUP_ROWS`]); what is in
+//! them is the same to the bit.
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::types::Int8Type;
 use arrow_array::{
@@ -62,7 +64,8 @@ impl Drop for Recording {
     }
 }
 
-/// The trace of a run: anything that takes Arrow streams takes it (`pyarrow.table`, `polars.DataFrame`, `duckdb`).
+/// The trace of a run: anything that takes Arrow streams takes it (`pyarrow.table`,
+/// `polars.DataFrame`, `duckdb`).
 #[pyclass(frozen, module = "leadscrew._leadscrew")]
 pub(crate) struct Trace {
     schema: Arc<Schema>,

@@ -1,5 +1,5 @@
-//! What the recorder costs per servo period, and the page per report.
-//! `cargo bench -p report`: the recorder's figure is per *run* of the plate; the number of periods is printed first.
+//! What the recorder costs per servo period, and the page per report. `cargo bench -p report`: the
+//! recorder's figure is per *run* of the plate; the number of periods is printed first.
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! The [`Recorder`] listens while the machine runs and keeps, in a room that does not grow, what
-//! pictures need: every peak of the taps that matter, the path, where the time went. [`html`] writes
-//! the page: the verdict first, then figures, then pictures, each with the sentence that says what
-//! to look for. The pictures are drawn by this crate's own writer of SVG.
+//! pictures need: every peak of the taps that matter, the path, where the time went. [`html`]
+//! writes the page: the verdict first, then figures, then pictures, each with the sentence that
+//! says what to look for. The pictures are drawn by this crate's own writer of SVG.
 
 mod measure;
 mod nearest;

@@ -1,5 +1,5 @@
-//! Lengths as the program writes them: millimetres with three decimals and micrometres, or inches with four decimals and
-//! microinches.
+//! Lengths as the program writes them: millimetres with three decimals and micrometres, or inches
+//! with four decimals and microinches.
 use crate::svg::fixed;
 use canon::LengthUnit;
 use units::{Length, MM_PER_INCH};
@@ -54,7 +54,8 @@ impl Measure {
         if self.is_inch() { 0 } else { decimals }
     }
 
-    /// An error, without its unit; `decimals` of a micrometre, a microinch is small enough to have none.
+    /// An error, without its unit; `decimals` of a micrometre, a microinch is small enough to have
+    /// none.
     pub fn small(self, error: Length, decimals: usize) -> String {
         fixed(self.small_number(error), self.small_decimals(decimals))
     }

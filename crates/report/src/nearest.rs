@@ -19,7 +19,8 @@ pub fn headroom_text(headroom: &Headroom, measure: Measure) -> String {
     }
 }
 
-/// Why a feature is as near to its limit as it is: what the motion, the tool and the hole had to do with it.
+/// Why a feature is as near to its limit as it is: what the motion, the tool and the hole had to do
+/// with it.
 pub fn why_nearest(feature: &Feature, headroom: &Headroom, measure: Measure) -> Option<String> {
     if headroom.of == Criterion::Whole {
         return feature.verdict.reason().map(str::to_owned);

@@ -9,7 +9,8 @@
 //!     └────────── turns                      └──────────── degrees
 //! ```
 //!
-//! On the left the whole stroke; on the right the distance from the thread in micrometres, which on the left is too small to be seen.
+//! On the left the whole stroke; on the right the distance from the thread in micrometres, which on
+//! the left is too small to be seen.
 use crate::svg::{escape, fixed, ticks};
 use std::fmt::Write as _;
 

@@ -21,7 +21,8 @@ pub struct Run {
     pub seed: u64,
     /// Tools the program could call.
     pub tools: ToolLibrary,
-    /// Where coordinates are counted from in the report: the work offset in force. `None`: machine zero.
+    /// Where coordinates are counted from in the report: the work offset in force. `None`: machine
+    /// zero.
     pub origin: Option<Origin>,
     /// From start to end.
     pub cycle_time: Time,
@@ -92,7 +93,8 @@ pub struct Note {
 /// What the machine can.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
-    /// Largest torque of the spindle's drive over its speed: points with rising speed, straight between.
+    /// Largest torque of the spindle's drive over its speed: points with rising speed, straight
+    /// between.
     pub torque: Vec<(Spin, Torque)>,
     /// Synchronisation error that warns.
     pub sync_warn: Length,
@@ -101,7 +103,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The torque curve of a drive that gives a peak torque, and a peak power from its base speed on:
+    /// The torque curve of a drive that gives a peak torque, and a peak power from its base speed
+    /// on:
     ///
     /// ```text
     ///   M │──────╮               M(n) = min(Mpeak, Ppeak / 2πn)
@@ -123,7 +126,8 @@ impl Limits {
         curve
     }
 
-    /// The torque curve from rest up to a speed, which ends it wherever it lies between two of its points.
+    /// The torque curve from rest up to a speed, which ends it wherever it lies between two of its
+    /// points.
     pub(crate) fn torque_up_to(&self, spin: Spin) -> Vec<(Spin, Torque)> {
         let below = self.torque.iter().copied().filter(|(speed, _)| *speed < spin);
         let last = self.torque_at(spin).map(|torque| (spin, torque));

@@ -1,5 +1,5 @@
-//! How a feature stands, for people: good, out of tolerance, not cut, not judged; each with a sign and a word of its
-//! own, so that none is told by its colour alone.
+//! How a feature stands, for people: good, out of tolerance, not cut, not judged; each with a sign
+//! and a word of its own, so that none is told by its colour alone.
 use verify::Feature;
 
 /// How a feature stands.
@@ -68,7 +68,8 @@ impl Standing {
         features.iter().filter(|feature| Self::of(feature) == self).count()
     }
 
-    /// How features stand that are not good, in words: "2 out of tolerance, 3 not cut"; nothing if all are good.
+    /// How features stand that are not good, in words: "2 out of tolerance, 3 not cut"; nothing if
+    /// all are good.
     pub fn counts(features: &[Feature]) -> Option<String> {
         let some = [Self::Bad, Self::NotCut, Self::NotJudged].map(|standing| {
             let name = if standing == Self::Bad { "out of tolerance" } else { standing.name() };

@@ -52,8 +52,9 @@ impl ThreadStop {
         self.stop.last().map_or(0.0, |at| self.off_um(*at))
     }
 
-    /// The damage index of a way back: the area between the stop's track and the way back, µm·rev. With e the distance
-    /// from the coupling it is |∮ e dθ| along the track and back: nothing, where the way back retraces the stop.
+    /// The damage index of a way back: the area between the stop's track and the way back, µm·rev.
+    /// With e the distance from the coupling it is |∮ e dθ| along the track and back: nothing,
+    /// where the way back retraces the stop.
     pub fn damage_um_rev(&self, way: &WayBack) -> f64 {
         let points = self.stop.iter().chain(&way.track).map(|at| (at.0.value(), self.off_um(*at)));
         let points: Vec<(f64, f64)> = points.collect();

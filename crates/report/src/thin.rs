@@ -8,8 +8,8 @@
 //!                     ` - _  |      Of the intersection a cone inside it is kept: constant room.
 //! ```
 //!
-//! (Williams, *An efficient algorithm for the piecewise linear approximation of planar curves*, 1978,
-//! with discs for sectors, so that it works in space.)
+//! (Williams, *An efficient algorithm for the piecewise linear approximation of planar curves*,
+//! 1978, with discs for sectors, so that it works in space.)
 
 /// Sees a line from its last kept point.
 #[derive(Clone, Debug, Default)]
@@ -35,8 +35,8 @@ impl Sieve {
         *self = Self { anchor, cone: None, reach: 0.0 };
     }
 
-    /// Whether the line from the anchor may go straight to this point. If not, the point before must be
-    /// kept and the sieve begun there.
+    /// Whether the line from the anchor may go straight to this point. If not, the point before
+    /// must be kept and the sieve begun there.
     pub(crate) fn passes(&mut self, at: [f64; 3], tolerance: f64) -> bool {
         let away = minus(at, self.anchor);
         let distance = length(away);

@@ -179,7 +179,8 @@ fn no_text_of_a_program_or_file_becomes_markup() {
     let scripts = document.descendants().filter(|n| n.has_tag_name("script")).count();
     assert_eq!(scripts, 1, "the page's own and no other");
     assert!(!document.descendants().any(|n| n.has_tag_name("img")));
-    // 1 title, verdict, key figures, alarms, notes, map, table, threads, time, path: all say it literally
+    // 1 title, verdict, key figures, alarms, notes, map, table, threads, time, path: all say it
+    // literally
     let said = words(&document).matches("<script>alert(1)</script>").count();
     assert!(said > 20, "{said}");
 }

@@ -1,6 +1,7 @@
 //! The folder of programs: nothing outside it is read or written, whatever a path says.
 //!
-//! A path is a few plain names with `/` between them. It is resolved, links too, and what it leads to must lie in the folder.
+//! A path is a few plain names with `/` between them. It is resolved, links too, and what it leads
+//! to must lie in the folder.
 use crate::wire::{FileBody, FolderBody};
 use control::operation::hosted::{RefusalData, RefusalKind};
 use std::io::Write as _;
@@ -94,7 +95,8 @@ impl Folder {
         })
     }
 
-    /// A path within it, whether or not there is a file: what an editor writes may not be saved yet.
+    /// A path within it, whether or not there is a file: what an editor writes may not be saved
+    /// yet.
     pub(crate) fn place(&self, path: &str) -> Option<PathBuf> {
         self.find(path).ok().or_else(|| {
             let full = self.root.join(plain(path).ok()?);

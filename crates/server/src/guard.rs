@@ -1,9 +1,9 @@
-//! What is looked at before any handler: by which name the server is called, from which page, by whom; and what every answer
-//! says to a browser.
+//! What is looked at before any handler: by which name the server is called, from which page, by
+//! whom; and what every answer says to a browser.
 //!
-//! A page of another site can make a browser send requests to 127.0.0.1, and a name of that site can be made to lead there
-//! (DNS rebinding). So the `Host` must be a name of this server, and an `Origin`, which every browser sends with what changes
-//! something, must be the same.
+//! A page of another site can make a browser send requests to 127.0.0.1, and a name of that site
+//! can be made to lead there (DNS rebinding). So the `Host` must be a name of this server, and an
+//! `Origin`, which every browser sends with what changes something, must be the same.
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::rights::{Denied, Role};
@@ -20,8 +20,9 @@ pub(crate) const SESSION: &str = "x-leadscrew-session";
 /// The session of clients on this computer that do not say who they are.
 const LOCAL: &str = "local";
 
-/// What a browser may load for the page: nothing from elsewhere, no script and no style that is not a file of ours.
-/// What the page sets of styles by script goes through the CSSOM, which the policy does not concern.
+/// What a browser may load for the page: nothing from elsewhere, no script and no style that is not
+/// a file of ours. What the page sets of styles by script goes through the CSSOM, which the policy
+/// does not concern.
 const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self'; \
     img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; object-src 'none'; \
     base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
@@ -132,7 +133,8 @@ fn identify(app: &App, headers: &HeaderMap, address: Option<&str>) -> Result<Who
     Ok(Who { session })
 }
 
-/// Who only reads what is observed of the machine needs a token where there are some, and opens no session; for how long it lasts.
+/// Who only reads what is observed of the machine needs a token where there are some, and opens no
+/// session; for how long it lasts.
 pub(crate) fn may_watch(app: &App, headers: &HeaderMap) -> Result<Option<Duration>, NoToken> {
     let Some(tokens) = &app.tokens else { return Ok(None) };
     let bearer = text(headers, header::AUTHORIZATION.as_str());

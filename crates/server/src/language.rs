@@ -1,11 +1,13 @@
-//! The language server for an editor of the page: LSP over a WebSocket, a JSON-RPC message in each text frame.
+//! The language server for an editor of the page: LSP over a WebSocket, a JSON-RPC message in each
+//! text frame.
 //!
 //! ```text
 //!   socket ──► bounded queue ──► thread "lsp": lsp::serve ──► bounded queue ──► thread "lsp-out" ──► socket
 //! ```
 //!
-//! Programs are named `program:/folder/name.ngc`, by their path in the folder of programs; nothing outside it is read. A message
-//! that does not find room in time ends the conversation: the editor begins a new one.
+//! Programs are named `program:/folder/name.ngc`, by their path in the folder of programs; nothing
+//! outside it is read. A message that does not find room in time ends the conversation: the editor
+//! begins a new one.
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::folder::LARGEST_PROGRAM;
@@ -66,7 +68,8 @@ pub(crate) async fn open(
     })
 }
 
-/// The language server in a thread of its own, and one that waits for what it says; `None`: there are no threads.
+/// The language server in a thread of its own, and one that waits for what it says; `None`: there
+/// are no threads.
 fn start(app: Arc<App>) -> Option<(Sender<lsp_server::Message>, mpsc::Receiver<String>)> {
     let (to_server, heard) = bounded(MOST_WAITING);
     let (said, from_server) = bounded(MOST_WAITING);

@@ -1,7 +1,7 @@
 //! Addresses, connections and their limits.
 //!
-//! A connection has to send its header in time and to take what it has asked for, or it is closed; there are so many at
-//! once, and one more is answered 503.
+//! A connection has to send its header in time and to take what it has asked for, or it is closed;
+//! there are so many at once, and one more is answered 503.
 use crate::app::{App, Watching};
 use crate::folder::Folder;
 use crate::metrics::{self, Metering};
@@ -69,7 +69,8 @@ pub struct ServerOptions {
     pub names: Vec<String>,
     /// How many runs are kept in the state folder.
     pub kept_runs: KeptRuns,
-    /// An `MTConnect` agent answers below `/mtconnect`, which keeps so many observations; `None`: there is none.
+    /// An `MTConnect` agent answers below `/mtconnect`, which keeps so many observations; `None`:
+    /// there is none.
     pub mtconnect: Option<usize>,
     /// What it observes is published to an MQTT broker; takes `mtconnect`.
     pub publish: Option<PublishOptions>,

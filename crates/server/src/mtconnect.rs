@@ -8,8 +8,9 @@
 //!   schemas/…                        the schema of what is ours
 //! ```
 //!
-//! A device may stand before the request: `/mtconnect/tapping-center/current`. Nothing is kept for a client that streams but the
-//! number of its next observation: one that reads too slowly is told that it is out of range, and its stream ends.
+//! A device may stand before the request: `/mtconnect/tapping-center/current`. Nothing is kept for
+//! a client that streams but the number of its next observation: one that reads too slowly is told
+//! that it is out of range, and its stream ends.
 use crate::app::App;
 use crate::guard;
 use crate::tokens::{NoToken, hex};
@@ -70,7 +71,8 @@ impl Monitoring {
     }
 }
 
-/// The same for this computer and this machine each time: by the id that its system was installed with.
+/// The same for this computer and this machine each time: by the id that its system was installed
+/// with.
 fn uuid(machine: &str) -> String {
     let system = std::fs::read_to_string("/etc/machine-id").unwrap_or_default();
     let digest = hex(&Sha256::digest(format!("{}\n{machine}", system.trim())));

@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 
 /// Sessions that there may be.
 const MOST_SESSIONS: usize = 64;
-/// The right is handed over to the session that asks for it after so long without an answer, and is free again when its
-/// holder has been gone for so long.
+/// The right is handed over to the session that asks for it after so long without an answer, and is
+/// free again when its holder has been gone for so long.
 pub(crate) const HANDS_OVER: Duration = Duration::from_secs(10);
 /// A session that has been gone for so long is forgotten.
 const FORGOTTEN: Duration = Duration::from_hours(1);

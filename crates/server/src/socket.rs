@@ -1,7 +1,7 @@
 //! WebSocket: a whole status, then what changes; events and features; requests and their answers.
 //!
-//! A client that does not read is not waited for: while a frame of it is on its way no other one is made, the next delta is
-//! against what it had last, and after [`SENT`] it is gone.
+//! A client that does not read is not waited for: while a frame of it is on its way no other one is
+//! made, the next delta is against what it had last, and after [`SENT`] it is gone.
 use crate::answer::ApiError;
 use crate::app::{App, Fields};
 use crate::guard::Who;

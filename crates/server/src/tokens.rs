@@ -108,7 +108,8 @@ impl Tokens {
         Ok(Self { tokens: file.token })
     }
 
-    /// Add a token to a file, which is made if it is not there; one of that name that has expired gives way.
+    /// Add a token to a file, which is made if it is not there; one of that name that has expired
+    /// gives way.
     ///
     /// # Errors
     /// The file is none, or cannot be written.

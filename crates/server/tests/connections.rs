@@ -1,4 +1,5 @@
-//! Many connections at once, in a process of its own, so that its memory is that of this server and its clients.
+//! Many connections at once, in a process of its own, so that its memory is that of this server and
+//! its clients.
 #![cfg(target_os = "linux")]
 
 use crate::common::Served;

@@ -1,4 +1,5 @@
-//! What a client sends that means harm, or is broken: refused or harmless; nothing moves, and others are served on.
+//! What a client sends that means harm, or is broken: refused or harmless; nothing moves, and
+//! others are served on.
 
 use crate::common::{Served, machine};
 use serde_json::json;
@@ -208,7 +209,8 @@ fn who_has_a_token_that_has_expired_is_told_so_and_moves_nothing() {
     assert_eq!(machine(&seen(), "X"), before);
 }
 
-/// A jog is renewed by who holds its lease alone: what was sent before, and is sent again by another one, moves nothing.
+/// A jog is renewed by who holds its lease alone: what was sent before, and is sent again by
+/// another one, moves nothing.
 #[test]
 fn a_jog_that_is_replayed_by_a_session_that_does_not_command_moves_nothing() {
     let served = Served::at_pace(1.0);
@@ -228,7 +230,8 @@ fn a_jog_that_is_replayed_by_a_session_that_does_not_command_moves_nothing() {
     let start = machine(&served.status(), "X");
     assert_eq!(post(&desk, jog), 200);
     served.until("it moves", |status| (machine(status, "X") - start).abs() > 0.1);
-    // the lease is not renewed by its owner any more: the others' renewals are refused, and the axis stops
+    // the lease is not renewed by its owner any more: the others' renewals are refused, and the
+    // axis stops
     let stop = served.until("it rests", |status| {
         assert_eq!(post(&other, jog), 409);
         assert_eq!(post("0123456789abcdef0123456789abcdef", jog), 401);

@@ -1,4 +1,5 @@
-//! Who tries to get out of the folders, to keep the server busy, or to pass for a page of ours: refused, and nothing moves.
+//! Who tries to get out of the folders, to keep the server busy, or to pass for a page of ours:
+//! refused, and nothing moves.
 
 use crate::common::{How, Served};
 use serde_json::json;
@@ -179,8 +180,9 @@ fn broken_off(served: &Served, path: &str, headers: &[(&str, &str)]) -> String {
     String::from_utf8_lossy(&answer).into_owned()
 }
 
-/// Headers, bodies and frames that come a byte now and then, and answers that are never read: each is given up after its
-/// time, and all the while others are answered and a machine that is led is led on.
+/// Headers, bodies and frames that come a byte now and then, and answers that are never read: each
+/// is given up after its time, and all the while others are answered and a machine that is led is
+/// led on.
 #[test]
 fn slow_clients_are_given_up_and_hold_up_no_other() {
     let served = Served::at_pace(1.0);

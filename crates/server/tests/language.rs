@@ -1,4 +1,5 @@
-//! The language server over a socket: what an editor of the page is told of a program, on this machine and with its tools.
+//! The language server over a socket: what an editor of the page is told of a program, on this
+//! machine and with its tools.
 
 use crate::common::{Served, Socket};
 use serde_json::{Value, json};

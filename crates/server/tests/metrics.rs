@@ -1,4 +1,5 @@
-//! What Prometheus may rely on: a real server, a machine that is simulated, and a lint of what is served.
+//! What Prometheus may rely on: a real server, a machine that is simulated, and a lint of what is
+//! served.
 
 use crate::common::{How, Served};
 use control::RealTimeOptions;

@@ -1,4 +1,5 @@
-//! What an MQTT broker gets: a real server, and a broker that breaks off where the test wants it to.
+//! What an MQTT broker gets: a real server, and a broker that breaks off where the test wants it
+//! to.
 
 use crate::common::{How, Served};
 use serde_json::{Value, json};
@@ -33,11 +34,13 @@ struct Published {
 struct Heard {
     connects: Vec<Vec<u8>>,
     published: Vec<Published>,
-    /// Kinds of packets that a broker gets of one that publishes alone: CONNECT, PUBLISH, PINGREQ, DISCONNECT. These are others.
+    /// Kinds of packets that a broker gets of one that publishes alone: CONNECT, PUBLISH, PINGREQ,
+    /// DISCONNECT. These are others.
     others: Vec<u8>,
 }
 
-/// A broker that conducts itself so, connection after connection; the last conduct is that of all others.
+/// A broker that conducts itself so, connection after connection; the last conduct is that of all
+/// others.
 fn broker(conducts: Vec<Conduct>) -> (BrokerAddress, Arc<Mutex<Heard>>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
@@ -245,7 +248,8 @@ fn a_last_will_and_a_login_are_in_the_first_packet() {
     served.until("what it observed", |_| metric(&served, "observations_published_total") > 0);
     let heard = heard.lock().unwrap();
     let connect = &heard.connects[0];
-    // MQTT 5, 3.1.2: protocol name and version, flags: user, password, will kept with QoS 1, clean start
+    // MQTT 5, 3.1.2: protocol name and version, flags: user, password, will kept with QoS 1, clean
+    // start
     assert_eq!(connect[..8], [0, 4, b'M', b'Q', b'T', b'T', 5, 0b1110_1110]);
     let text = String::from_utf8_lossy(connect);
     for part in ["/Availability", "UNAVAILABLE", "mill-7", "open sesame"] {

@@ -34,7 +34,8 @@ fn code(document: &str) -> String {
     error.attribute("errorCode").unwrap().to_owned()
 }
 
-/// Everything that is kept, observation after observation: sequence numbers and ids of data items with their values.
+/// Everything that is kept, observation after observation: sequence numbers and ids of data items
+/// with their values.
 fn all(served: &Served) -> Vec<(u64, String, String)> {
     let (mut found, mut from) = (Vec::new(), 1);
     loop {

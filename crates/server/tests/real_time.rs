@@ -1,4 +1,5 @@
-//! A control that is served while a servo thread of its own keeps the time: led and seen as any other.
+//! A control that is served while a servo thread of its own keeps the time: led and seen as any
+//! other.
 #![allow(clippy::unwrap_used)] // a test may panic
 mod common;
 

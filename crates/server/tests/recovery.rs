@@ -1,4 +1,5 @@
-//! A control that is cut off from its machine in a tap, and what the next one knows of it: over HTTP, as a page has it.
+//! A control that is cut off from its machine in a tap, and what the next one knows of it: over
+//! HTTP, as a page has it.
 
 use crate::common::Served;
 use leadscrew::simulator::{SimulatorOptions, SimulatorProcess, order};

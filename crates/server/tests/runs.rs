@@ -71,8 +71,8 @@ fn a_program_that_was_executed_is_found_with_report_certificate_and_trace() {
     assert!(answer["reason"].as_str().unwrap().contains("z_control_setpoint_mm"), "{answer}");
 }
 
-/// The header of an answer, and its status.
-/// A program's record is of this program alone, whatever the one before it has left on the workpiece.
+/// The header of an answer, and its status. A program's record is of this program alone, whatever
+/// the one before it has left on the workpiece.
 #[test]
 fn each_program_that_is_kept_has_its_own_features_and_its_own_verdict() {
     let state = tempfile::tempdir().unwrap();
@@ -207,7 +207,8 @@ fn ready(state: &Path) -> Served {
     served
 }
 
-/// A device that takes nothing stands where the report is to be written: the same error as that of a full disk.
+/// A device that takes nothing stands where the report is to be written: the same error as that of
+/// a full disk.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_run_for_which_the_disk_has_no_space_is_said_and_the_next_one_is_kept() {

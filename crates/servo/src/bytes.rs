@@ -1,7 +1,8 @@
 //! Values as bytes, and back, without taking memory.
 //!
-//! The bytes are postcard's: integers as short as they are, numbers as their eight bytes. Nothing in them says what they are: both
-//! ends are built from the same source, which the layout's version ensures.
+//! The bytes are postcard's: integers as short as they are, numbers as their eight bytes. Nothing
+//! in them says what they are: both ends are built from the same source, which the layout's version
+//! ensures.
 use core::fmt;
 use postcard::de_flavors::Flavor;
 use serde::{Deserialize, Serialize};
@@ -18,7 +19,8 @@ impl fmt::Display for Unreadable {
 
 impl std::error::Error for Unreadable {}
 
-/// The value as bytes at the buffer's start; how many. `None`: the buffer is too short, or the value does not go to another process.
+/// The value as bytes at the buffer's start; how many. `None`: the buffer is too short, or the
+/// value does not go to another process.
 pub fn encode<T: Serialize>(value: &T, into: &mut [u8]) -> Option<usize> {
     postcard::to_slice(value, into).ok().map(|used| used.len())
 }
@@ -34,7 +36,8 @@ pub fn decode<'de, T: Deserialize<'de>>(bytes: &'de [u8]) -> Result<T, Unreadabl
     if left.is_empty() { Ok(value) } else { Err(Unreadable) }
 }
 
-/// Bytes of which every eight that are taken at once are a number: no message has texts or bytes in it.
+/// Bytes of which every eight that are taken at once are a number: no message has texts or bytes in
+/// it.
 struct Numbers<'de> {
     left: &'de [u8],
 }

@@ -1,7 +1,8 @@
-//! Whether a step or a request that came out of bytes can be meant: what it names is there, its counts fit its arrays.
+//! Whether a step or a request that came out of bytes can be meant: what it names is there, its
+//! counts fit its arrays.
 //!
-//! Whether it may be *done* is no matter of this: the kernel watches setpoints, travel, references and speeds itself, whatever was
-//! planned.
+//! Whether it may be *done* is no matter of this: the kernel watches setpoints, travel, references
+//! and speeds itself, whatever was planned.
 use bus::SPINDLES;
 use core::fmt;
 use kernel::Request;

@@ -1,4 +1,5 @@
-//! What a servo thread does between its rings and the kernel, in whichever process it runs; and what crosses those rings, as bytes.
+//! What a servo thread does between its rings and the kernel, in whichever process it runs; and
+//! what crosses those rings, as bytes.
 //!
 //! ```text
 //!   control                                        servo thread, a turn per servo period
@@ -9,10 +10,12 @@
 //!     services  ◄── Said: events, answers, … ──
 //! ```
 //!
-//! [`Seat`] is the right-hand side over rings of any kind ([`Rings`]): within a process they hold the values themselves, between two
-//! processes bytes in shared memory. [`encode`] and [`decode`] make these bytes, without taking memory. What comes out of bytes is
-//! believed to be of its type and nothing more: [`decode`] refuses numbers that are none, lengths beyond all bounds and what follows
-//! the end; [`check_step`] and [`check_request`] refuse what names a spindle or an axis that no machine has.
+//! [`Seat`] is the right-hand side over rings of any kind ([`Rings`]): within a process they hold
+//! the values themselves, between two processes bytes in shared memory. [`encode`] and [`decode`]
+//! make these bytes, without taking memory. What comes out of bytes is believed to be of its type
+//! and nothing more: [`decode`] refuses numbers that are none, lengths beyond all bounds and what
+//! follows the end; [`check_step`] and [`check_request`] refuse what names a spindle or an axis
+//! that no machine has.
 mod bytes;
 mod check;
 mod message;

@@ -11,7 +11,8 @@ pub struct Record {
     pub number: u64,
     /// What was heard and commanded.
     pub sample: Sample,
-    /// What the machine has answered to that; with drives that answer a period later, what it said last.
+    /// What the machine has answered to that; with drives that answer a period later, what it said
+    /// last.
     pub heard: Feedback,
     /// The kernel after it.
     pub picture: Picture,
@@ -50,8 +51,8 @@ pub struct SetUp {
     pub config: kernel::Config,
     /// A control that shows no sign of life for so long is gone.
     pub silent_after: Time,
-    /// Drives that close their own position loop obey so much later than they are told, by axis: they are told where the axis shall
-    /// be by then.
+    /// Drives that close their own position loop obey so much later than they are told, by axis:
+    /// they are told where the axis shall be by then.
     pub obeys_after: [Time; bus::AXES],
     /// The same by spindle, of those whose drives are told an angle.
     pub spindles_obey_after: [Time; bus::SPINDLES],

@@ -1,4 +1,5 @@
-//! Steps, requests and records as bytes: what goes in comes out, and what is none of them is refused.
+//! Steps, requests and records as bytes: what goes in comes out, and what is none of them is
+//! refused.
 #![allow(clippy::unwrap_used)] // a test may panic
 use bus::{SPINDLES, Sample};
 use kernel::Request;
@@ -174,7 +175,8 @@ fn what_no_machine_has_is_refused_with_its_number() {
     );
 }
 
-/// Requests and replies that carry nothing: their number alone says which they are, on both sides the same.
+/// Requests and replies that carry nothing: their number alone says which they are, on both sides
+/// the same.
 #[test]
 fn every_request_and_reply_comes_out_as_it_went_in() {
     use kernel::Reply;

@@ -215,7 +215,8 @@ impl ControlSide {
     }
 }
 
-/// The next message of this session that can be read: what cannot is lost, as if there had been no room for it.
+/// The next message of this session that can be read: what cannot is lost, as if there had been no
+/// room for it.
 fn next<T: for<'de> serde::Deserialize<'de>>(
     ring: &mut RingReader,
     session: u32,

@@ -5,8 +5,8 @@
 //!   rings    set-ups, verdicts │ requests, replies │ steps │ said, records
 //! ```
 //!
-//! A *session* is one control that leads the servo thread, from its set-up to its end. Messages carry its number: what a control
-//! before has left in a ring is not taken for this one's.
+//! A *session* is one control that leads the servo thread, from its set-up to its end. Messages
+//! carry its number: what a control before has left in a ring is not taken for this one's.
 use crate::ring::{Place, WORD};
 
 /// First word: `LEADSCRW`.
@@ -36,14 +36,15 @@ pub(crate) mod head {
     pub(crate) const SESSION: usize = 16;
     /// The engagement that the next three words are of; the servo thread writes them.
     pub(crate) const KEPT_OF: usize = 17;
-    /// How the spindle turned last while an axis was tied to it: 1 with growing angle, 2 with falling, 0 not yet.
+    /// How the spindle turned last while an axis was tied to it: 1 with growing angle, 2 with
+    /// falling, 0 not yet.
     pub(crate) const SENSE: usize = 18;
     /// How the drives came to rest without a control.
     pub(crate) const STOP: usize = 19;
     /// How far the axis was from its coupling at most, mm, as bits of a double.
     pub(crate) const ERROR_SINCE: usize = 20;
-    /// The control's sign of life: its session, and a count in the lower half. One that asks for a session shows signs of life, too:
-    /// they are none of a control before it.
+    /// The control's sign of life: its session, and a count in the lower half. One that asks for a
+    /// session shows signs of life, too: they are none of a control before it.
     pub(crate) const ALIVE: usize = 24;
     /// The session that its control has ended.
     pub(crate) const ENDED: usize = 25;
@@ -53,7 +54,8 @@ pub(crate) mod head {
     pub(crate) const ENGAGEMENT: usize = 27;
     /// The tool that is in the work.
     pub(crate) const ENGAGED: usize = 28;
-    /// How far the axis was from its coupling at most by the control's account, mm, as bits of a double.
+    /// How far the axis was from its coupling at most by the control's account, mm, as bits of a
+    /// double.
     pub(crate) const ERROR_BEFORE: usize = 29;
     /// Words.
     pub(crate) const SIZE: usize = 32;
@@ -61,7 +63,8 @@ pub(crate) mod head {
 
 /// Steps that may wait in the rings of the control's process …
 pub const STEPS_BEFORE: usize = 1024;
-/// … and here in the usual course; all of the former fit in beside these when a request needs them here.
+/// … and here in the usual course; all of the former fit in beside these when a request needs them
+/// here.
 pub const STEPS_USUAL: usize = 256;
 
 const fn after(place: Place, slots: usize, words: usize) -> Place {
@@ -103,8 +106,8 @@ pub(crate) fn build() -> u64 {
     sum
 }
 
-/// The name of the shared memory of a component. A HAL session ends at its IPC namespace, and so does the memory: another session on
-/// this computer has another component of the same name.
+/// The name of the shared memory of a component. A HAL session ends at its IPC namespace, and so
+/// does the memory: another session on this computer has another component of the same name.
 pub fn memory_name(of: &str) -> String {
     let session = std::fs::read_link("/proc/self/ns/ipc").ok();
     let inode = session.as_deref().and_then(std::path::Path::to_str).and_then(|link| {

@@ -7,8 +7,9 @@
 //!                    ◄──────── replies, said, records  ◄───────────────
 //! ```
 //!
-//! Neither side trusts what it reads ([`mapping`](Mapping): nothing but atomic words; [`ring`](RingReader): counts and lengths that
-//! cannot be are damage; [`servo::decode`]: nothing but what can be). A side that ends, however it ends, leaves the other one running.
+//! Neither side trusts what it reads ([`mapping`](Mapping): nothing but atomic words;
+//! [`ring`](RingReader): counts and lengths that cannot be are damage; [`servo::decode`]: nothing
+//! but what can be). A side that ends, however it ends, leaves the other one running.
 mod control_side;
 mod layout;
 mod mapping;

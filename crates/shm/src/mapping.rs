@@ -1,7 +1,8 @@
 //! Memory that two processes share: words that each may read and write at any time.
 //!
-//! The other process is not trusted, and may write anything at any moment. So nothing but atomic words is ever read from here: a
-//! word is a whole number whatever was written, and a copy of some words cannot be undefined, only senseless.
+//! The other process is not trusted, and may write anything at any moment. So nothing but atomic
+//! words is ever read from here: a word is a whole number whatever was written, and a copy of some
+//! words cannot be undefined, only senseless.
 use rustix::fs::{FlockOperation, Mode, flock, fstat, ftruncate};
 use rustix::io::Errno;
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
@@ -21,7 +22,8 @@ pub struct Mapping {
     made: Option<String>,
 }
 
-// SAFETY: the memory is mapped until the value is dropped, whichever thread that is in, and is only ever used as atomic words.
+// SAFETY: the memory is mapped until the value is dropped, whichever thread that is in, and is only
+// ever used as atomic words.
 #[allow(unsafe_code)]
 unsafe impl Send for Mapping {}
 // SAFETY: as above; what is shared are atomics.
@@ -35,7 +37,8 @@ impl fmt::Debug for Mapping {
 }
 
 impl Mapping {
-    /// New memory of this name, of zeros, for this user alone; what has had the name before goes on without it.
+    /// New memory of this name, of zeros, for this user alone; what has had the name before goes on
+    /// without it.
     ///
     /// # Errors
     /// The operating system's.
@@ -58,7 +61,8 @@ impl Mapping {
         Ok(mapping)
     }
 
-    /// The memory of this name, for this process alone beside the one that made it; `None`: it is not of that many words.
+    /// The memory of this name, for this process alone beside the one that made it; `None`: it is
+    /// not of that many words.
     ///
     /// # Errors
     /// The operating system's; [`Errno::WOULDBLOCK`]: another process has it.
@@ -83,9 +87,9 @@ impl Mapping {
     /// All of them.
     #[allow(unsafe_code)]
     pub fn words(&self) -> &[AtomicU64] {
-        // SAFETY: `count` words are mapped for reading and writing from there on (the file was made as long, or found as long), at
-        // the start of a page, as long as `self` lives; any bits are a valid word; other processes write them at any time, which
-        // atomics may be.
+        // SAFETY: `count` words are mapped for reading and writing from there on (the file was made
+        // as long, or found as long), at the start of a page, as long as `self` lives; any bits are
+        // a valid word; other processes write them at any time, which atomics may be.
         unsafe { std::slice::from_raw_parts(self.words.as_ptr(), self.count) }
     }
 }
@@ -93,7 +97,8 @@ impl Mapping {
 impl Drop for Mapping {
     #[allow(unsafe_code)]
     fn drop(&mut self) {
-        // SAFETY: mapped by `map`, so long, and nothing refers to it any more: `words` borrows `self`.
+        // SAFETY: mapped by `map`, so long, and nothing refers to it any more: `words` borrows
+        // `self`.
         let _ = unsafe { munmap(self.words.as_ptr().cast(), self.count * size_of::<AtomicU64>()) };
         if let Some(name) = &self.made {
             let _ = unlink(name.as_str()); // another one may have taken the name

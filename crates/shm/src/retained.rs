@@ -1,4 +1,5 @@
-//! What the component keeps of a tool in the work, whatever becomes of the control and of its files: a few words of the shared memory.
+//! What the component keeps of a tool in the work, whatever becomes of the control and of its
+//! files: a few words of the shared memory.
 //!
 //! ```text
 //!   control    engagement: number, tool ───────────► kept ◄── sense, sync error, stop   the servo thread, each period
@@ -6,7 +7,8 @@
 //!   control dies, another one finds the component ─────┴───► number and tool, and how the drives came to rest
 //! ```
 //!
-//! It lasts as long as the component is loaded. Each word is whole whatever is written there; what cannot be is read as nothing.
+//! It lasts as long as the component is loaded. Each word is whole whatever is written there; what
+//! cannot be is read as nothing.
 use crate::layout::head;
 use crate::mapping::Mapping;
 use std::sync::Arc;
@@ -58,7 +60,8 @@ pub struct RetainedState {
     pub last: u64,
     /// The tool that is in the work now.
     pub in_work: Option<ToolInWork>,
-    /// How the spindle turned last while an axis was tied to it: with growing angle; `None`: not yet.
+    /// How the spindle turned last while an axis was tied to it: with growing angle; `None`: not
+    /// yet.
     pub is_positive: Option<bool>,
     /// How the drives came to rest.
     pub stop: RunDownKind,
@@ -107,8 +110,8 @@ impl RetainedMemory {
         }
     }
 
-    /// This tool is in the work as engagement `number`; `None`: none is. Where the control dies between two of these words, the tool
-    /// has not gone in yet: it goes in when this is written.
+    /// This tool is in the work as engagement `number`; `None`: none is. Where the control dies
+    /// between two of these words, the tool has not gone in yet: it goes in when this is written.
     pub fn engage(&self, engagement: Option<(u64, ToolInWork)>) {
         let Some((number, tool)) = engagement else {
             return self.word(head::ENGAGED).store(0, Release);

@@ -1,12 +1,14 @@
-//! A ring of messages in shared memory: one writer, one reader, neither waits, neither trusts the other.
+//! A ring of messages in shared memory: one writer, one reader, neither waits, neither trusts the
+//! other.
 //!
 //! ```text
 //!   word 0          8        16
 //!   │ written … │ taken … │ slot │ slot │ …          slot: session and length of the message, then its bytes
 //! ```
 //!
-//! Each end keeps its own count and only *reads* the other's. A count that cannot be, or a length beyond the slot, is damage: it is
-//! reported, and the reader goes on after everything that was written.
+//! Each end keeps its own count and only *reads* the other's. A count that cannot be, or a length
+//! beyond the slot, is damage: it is reported, and the reader goes on after everything that was
+//! written.
 use crate::mapping::Mapping;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
@@ -126,7 +128,8 @@ impl RingReader {
         self.memory.words()[self.place.at + TAKEN].store(taken, Release);
     }
 
-    /// Messages that wait; a writer that claims what cannot be has written one, so that taking it finds the damage.
+    /// Messages that wait; a writer that claims what cannot be has written one, so that taking it
+    /// finds the damage.
     pub fn waiting(&self) -> usize {
         let waiting = self.written().wrapping_sub(self.taken);
         if waiting > self.place.slots as u64 { 1 } else { waiting as usize }

@@ -1,5 +1,5 @@
-//! The servo thread's side: what the component reads and writes. Between [`ServoSide::new`] and its drop nothing here takes memory,
-//! a lock or a system call.
+//! The servo thread's side: what the component reads and writes. Between [`ServoSide::new`] and its
+//! drop nothing here takes memory, a lock or a system call.
 use crate::layout::{self, LONGEST_RECORD, LONGEST_STEP, head};
 use crate::mapping::Mapping;
 use crate::retained::{self, TiedPeriod};
@@ -32,7 +32,8 @@ pub fn make(name: &str, axes: u16, spindles: u8) -> Result<Made, Errno> {
     Ok(Made(Arc::new(memory)))
 }
 
-/// What asks for a session: read beside the servo thread, because a kernel takes memory when it is made.
+/// What asks for a session: read beside the servo thread, because a kernel takes memory when it is
+/// made.
 #[derive(Debug)]
 pub struct SetUps {
     asked: RingReader,
@@ -133,8 +134,8 @@ impl ServoSide {
         self.is_damaged
     }
 
-    /// For how long the control has shown no sign of life by this time of a clock, ns. Not by a count of periods: a servo thread that
-    /// was held up runs many at once.
+    /// For how long the control has shown no sign of life by this time of a clock, ns. Not by a
+    /// count of periods: a servo thread that was held up runs many at once.
     pub fn silence(&mut self, now_ns: i64) -> i64 {
         let alive = self.word(head::ALIVE).load(Acquire);
         let is_of_this = (alive >> 32) as u32 == self.session;

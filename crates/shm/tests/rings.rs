@@ -94,7 +94,8 @@ proptest! {
         }
     }
 
-    /// Whatever the other side writes anywhere at any time: taking answers, and what it answers is no longer than asked for.
+    /// Whatever the other side writes anywhere at any time: taking answers, and what it answers is
+    /// no longer than asked for.
     #[test]
     fn memory_that_is_written_at_random_is_read_without_harm(words in proptest::collection::vec((0..WORDS, any::<u64>()), 0..60)) {
         let (made, found) = two("random");

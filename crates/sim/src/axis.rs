@@ -19,14 +19,17 @@
 //! | Fm, Fk, Ff, F | motor, spring, friction, process and weight | N |
 //! | h | physics step | s |
 //!
-//! Beside its play and its spring the screw has errors of its lead, and the encoders of their own ([`crate::plant`]).
+//! Beside its play and its spring the screw has errors of its lead, and the encoders of their own
+//! ([`crate::plant`]).
 //!
-//! Each step drifts half a step, kicks once, drifts half a step (position Verlet): exact under constant
-//! force, second order and free of numerical damping on the spring, one evaluation of the forces.
+//! Each step drifts half a step, kicks once, drifts half a step (position Verlet): exact under
+//! constant force, second order and free of numerical damping on the spring, one evaluation of the
+//! forces.
 //!
-//! A drive that is off gives no force. Where there is a brake it then clamps the motor at once if it hardly moved, else when
-//! it has stood for [`BRAKE_STANDS_S`], not where it merely turns about: a holding brake is no working brake. One that falls, or has run down for [`BRAKE_LATEST_S`], is clamped all the same.
-//! Elsewhere the guideway's own friction holds the axis.
+//! A drive that is off gives no force. Where there is a brake it then clamps the motor at once if
+//! it hardly moved, else when it has stood for [`BRAKE_STANDS_S`], not where it merely turns about:
+//! a holding brake is no working brake. One that falls, or has run down for [`BRAKE_LATEST_S`], is
+//! clamped all the same. Elsewhere the guideway's own friction holds the axis.
 //!
 //! Source: the two-mass model is that of any text on feed drives, e.g. Altintas, *Manufacturing
 //! Automation*, 2nd ed. 2012, ch. 5; friction as in [`crate::Lugre`].
@@ -41,12 +44,15 @@ use units::{Coordinate, Force, Inertia, Mass, Stiffness, Time, Torque};
 /// Standard gravity, m/s² (CGPM 1901).
 pub(crate) const GRAVITY: f64 = 9.806_65;
 
-/// Slower than this for so long a motor stands, for its brake, m/s and s (estimate: a drive's standstill monitor).
+/// Slower than this for so long a motor stands, for its brake, m/s and s (estimate: a drive's
+/// standstill monitor).
 const BRAKE_STANDS: f64 = 0.5e-3;
 const BRAKE_STANDS_S: f64 = 0.01;
-/// What runs no faster when it is switched off is caught at once, m/s (estimate: what does a holding brake no harm).
+/// What runs no faster when it is switched off is caught at once, m/s (estimate: what does a
+/// holding brake no harm).
 const BRAKE_CATCHES: f64 = 5e-3;
-/// A motor that runs downwards faster by this than when it was switched off falls, m/s (estimate: 20 ms in which a brake closes).
+/// A motor that runs downwards faster by this than when it was switched off falls, m/s (estimate:
+/// 20 ms in which a brake closes).
 const BRAKE_FALLS: f64 = 0.02;
 /// A brake closes after this time at the latest, s (estimate: supervision of the drive).
 const BRAKE_LATEST_S: f64 = 3.0;
@@ -72,8 +78,8 @@ pub struct AxisModel {
     pub backlash: Coordinate,
     /// Friction of the guideway.
     pub friction: Lugre,
-    /// Share of the table's weight that pulls it towards minus: 0 for a level or a counterbalanced axis, 1
-    /// for a bare vertical one.
+    /// Share of the table's weight that pulls it towards minus: 0 for a level or a counterbalanced
+    /// axis, 1 for a bare vertical one.
     pub weight_share: f64,
     /// A brake clamps the motor while the drive is off.
     pub brake: bool,

@@ -7,8 +7,8 @@
 //!                                 └────┘ another order: begins anew
 //! ```
 //!
-//! A tool that the magazine lacks never arrives: `Feedback::tool` stays `None`, as on a machine whose changer
-//! searches in vain.
+//! A tool that the magazine lacks never arrives: `Feedback::tool` stays `None`, as on a machine
+//! whose changer searches in vain.
 use units::Time;
 
 /// What the changer is at.

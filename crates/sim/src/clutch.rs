@@ -1,4 +1,5 @@
-//! A clutch holder: splines that drive only while the tap is not pulled out too far, and a pawl for the way back.
+//! A clutch holder: splines that drive only while the tap is not pulled out too far, and a pawl for
+//! the way back.
 //!
 //! ```text
 //!            │ arbor   │                    s: how far the tap has been pulled out of its home, against the spring
@@ -21,10 +22,10 @@
 //! | β | spindle angle until the pawl drives, counted from the reversal | rev |
 //! | H | lead of the tap | mm/rev |
 //!
-//! The splines part *within* a physics step: of that step the tap turns only the share that brings s to D, so the
-//! depth does not depend on the step. The spring, the home stop's cushion and the stop beyond the splines are the
-//! axial springs of [`crate::seat`]. Neglected: the friction of the splines, the torque that lifts the pawl, and
-//! that splines mesh at whole teeth only.
+//! The splines part *within* a physics step: of that step the tap turns only the share that brings
+//! s to D, so the depth does not depend on the step. The spring, the home stop's cushion and the
+//! stop beyond the splines are the axial springs of [`crate::seat`]. Neglected: the friction of the
+//! splines, the torque that lifts the pawl, and that splines mesh at whole teeth only.
 //!
 //! Source: JPS6020134B2, figures 2 and 4.
 use crate::Clutch;
@@ -59,8 +60,9 @@ impl Coupling {
         }
     }
 
-    /// Where the tap stands after the spindle has turned by `turned`, from `angle`, both in rev, and whether it was
-    /// driven. `slide` says how far out a tap at an angle is, mm; it grows by `per_rev` with each turn inwards.
+    /// Where the tap stands after the spindle has turned by `turned`, from `angle`, both in rev,
+    /// and whether it was driven. `slide` says how far out a tap at an angle is, mm; it grows by
+    /// `per_rev` with each turn inwards.
     pub(crate) fn follow(
         &mut self,
         angle: f64,
@@ -239,7 +241,8 @@ mod tests {
 
     #[test]
     fn of_too_short_a_dwell_the_coast_goes_into_the_depth() {
-        // t_stop ≤ e < t_d = 0.1 s: depth = feed − clr + H·n·(e + t_stop/2), while that is less than D
+        // t_stop ≤ e < t_d = 0.1 s: depth = feed − clr + H·n·(e + t_stop/2), while that is less
+        // than D
         let with = |dwell| Cycle { stopping: 0.02, ..Cycle::usual(dwell) }.run();
         for dwell in [0.03, 0.05, 0.07] {
             let (made, exact) = (with(dwell), 10.0 + N * (dwell + 0.01));

@@ -1,8 +1,8 @@
 //! What a simulated machine is made from: plain data, checked as a whole.
 //!
-//! The physics step divides the servo period. It must resolve the fastest vibration of every axis: with
-//! position Verlet h·ω = 0.5 errs by 1 % in frequency, and h·ω = 2 explodes. [`Config::problems`] refuses
-//! what is coarser than 0.5 and says which step would do.
+//! The physics step divides the servo period. It must resolve the fastest vibration of every axis:
+//! with position Verlet h·ω = 0.5 errs by 1 % in frequency, and h·ω = 2 explodes.
+//! [`Config::problems`] refuses what is coarser than 0.5 and says which step would do.
 use crate::cutting::ForceScatter;
 use crate::oracle::free_mode;
 use crate::rng::Rng;
@@ -25,8 +25,8 @@ pub struct Config {
     pub period: Time,
     /// Physics step; 10–25 µs as a rule. The period must be a whole number of them.
     pub substep: Time,
-    /// Periods that a command is on its way: with 0 it is obeyed from the moment of the feedback that it
-    /// answers, which no real control can; 1 is usual on a field bus.
+    /// Periods that a command is on its way: with 0 it is obeyed from the moment of the feedback
+    /// that it answers, which no real control can; 1 is usual on a field bus.
     pub command_delay: usize,
     /// Axes, each with its index on the bus (X is 0).
     pub axes: Vec<(usize, AxisModel)>,
@@ -40,8 +40,8 @@ pub struct Config {
     pub tool_change_time: Time,
     /// The workpiece, if there is one.
     pub stock: Option<Stock>,
-    /// How the cutting force differs from its nominal value, as a share, and from what to what. What axes and spindles
-    /// scatter by stands in their models.
+    /// How the cutting force differs from its nominal value, as a share, and from what to what.
+    /// What axes and spindles scatter by stands in their models.
     pub scatter: Spread,
     /// How the strength of the material does, as a share.
     pub material: Spread,

@@ -14,13 +14,15 @@
 //! | f | feed per turn: what the tip has gained over the last half turn (two lips), times two | mm/rev |
 //! | g | how far the tip has come off the ground since | mm |
 //!
-//! The chip of either lip is f/2 thick; when the tip backs off by g it thins by g, so f − 2g counts. The chisel
-//! edge, which adds to the thrust at the centre, is left out. A drill that is fed without turning forward piles
-//! up f. It breaks where its core is stressed beyond what a tap's core bears (see [`crate::tapping`]; estimate):
-//! a 5 mm drill at 5.3 N·m, four times what a sane feed takes.
+//! The chip of either lip is f/2 thick; when the tip backs off by g it thins by g, so f − 2g
+//! counts. The chisel edge, which adds to the thrust at the centre, is left out. A drill that is
+//! fed without turning forward piles up f. It breaks where its core is stressed beyond what a tap's
+//! core bears (see [`crate::tapping`]; estimate): a 5 mm drill at 5.3 N·m, four times what a sane
+//! feed takes.
 //!
-//! Source: feed force Ff ≈ ½·kc·Dc/2·fn·sin κr and power Pc = fn·vc·Dc·kc/240·10³ (Sandvik Coromant, *Metal
-//! Cutting Technology*, drilling formulas); M follows from Pc = 2π·n·M. A hole opened before takes its share away.
+//! Source: feed force Ff ≈ ½·kc·Dc/2·fn·sin κr and power Pc = fn·vc·Dc·kc/240·10³ (Sandvik
+//! Coromant, *Metal Cutting Technology*, drilling formulas); M follows from Pc = 2π·n·M. A hole
+//! opened before takes its share away.
 use crate::friction::smooth_sign;
 use crate::tapping::{Core, Load, Pose, ROUNDING_RAD_PER_S};
 use crate::work::{AT_SURFACE_MM, Bore, ENTERED_MM, Hole, Stock};

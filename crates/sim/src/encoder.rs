@@ -12,8 +12,8 @@
 //! | q₀ | one count | mm or rev |
 //! | e | amplitude of the eccentricity | rev |
 //!
-//! The index mark of a spindle passes at whole revolutions of its disk. The counter is latched there, and a
-//! mark may be crossed in either direction.
+//! The index mark of a spindle passes at whole revolutions of its disk. The counter is latched
+//! there, and a mark may be crossed in either direction.
 use crate::rng::Rng;
 use units::{Angle, Coordinate};
 
@@ -71,7 +71,8 @@ impl SpindleEncoder {
     }
 }
 
-/// The index mark that lies between two positions of the disk, if one does; of several, the last one passed.
+/// The index mark that lies between two positions of the disk, if one does; of several, the last
+/// one passed.
 pub(crate) fn index_between(before_rev: f64, after_rev: f64) -> Option<f64> {
     let (from, to) = (before_rev.floor(), after_rev.floor());
     if to > from {

@@ -8,8 +8,9 @@
 //!                      └ power cut, kill, drive fault · lost index, slip, dropout, stuck, jump · late, missed · torque
 //! ```
 //!
-//! A wrapper knows the bus only, so any [`Machine`] can be spoiled. Without a controller, or without mains, the drives
-//! do by themselves what [`LeftAlone`] says ([`crate::RunDown`]): nothing, coast, brake each by itself, or stop coupled.
+//! A wrapper knows the bus only, so any [`Machine`] can be spoiled. Without a controller, or
+//! without mains, the drives do by themselves what [`LeftAlone`] says ([`crate::RunDown`]):
+//! nothing, coast, brake each by itself, or stop coupled.
 //!
 //! | fault | what happens |
 //! |---|---|
@@ -223,7 +224,8 @@ impl<M: Machine> Faulty<M> {
         self.run_down.as_ref().is_some_and(|drives| !drives.is_over())
     }
 
-    /// Mend everything: power and controller are back, encoders say what is. Faults still to come stay.
+    /// Mend everything: power and controller are back, encoders say what is. Faults still to come
+    /// stay.
     pub fn mend(&mut self) {
         self.pending.retain(|pending| pending.came.is_none());
         (self.run_down, self.silent) = (None, Time::ZERO);

@@ -16,17 +16,17 @@
 //! | Fc, Fs, vs | Coulomb force, breakaway force, Stribeck speed | N, N, m/s |
 //! | h | physics step | s |
 //!
-//! At rapid traverse the bristles settle within σ₀|v|/g ≈ 10 µs, about one step: too stiff for an explicit
-//! rule. The implicit one, z⁺ = (z + h·v) / (1 + h·σ₀|v|/g), is stable at any speed and exact in the steady
-//! state, where z = g/σ₀. The exponential is replaced by exp(−u) ≈ (1 + u/4 + u²/32)⁻⁴, whose error never
-//! exceeds 0.0091 (0.37 N of 190 N for the Z axis of a tapping centre), and which shares the one division
-//! of the step.
+//! At rapid traverse the bristles settle within σ₀|v|/g ≈ 10 µs, about one step: too stiff for an
+//! explicit rule. The implicit one, z⁺ = (z + h·v) / (1 + h·σ₀|v|/g), is stable at any speed and
+//! exact in the steady state, where z = g/σ₀. The exponential is replaced by exp(−u) ≈ (1 + u/4 +
+//! u²/32)⁻⁴, whose error never exceeds 0.0091 (0.37 N of 190 N for the Z axis of a tapping centre),
+//! and which shares the one division of the step.
 //!
-//! A spindle's bearing has c₀·tanh(ω/ω₀) + c₁·ω. Here tanh x ≈ x(27 + x²)/(27 + 9x²) up to |x| = 3, then ±1:
-//! smooth, monotone, wrong by 0.024 at most.
+//! A spindle's bearing has c₀·tanh(ω/ω₀) + c₁·ω. Here tanh x ≈ x(27 + x²)/(27 + 9x²) up to |x| = 3,
+//! then ±1: smooth, monotone, wrong by 0.024 at most.
 //!
-//! Source: Canudas de Wit, Olsson, Åström, Lischinsky, "A new model for control of systems with friction",
-//! IEEE Transactions on Automatic Control 40 (1995) 419–425.
+//! Source: Canudas de Wit, Olsson, Åström, Lischinsky, "A new model for control of systems with
+//! friction", IEEE Transactions on Automatic Control 40 (1995) 419–425.
 use units::{CoordinateSpeed, Force, Stiffness};
 
 /// Friction of a guideway.
@@ -63,7 +63,8 @@ pub(crate) struct Guideway {
     fourth_share: f64,
 }
 
-/// Beyond this |v|/vs the Stribeck term is below 3·10⁻⁹ of its height, and the polynomial stays small.
+/// Beyond this |v|/vs the Stribeck term is below 3·10⁻⁹ of its height, and the polynomial stays
+/// small.
 const FAR_BEYOND_STRIBECK: f64 = 8.0;
 
 impl Guideway {
@@ -87,8 +88,9 @@ impl Guideway {
 
     /// Advance the bristles `z` (m) by one step at speed `v` (m/s); the force (N) that opposes `v`.
     ///
-    /// Every operation waits for the one before it, and four bodies are stepped side by side: what counts is
-    /// the length of the chain, not the number of operations. So products are spread out rather than nested.
+    /// Every operation waits for the one before it, and four bodies are stepped side by side: what
+    /// counts is the length of the chain, not the number of operations. So products are spread out
+    /// rather than nested.
     #[inline]
     pub(crate) fn step(&self, z: &mut f64, v: f64) -> f64 {
         let speed = v.abs();
@@ -97,7 +99,8 @@ impl Guideway {
         let root = (1.0 + self.square_share * square) + self.fourth_share * (square * square);
         let root_square = root * root;
         let quartic = root_square * root_square;
-        // numerator and denominator both times the quartic: one division serves Stribeck and the rule
+        // numerator and denominator both times the quartic: one division serves Stribeck and the
+        // rule
         let moved = *z + self.h * v;
         let over = moved * self.coulomb * quartic + moved * self.excess;
         let under = (self.coulomb + self.h_sigma_0 * speed) * quartic + self.excess;
@@ -108,7 +111,8 @@ impl Guideway {
     }
 }
 
-/// Clamp in two instructions. The states it is used on are numbers: commands that are not are refused before.
+/// Clamp in two instructions. The states it is used on are numbers: commands that are not are
+/// refused before.
 #[inline]
 pub(crate) fn between(x: f64, low: f64, high: f64) -> f64 {
     let x = if x > low { x } else { low };
@@ -182,7 +186,8 @@ mod tests {
         for _ in 0..4000 {
             force = guideway.step(&mut z, v); // 1 µm in all
         }
-        // σ₀·1 µm = 20 N, less what has begun to slip: z = (g/σ₀)(1 − e^{−σ₀x/g}), plus σ₁·v = 0.2 N
+        // σ₀·1 µm = 20 N, less what has begun to slip: z = (g/σ₀)(1 − e^{−σ₀x/g}), plus σ₁·v = 0.2
+        // N
         let g = 190.0;
         let exact = g * (1.0 - f64::exp(-20.0 / g)) + 0.2 * f64::exp(-20.0 / g) + 0.006;
         assert!((force - exact).abs() < 0.05, "{force} N, exact {exact} N");

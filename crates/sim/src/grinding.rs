@@ -19,12 +19,12 @@
 //! | q | share of the deflection that is left after a turn: qⁿ after n turns of spark-out | 1 |
 //! | G | volume of work ground for a volume of wheel lost | 1 |
 //!
-//! The work is kept as the pitch curve S(θ) of the wheel that grinds it, at [`NODES`] angles; the place along the line of
-//! centres is all that matters to the cam's path. The contact's angle on a steep flank is left out: it changes the
-//! force by its cosine, not the path.
+//! The work is kept as the pitch curve S(θ) of the wheel that grinds it, at [`NODES`] angles; the
+//! place along the line of centres is all that matters to the cam's path. The contact's angle on a
+//! steep flank is left out: it changes the force by its cosine, not the path.
 //!
-//! Source: specific energy and the stiffness model as in S. Malkin, *Grinding Technology*, 2nd ed. 2008, ch. 5 and 12;
-//! the figures of `machines/cam-grinder.toml`.
+//! Source: specific energy and the stiffness model as in S. Malkin, *Grinding Technology*, 2nd ed.
+//! 2008, ch. 5 and 12; the figures of `machines/cam-grinder.toml`.
 use core::f64::consts::TAU;
 use units::{Length, Speed, Stiffness};
 
@@ -53,7 +53,8 @@ pub struct Wheel {
 pub struct Blank {
     /// It lies between these places of the axis along the work.
     pub along: (Length, Length),
-    /// Coordinate of the infeed axis at which the wheel touches it, at equal steps of the work's angle from 0.
+    /// Coordinate of the infeed axis at which the wheel touches it, at equal steps of the work's
+    /// angle from 0.
     pub touches: Vec<Length>,
 }
 
@@ -162,7 +163,8 @@ impl Grinder {
         self.worn_mm
     }
 
-    /// A period has passed: the work stands at `turn` rev, the wheel at `infeed` and `along`, mm; `omega` in rad/s.
+    /// A period has passed: the work stands at `turn` rev, the wheel at `infeed` and `along`, mm;
+    /// `omega` in rad/s.
     #[allow(clippy::cast_possible_wrap)] // nodes are far below 2⁶³
     pub(crate) fn step(&mut self, turn: f64, infeed: f64, along: f64, omega: f64) {
         let (turn_before, infeed_before) =
@@ -270,7 +272,8 @@ mod tests {
         }
     }
 
-    /// k = 30 000·15·(18·2π)/(0.4·80 000) = 1590 N/mm at the base circle, as machine files say: 1.5 N/µm.
+    /// k = 30 000·15·(18·2π)/(0.4·80 000) = 1590 N/mm at the base circle, as machine files say: 1.5
+    /// N/µm.
     #[test]
     fn at_the_base_circle_a_micrometre_of_real_depth_takes_one_and_a_half_newtons() {
         let mut grinder = round(0.010);

@@ -11,9 +11,9 @@
 //!                          └ grinder   a wheel against a cam's blank: force, deflection, spark-out, wear
 //! ```
 //!
-//! The crate knows the bus and quantities, nothing else: no program, no plan, no control. It is built from a
-//! plain [`Config`], it is seeded, and two runs of the same inputs are the same to the last bit. The closed
-//! forms it is tested against are public, in [`oracle`].
+//! The crate knows the bus and quantities, nothing else: no program, no plan, no control. It is
+//! built from a plain [`Config`], it is seeded, and two runs of the same inputs are the same to the
+//! last bit. The closed forms it is tested against are public, in [`oracle`].
 
 mod axis;
 mod changer;

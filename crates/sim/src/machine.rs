@@ -6,9 +6,9 @@
 //!   feedback ◄─ encoders, changer ◄────────────────────────────────────────────┘        truth ◄─ states
 //! ```
 //!
-//! A command takes effect at the start of the period that follows it, or `command_delay` periods later. Until
-//! the first one has arrived the drives are off. Nothing here reads a clock or draws a number that the seed
-//! does not determine.
+//! A command takes effect at the start of the period that follows it, or `command_delay` periods
+//! later. Until the first one has arrived the drives are off. Nothing here reads a clock or draws a
+//! number that the seed does not determine.
 use crate::axis::Axis;
 use crate::changer::Changer;
 use crate::cutting::Cutting;
@@ -102,7 +102,8 @@ impl SimulatedMachine {
         Ok(machine)
     }
 
-    /// The same machine whose spindles have drives that are only told a speed, each with its own draws.
+    /// The same machine whose spindles have drives that are only told a speed, each with its own
+    /// draws.
     #[must_use]
     pub fn with_plain_drive(mut self, drive: PlainDrive) -> Self {
         for spindle in &mut self.spindles {
@@ -111,16 +112,19 @@ impl SimulatedMachine {
         self
     }
 
-    /// The same machine with a grinding wheel, and blanks on its work spindle; nothing is drilled or tapped on it.
+    /// The same machine with a grinding wheel, and blanks on its work spindle; nothing is drilled
+    /// or tapped on it.
     ///
     /// # Errors
-    /// One sentence for each number that cannot be meant, and for an axis or spindle that is missing.
+    /// One sentence for each number that cannot be meant, and for an axis or spindle that is
+    /// missing.
     pub fn with_grinding(mut self, grinding: Grinding) -> Result<Self, Vec<String>> {
         self.clamp(grinding)?;
         Ok(self)
     }
 
-    /// Clamp these blanks on the work spindle, beside this grinding wheel; those that are clamped already stay as they are ground.
+    /// Clamp these blanks on the work spindle, beside this grinding wheel; those that are clamped
+    /// already stay as they are ground.
     ///
     /// # Errors
     /// As [`SimulatedMachine::with_grinding`]; nothing is changed.
@@ -170,7 +174,8 @@ impl SimulatedMachine {
         self
     }
 
-    /// The same machine with the work as another one has left it: holes, threads, the turned bar, ground blanks.
+    /// The same machine with the work as another one has left it: holes, threads, the turned bar,
+    /// ground blanks.
     #[must_use]
     pub fn with_work_of(mut self, other: &Self) -> Self {
         if let (Some(own), Some(cut)) = (&mut self.cutting, &other.cutting) {
@@ -205,7 +210,8 @@ impl SimulatedMachine {
         self.cutting.as_ref().map_or(&[], Cutting::holes)
     }
 
-    /// While a tap is in its thread: how far the axis holds its tip off the helix that was cut, along the axis.
+    /// While a tap is in its thread: how far the axis holds its tip off the helix that was cut,
+    /// along the axis.
     pub fn off_helix(&self) -> Option<Length> {
         let z = self.x_y_z[2]?;
         let (axis, spindle) = (&self.axes[z], self.spindles.first()?);

@@ -1,4 +1,5 @@
-//! A spindle drive that is only told a speed: a relay passes the order on, and the drive ramps by itself.
+//! A spindle drive that is only told a speed: a relay passes the order on, and the drive ramps by
+//! itself.
 //!
 //! ```text
 //!   order  ──┐          ┌────────
@@ -8,10 +9,10 @@
 //!          delay │  ╲____                      speed  ω·(1 + σω·N)          slip, tension of a belt
 //! ```
 //!
-//! N is drawn from the normal distribution. The speed is what the drive makes it: it has torque enough, and the torque
-//! it gives follows from inertia, friction and load. So are spindles without synchronisation, with contactors and a
-//! frequency converter or a pole-changing motor; a machine is given one by
-//! [`crate::SimulatedMachine::with_plain_drive`].
+//! N is drawn from the normal distribution. The speed is what the drive makes it: it has torque
+//! enough, and the torque it gives follows from inertia, friction and load. So are spindles without
+//! synchronisation, with contactors and a frequency converter or a pole-changing motor; a machine
+//! is given one by [`crate::SimulatedMachine::with_plain_drive`].
 use crate::rng::Rng;
 use core::f64::consts::TAU;
 use units::{Angle, Spin, SpinAccel, Time};
@@ -56,7 +57,8 @@ pub(crate) struct Relay {
     decel: f64,
     speed_factor: f64,
     target: f64,
-    /// The angle within a turn that it brings the spindle to, rev; since when it is told that, s; it stands there.
+    /// The angle within a turn that it brings the spindle to, rev; since when it is told that, s;
+    /// it stands there.
     orients_to: Option<f64>,
     told_s: f64,
     is_there: bool,
@@ -217,7 +219,8 @@ mod tests {
             }
             let turned: f64 = at - from;
             assert!((turned.abs() - f64::abs(way)).abs() < 1e-3, "{from} to {to}: {turned} rev");
-            // up and down at 10 rev/s²: 2·√(way/10), as it does not come to its speed within 0.14 rev
+            // up and down at 10 rev/s²: 2·√(way/10), as it does not come to its speed within 0.14
+            // rev
             let least = 2.0 * (f64::abs(way) / 10.0).sqrt();
             assert!(time >= least * 0.9 && time < least + 0.2, "{from} to {to}: {time} s");
             relay.orient(None);

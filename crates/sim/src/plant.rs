@@ -1,4 +1,5 @@
-//! A machine as it was built, beside what its file says of it: nothing is as it was specified, and nobody is told.
+//! A machine as it was built, beside what its file says of it: nothing is as it was specified, and
+//! nobody is told.
 //!
 //! ```text
 //!   model + scatter, by the seed ──► plant          motor ─► screw ─────────────► table
@@ -15,10 +16,12 @@
 //! | e | amplitude of the motor encoder's error once per revolution, from a disk off its centre | rev |
 //! | g | error of the linear scale | 1 |
 //!
-//! Play, stiffness and friction are what the model says times a factor. What is stated as an error is not drawn.
+//! Play, stiffness and friction are what the model says times a factor. What is stated as an error
+//! is not drawn.
 //!
-//! Sources: ISO 3408-3 (ball screws: V300p and v2πp), ISO 230-2 (positioning errors), encoder makers' application notes for
-//! the eccentricity: 2·(eccentricity)/(diameter of the graduation) in radians.
+//! Sources: ISO 3408-3 (ball screws: V300p and v2πp), ISO 230-2 (positioning errors), encoder
+//! makers' application notes for the eccentricity: 2·(eccentricity)/(diameter of the graduation) in
+//! radians.
 use crate::rng::Rng;
 use crate::scatter::Draws;
 use crate::{AxisEncoder, AxisModel, Config, SpindleModel};
@@ -49,7 +52,8 @@ pub struct AxisScatter {
     pub growth: Spread,
 }
 
-/// How a screw grows while it gets warm: by s·(1 − e^(−(r + t)/T)) of the distance from its fixed bearing.
+/// How a screw grows while it gets warm: by s·(1 − e^(−(r + t)/T)) of the distance from its fixed
+/// bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScrewGrowth {
     /// s: of a screw that has become as warm as it will, length over length.
@@ -297,7 +301,8 @@ impl Transmission {
         self.offset = self.nut(motor) - self.ratio * motor;
     }
 
-    /// Where the encoder that the position is taken from stands, between its counts, and one count, mm.
+    /// Where the encoder that the position is taken from stands, between its counts, and one count,
+    /// mm.
     pub(crate) fn seen(&self, motor: f64, table: f64) -> (f64, f64) {
         match self.encoder {
             AxisEncoder::Motor { counts_per_rev } => {
@@ -311,7 +316,8 @@ impl Transmission {
         }
     }
 
-    /// What the encoders say of a motor and a table: the one that the position is taken from, and the other one.
+    /// What the encoders say of a motor and a table: the one that the position is taken from, and
+    /// the other one.
     pub(crate) fn read(&self, motor: f64, table: f64) -> (Coordinate, Option<Coordinate>) {
         let by_motor = |counts_per_rev: u32| {
             let count = self.lead_mm / f64::from(counts_per_rev);

@@ -1,8 +1,8 @@
 //! Seeded chance: the same seed is the same machine, bit by bit.
 //!
-//! `SplitMix64` (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014,
-//! figure 17): a counter in steps of the golden ratio, stirred. It is tiny, has no bad seeds, and two
-//! streams from neighbouring seeds are not alike.
+//! `SplitMix64` (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA
+//! 2014, figure 17): a counter in steps of the golden ratio, stirred. It is tiny, has no bad seeds,
+//! and two streams from neighbouring seeds are not alike.
 
 /// A stream of pseudorandom numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +63,8 @@ mod tests {
 
     #[test]
     fn the_first_numbers_of_seed_1234567_are_those_of_the_reference_implementation() {
-        // Vigna's splitmix64.c, as quoted in Rosetta Code's task "Pseudo-random numbers/Splitmix64".
+        // Vigna's splitmix64.c, as quoted in Rosetta Code's task "Pseudo-random
+        // numbers/Splitmix64".
         let mut rng = Rng::new(1_234_567);
         let first: Vec<u64> = (0..5).map(|_| rng.bits()).collect();
         assert_eq!(

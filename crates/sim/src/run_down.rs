@@ -1,4 +1,5 @@
-//! What the drives do when they are left alone: the control has fallen silent, or the power has failed.
+//! What the drives do when they are left alone: the control has fallen silent, or the power has
+//! failed.
 //!
 //! ```text
 //!   last command ─┬─ Off           outputs off: brakes clamp the axes that have one, spindles coast
@@ -9,13 +10,15 @@
 //!                                  that line; everything else brakes by itself; then off
 //! ```
 //!
-//! In a quick stop no drive knows of the other. A drive's ramp is an object that the control may write with every command
-//! (`CiA` 402, 6085h), so the axis of a tap has one that lasts as long as the spindle's: lead times the spindle's ramp.
-//! Where each braked as hard as it can, the axis would stand twenty times sooner than the spindle.
+//! In a quick stop no drive knows of the other. A drive's ramp is an object that the control may
+//! write with every command (`CiA` 402, 6085h), so the axis of a tap has one that lasts as long as
+//! the spindle's: lead times the spindle's ramp. Where each braked as hard as it can, the axis
+//! would stand twenty times sooner than the spindle.
 //!
-//! The drives close their own loops here on their own encoders, as servo drives do in a quick stop (`CiA` 402) or an
-//! extended stop. Without mains the energy is what the DC bus holds and the braking spindle gives back:
-//! `C·V·dV/dt = P_back − P_drives`; below the trip voltage all outputs go off and the rest is coasting.
+//! The drives close their own loops here on their own encoders, as servo drives do in a quick stop
+//! (`CiA` 402) or an extended stop. Without mains the energy is what the DC bus holds and the
+//! braking spindle gives back: `C·V·dV/dt = P_back − P_drives`; below the trip voltage all outputs
+//! go off and the rest is coasting.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -139,8 +142,8 @@ impl RunDown {
         }
     }
 
-    /// The first spindle's drive makes its own ramps: it begins to brake after this delay, with this deceleration, and the axis' ramp
-    /// was set to that.
+    /// The first spindle's drive makes its own ramps: it begins to brake after this delay, with
+    /// this deceleration, and the axis' ramp was set to that.
     #[must_use]
     pub fn on_own_ramps(mut self, delay: Time, decel: SpinAccel) -> Self {
         if let Some(spindle) = self.spindles.first_mut() {

@@ -1,8 +1,9 @@
 //! Draws of values that vary: between machines, between workpieces, between holes.
 //!
-//! Each value takes one draw of its stream, whatever its distribution: another value keeps its own draw when this one is
-//! declared otherwise. An amplitude is drawn without its sign: evenly up to d, as the size of a triangular draw, or, where
-//! both components of an offset are normal, by the distribution of Rayleigh.
+//! Each value takes one draw of its stream, whatever its distribution: another value keeps its own
+//! draw when this one is declared otherwise. An amplitude is drawn without its sign: evenly up to
+//! d, as the size of a triangular draw, or, where both components of an offset are normal, by the
+//! distribution of Rayleigh.
 use crate::rng::Rng;
 use units::{Distribution, FARTHEST_DEVIATIONS, Per, Spread};
 
@@ -14,7 +15,8 @@ pub fn drawn(spread: &Spread, seed: u64, stream: u64, part: u32) -> f64 {
     Draws::new(Rng::new(seed ^ stream), part).signed(spread)
 }
 
-/// A stream of draws for one workpiece on one machine. The first workpiece has the machine's own draws.
+/// A stream of draws for one workpiece on one machine. The first workpiece has the machine's own
+/// draws.
 #[derive(Clone, Debug)]
 pub(crate) struct Draws {
     rng: Rng,

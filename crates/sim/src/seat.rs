@@ -13,8 +13,9 @@
 //! | kf, c | flanks' stiffness, whole play | N/mm, mm |
 //! | x = \|e\| − c/2 | how far the springs are pressed together | mm |
 //!
-//! The tap has no mass worth speaking of (0.1 kg on 20 N/µm swings at 2 kHz), so the balance holds at every
-//! instant. Both laws are odd, rising and made of straight pieces, so the answer is closed:
+//! The tap has no mass worth speaking of (0.1 kg on 20 N/µm swings at 2 kHz), so the balance holds
+//! at every instant. Both laws are odd, rising and made of straight pieces, so the answer is
+//! closed:
 //!
 //! ```text
 //!     x ≤ 0           δ = 0                               the tap floats
@@ -22,9 +23,9 @@
 //!     at the stop     |δ| = (kf·x + (ks − kh)·s)/(kf + ks)       δ is against e
 //! ```
 //!
-//! Rigid (10–30 N/µm), soft-synchro (0.2–1 N/µm over ±0.5 mm) and tension/compression holders (10–40 N/mm
-//! over ±8 mm) differ in numbers only. A clutch holder has another travel outwards (δ < 0: its splines and a
-//! little more) than inwards. Source: springs in a row.
+//! Rigid (10–30 N/µm), soft-synchro (0.2–1 N/µm over ±0.5 mm) and tension/compression holders
+//! (10–40 N/mm over ±8 mm) differ in numbers only. A clutch holder has another travel outwards (δ <
+//! 0: its splines and a little more) than inwards. Source: springs in a row.
 use crate::{CLUTCH_RUN_OUT, HOLDER_STOP, Tap};
 
 /// Holder and flanks, N/mm and mm.
@@ -73,7 +74,8 @@ impl Seat {
         -size.copysign(offset)
     }
 
-    /// How much of an offset that presses the flanks goes into the holder, while it is within its travel.
+    /// How much of an offset that presses the flanks goes into the holder, while it is within its
+    /// travel.
     #[inline]
     pub(crate) fn holder_share(&self, share: f64) -> f64 {
         let flank = self.flank * share;
@@ -140,7 +142,8 @@ mod tests {
         let seat = Seat::new(&held(500.0, 0.5));
         let (soft, hard) = (seat.deflection(0.4, 1.0), seat.deflection(0.6, 1.0));
         assert!(soft > -0.5 && hard < -0.5 && hard > -0.6);
-        // 0.6 mm less half the play is 0.595 mm: 0.5 mm of it soft, the rest shared by stop and flanks
+        // 0.6 mm less half the play is 0.595 mm: 0.5 mm of it soft, the rest shared by stop and
+        // flanks
         let flank = 100_000.0;
         let exact = (flank * 0.595 + (20_000.0 - 500.0) * 0.5) / (flank + 20_000.0);
         assert!((hard + exact).abs() < 1e-12);

@@ -7,8 +7,8 @@
 //!                                              off ───╯
 //! ```
 //!
-//! A digital input follows an output once that has been the same for the delay: what is reversed on its way begins anew.
-//! An analogue one goes to its value for that state with a time constant.
+//! A digital input follows an output once that has been the same for the delay: what is reversed on
+//! its way begins anew. An analogue one goes to its value for that state with a time constant.
 use bus::Signals;
 use units::Time;
 

@@ -15,10 +15,11 @@
 //! | Tf, c₀, c₁, ω₀ | friction, its constant and viscous part, the speed over which it changes sign | N·m, N·m, N·m·s/rad, rad/s |
 //! | h | physics step | s |
 //!
-//! Without a drive a spindle that hardly turns sticks: a load below the breakaway torque cannot turn it.
+//! Without a drive a spindle that hardly turns sticks: a load below the breakaway torque cannot
+//! turn it.
 //!
-//! The lag is integrated exactly, the motion under its mean torque exactly; the limit and the friction are
-//! taken at the beginning of the step (they change over milliseconds).
+//! The lag is integrated exactly, the motion under its mean torque exactly; the limit and the
+//! friction are taken at the beginning of the step (they change over milliseconds).
 use crate::encoder::index_between;
 use crate::friction::{between, smooth_sign};
 use crate::lag::Lag;
@@ -140,8 +141,8 @@ impl Spindle {
         self.wanted = if self.on && torque.is_finite() { torque.value() } else { 0.0 };
     }
 
-    /// The process loads the spindle with so many N·m from here on, positive when they would turn it backwards; its
-    /// friction can hold the spindle by so many.
+    /// The process loads the spindle with so many N·m from here on, positive when they would turn
+    /// it backwards; its friction can hold the spindle by so many.
     #[inline]
     pub(crate) const fn resist(&mut self, load: f64, friction: f64) {
         (self.load, self.load_friction) = (load, friction);
@@ -168,8 +169,8 @@ impl Spindle {
         self.angle_rev += self.half_step_rev * (before + self.omega);
     }
 
-    /// Without a drive, what hardly turns and is turned by less than friction can hold stands: the smooth law of
-    /// friction alone would let it creep for ever.
+    /// Without a drive, what hardly turns and is turned by less than friction can hold stands: the
+    /// smooth law of friction alone would let it creep for ever.
     fn sticks(&self, drive: f64) -> bool {
         let slow = self.omega.abs() * self.per_rounding < STICKS_BELOW;
         slow && (drive - self.load).abs() < self.coulomb + self.load_friction
@@ -368,7 +369,8 @@ mod tests {
             (0.9 * breakaway, 0.0, true),
             (1.1 * breakaway, 0.0, false),
             (-0.9 * breakaway, 0.0, true),
-            // a tap in its thread, pressed by the headstock's weight: its flanks hold more than its lead turns
+            // a tap in its thread, pressed by the headstock's weight: its flanks hold more than its
+            // lead turns
             (1.5 * breakaway, breakaway, true),
         ] {
             let mut spindle = turning(&model);

@@ -19,24 +19,28 @@
 //! | e, δ | offset of the spindle from the helix, deflection of the tap | mm |
 //! | F | force of the thread on the tap, along +Z | N |
 //!
-//! Where the tap first bites, spindle angle and Z fix the helix for good; it is kept with the hole, and a second
-//! tap of the same lead follows it. The axial balance of [`crate::seat`] gives δ and F. A force on a helix is a
-//! torque too, F·H/2π; with it the contact neither makes nor loses energy. Flanks pressed by F also rub.
+//! Where the tap first bites, spindle angle and Z fix the helix for good; it is kept with the hole,
+//! and a second tap of the same lead follows it. The axial balance of [`crate::seat`] gives δ and
+//! F. A force on a helix is a torque too, F·H/2π; with it the contact neither makes nor loses
+//! energy. Flanks pressed by F also rub.
 //!
-//! Deeper than the bored hole's full diameter, or than its own thread, the tap jams: its tip stands on the
-//! ground while the helix screws it on, so torque climbs by newton metres per hundredth of a millimetre.
+//! Deeper than the bored hole's full diameter, or than its own thread, the tap jams: its tip stands
+//! on the ground while the helix screws it on, so torque climbs by newton metres per hundredth of a
+//! millimetre.
 //!
-//! Pulled off its helix near the surface, where few and low teeth hold it, the tap shears them out of the work and is free:
+//! Pulled off its helix near the surface, where few and low teeth hold it, the tap shears them out
+//! of the work and is free:
 //!
 //! ```text
 //!   F > τ·A·∫₀ʰ min(s/c, 1) ds      h of the helix in the work, c the chamfer, A = 0.875·π·D (thread of a nut, FED-STD-H28)
 //! ```
 //!
 //! It breaks where the shear stress by von Mises in its core, √(τ² + σ²/3) at 0.6·D, exceeds
-//! [`SHEAR_LIMIT_N_PER_MM2`]: 9.2 N·m for M6, and within 4 % the known figures from M3 (1.1) to M12 (73).
+//! [`SHEAR_LIMIT_N_PER_MM2`]: 9.2 N·m for M6, and within 4 % the known figures from M3 (1.1) to M12
+//! (73).
 //!
-//! Source of Tc: the tap makers' torque formula (triangular chip of a 60° thread, sheared at kc). Estimates: the
-//! friction tail, the share on reversal (10–30 %), the spike.
+//! Source of Tc: the tap makers' torque formula (triangular chip of a 60° thread, sheared at kc).
+//! Estimates: the friction tail, the share on reversal (10–30 %), the spike.
 use crate::Tap;
 use crate::clutch::Coupling;
 use crate::friction::{between, smooth_sign};
@@ -56,27 +60,31 @@ const TAIL_PER_DIAMETER: f64 = 0.05;
 const RETURN_SHARE: f64 = 0.2;
 /// Height of the spike at reversal, as a share of Tc (estimate).
 const CHIP_ROOT_SHARE: f64 = 0.5;
-/// Over which angle the chip's root is sheared, rev (estimate: a third of the way to the next flute).
+/// Over which angle the chip's root is sheared, rev (estimate: a third of the way to the next
+/// flute).
 const CHIP_ROOT_REV: f64 = 0.1;
 /// Friction of pressed flanks, steel on steel with cutting oil (estimate).
 const FLANK_FRICTION: f64 = 0.15;
 /// Speed over which friction changes its sign, rad/s.
 pub(crate) const ROUNDING_RAD_PER_S: f64 = 2.0;
-/// A thread of less than this share of a pitch holds no tap: a tenth of a turn of its first tooth (estimate).
+/// A thread of less than this share of a pitch holds no tap: a tenth of a turn of its first tooth
+/// (estimate).
 const HOLDS_PITCHES: f64 = 0.1;
 /// Shear strength τ of the work over its specific cutting force: C45 has 430 of 3900 N/mm².
 const SHEAR_OF_CUTTING: f64 = 0.11;
-/// Area that is sheared when a thread is stripped, over π·D and its length: of a nut's thread at the tap's crests.
+/// Area that is sheared when a thread is stripped, over π·D and its length: of a nut's thread at
+/// the tap's crests.
 const STRIPPED_AREA: f64 = 0.875;
 /// So much of a pitch a ridge is pushed along before it is sheared off (estimate).
 const RIDGE_PITCHES: f64 = 0.1;
-/// So far beside its first scratch a tap at the surface begins another, mm: on its helix it stands nearer than that.
+/// So far beside its first scratch a tap at the surface begins another, mm: on its helix it stands
+/// nearer than that.
 const SCRATCH_MM: f64 = 1e-3;
 /// A tap pushed sideways by this share of its diameter breaks.
 pub(crate) const SIDEWAYS_SHARE: f64 = 0.1;
 
-/// What the work does to the machine: force on the Z axis along +Z, N; torque against positive rotation, N·m, and
-/// how much of it is friction, which can hold a spindle but never turn it.
+/// What the work does to the machine: force on the Z axis along +Z, N; torque against positive
+/// rotation, N·m, and how much of it is friction, which can hold a spindle but never turn it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Load {
     pub(crate) force: f64,
@@ -170,7 +178,8 @@ pub(crate) struct Tapping {
     chip_root: bool,
     /// Force that strips a millimetre of full thread, N/mm.
     strips: f64,
-    /// How far the axis holds the tap above its helix when that begins, mm; infinite for one that is free already.
+    /// How far the axis holds the tap above its helix when that begins, mm; infinite for one that
+    /// is free already.
     pulled: f64,
     deflection: f64,
     deepest: f64,
@@ -179,8 +188,8 @@ pub(crate) struct Tapping {
 }
 
 impl Tapping {
-    /// The tap touches the surface over a hole. `scale` is this hole's scatter of the cutting force, `slip` how far
-    /// a clutch has left the tap ahead of the spindle, rev.
+    /// The tap touches the surface over a hole. `scale` is this hole's scatter of the cutting
+    /// force, `slip` how far a clutch has left the tap ahead of the spindle, rev.
     pub(crate) fn begin(
         tap: &Tap,
         stock: &Stock,
@@ -238,8 +247,9 @@ impl Tapping {
         }
     }
 
-    /// Both the tap and the spindle are clear of the work: above its surface, or back at it. A stroke that begins and ends
-    /// at the surface (R0) ends at it as exactly as axis and spindle stop, which is never exactly.
+    /// Both the tap and the spindle are clear of the work: above its surface, or back at it. A
+    /// stroke that begins and ends at the surface (R0) ends at it as exactly as axis and spindle
+    /// stop, which is never exactly.
     #[inline]
     pub(crate) fn is_out(&self, pose: &Pose) -> bool {
         if self.is_stripped() {
@@ -288,7 +298,8 @@ impl Tapping {
         driven
     }
 
-    /// How far the axis holds the tip off the helix that was cut, mm; `None` for a tap that has sheared it.
+    /// How far the axis holds the tip off the helix that was cut, mm; `None` for a tap that has
+    /// sheared it.
     pub(crate) fn off_helix(&self, tip: f64, angle: f64) -> Option<f64> {
         (!self.is_stripped()).then(|| tip - self.helix(angle))
     }
@@ -298,7 +309,8 @@ impl Tapping {
         self.pulled == f64::INFINITY
     }
 
-    /// Shear the thread where a pull of `force`, N, on a tap held `above` its helix is more than it bears.
+    /// Shear the thread where a pull of `force`, N, on a tap held `above` its helix is more than it
+    /// bears.
     fn strip(&mut self, above: f64, helix_depth: f64, force: f64) {
         let chamfer = self.per_chamfer.recip();
         let (low, full) = (between(helix_depth, 0.0, chamfer), (helix_depth - chamfer).max(0.0));
@@ -353,7 +365,8 @@ impl Tapping {
         self.core.bears(0.0, jam).then_some(Load { force: jam, ..Load::default() })
     }
 
-    /// A tap that rests at the surface while it turns scratches it: no helix holds it until it goes in on one.
+    /// A tap that rests at the surface while it turns scratches it: no helix holds it until it goes
+    /// in on one.
     fn scratch(&mut self, pose: &Pose) {
         let rests = !self.guided && self.deepest < AT_SURFACE_MM;
         if rests && (pose.tip - self.helix(self.angle)).abs() > SCRATCH_MM {
@@ -412,7 +425,8 @@ pub(crate) fn is_too_wide(hole: &Hole, tap: &Tap) -> bool {
     pilot(hole, tap.diameter.value(), tap.lead.value().abs()).0 >= tap.diameter.value()
 }
 
-/// The bore a tap will find: its diameter and its full depth. Bores narrower than D − 2P are no help to a tap.
+/// The bore a tap will find: its diameter and its full depth. Bores narrower than D − 2P are no
+/// help to a tap.
 fn pilot(hole: &Hole, diameter: f64, pitch: f64) -> (f64, f64) {
     hole.bores
         .iter()

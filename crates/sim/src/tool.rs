@@ -1,7 +1,7 @@
 //! The tools in the magazine, as far as their mechanics go.
 //!
-//! A tool's tip stands at `Z axis − length`. Directions and hands: spindles turn positive clockwise, so a
-//! right-hand tap (positive lead) goes towards −Z while the spindle turns positive.
+//! A tool's tip stands at `Z axis − length`. Directions and hands: spindles turn positive
+//! clockwise, so a right-hand tap (positive lead) goes towards −Z while the spindle turns positive.
 use units::{Angle, Lead, Length, Stiffness};
 
 /// A tool in the magazine.
@@ -55,8 +55,8 @@ pub struct Tap {
     pub lead: Lead,
     /// Length of its chamfer, in pitches.
     pub chamfer_pitches: f64,
-    /// Torque of its flute form over the formula's: 1.15 spiral flute (steel), 1.05 (aluminium), 0.95
-    /// spiral point, 1.35 straight.
+    /// Torque of its flute form over the formula's: 1.15 spiral flute (steel), 1.05
+    /// (aluminium), 0.95 spiral point, 1.35 straight.
     pub flute_factor: f64,
     /// Longest thread it can cut: beyond it the shank meets the hole's edge, and the tap breaks.
     pub thread_length: Length,
@@ -66,8 +66,8 @@ pub struct Tap {
     pub flank_stiffness: Stiffness,
     /// What holds it.
     pub holder: Holder,
-    /// What lets go of it, in a clutch holder; the holder's stiffness is then that of the spring which brings it
-    /// home, and its travel is not looked at.
+    /// What lets go of it, in a clutch holder; the holder's stiffness is then that of the spring
+    /// which brings it home, and its travel is not looked at.
     pub clutch: Option<Clutch>,
 }
 

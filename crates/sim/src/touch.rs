@@ -8,14 +8,17 @@
 //!   ▔▔▔▔▔▔▔▔▔▔▔▔▔▔            three bearings of a kinematic probe; s₀ along the axis
 //! ```
 //!
-//! Of a box the distance is exact outside, round its edges too; in a bore it is R − ρ below its rim. The moment of contact
-//! is found between two periods, as the machine's probe input states it: the places between them lie on a line.
+//! Of a box the distance is exact outside, round its edges too; in a bore it is R − ρ below its
+//! rim. The moment of contact is found between two periods, as the machine's probe input states it:
+//! the places between them lie on a line.
 //!
-//! Source: ISO 230-10 (probing of machine tools), 3.2.8 pre-travel; the three lobes: Estler et al., NIST (1996).
+//! Source: ISO 230-10 (probing of machine tools), 3.2.8 pre-travel; the three lobes: Estler et al.,
+//! NIST (1996).
 use crate::work::{Bore, Hole, Stock};
 use units::Length;
 
-/// A touch probe in the spindle: its ball is `diameter`, and its `length` reaches to the ball's lower end.
+/// A touch probe in the spindle: its ball is `diameter`, and its `length` reaches to the ball's
+/// lower end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchProbe {
     /// Of the ball.
@@ -233,7 +236,8 @@ mod tests {
         // down onto the face: the tip is there, and 12 µm beyond it
         let down = switches(&touch, [25.0, 20.0, -80.0], [0.0, 0.0, -1.0], &[]);
         assert!((down - 20.012).abs() < 0.0015, "{down}");
-        // from the left onto the side at X0: the contact is to the left of the ball's material side, φ = 180°
+        // from the left onto the side at X0: the contact is to the left of the ball's material
+        // side, φ = 180°
         let right = switches(&touch, [-20.0, 20.0, -110.0], [1.0, 0.0, 0.0], &[]);
         let pretravel = 0.012 + 0.003 * (3.0 * PI).cos();
         assert!((right - (17.0 + pretravel)).abs() < 0.0015, "{right}");

@@ -1,4 +1,5 @@
-//! What stands along the travel of an axis: switches, hard stops, index marks; and where its encoder counts from.
+//! What stands along the travel of an axis: switches, hard stops, index marks; and where its
+//! encoder counts from.
 //!
 //! ```text
 //!   stop   limit switch                              home switch  limit switch   stop
@@ -7,9 +8,10 @@
 //!    └──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┴──┘  index marks
 //! ```
 //!
-//! A hard stop is a stiff spring with a dashpot that only pushes: F = max(0, k·d + c·ḋ), c = 2ζ·√(k·m), d how deep the table is
-//! in it. At ζ = 0.3 it gives 14 % of the energy back. Switches and marks are seen once a period; a mark's position is
-//! latched by the encoder's counter, to a count.
+//! A hard stop is a stiff spring with a dashpot that only pushes: F = max(0, k·d + c·ḋ), c =
+//! 2ζ·√(k·m), d how deep the table is in it. At ζ = 0.3 it gives 14 % of the energy back. Switches
+//! and marks are seen once a period; a mark's position is latched by the encoder's counter, to a
+//! count.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -29,7 +31,8 @@ const HALF_TURN: f64 = 180.0;
 /// What stands along an axis, in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
-    /// Where the table meets a hard stop at the negative and at the positive end, and how stiff these are.
+    /// Where the table meets a hard stop at the negative and at the positive end, and how stiff
+    /// these are.
     pub stops: Option<(Coordinate, Coordinate, Stiffness)>,
     /// From where on outwards the limit switches at the two ends are actuated.
     pub limit_switches: Option<(Coordinate, Coordinate)>,
@@ -68,7 +71,8 @@ pub struct IndexMarks {
 pub enum PowerOn {
     /// Axes stand at their start, and their encoders read the position.
     Known,
-    /// Axes stand somewhere between their stops, by the seed; encoders that are not absolute count from there.
+    /// Axes stand somewhere between their stops, by the seed; encoders that are not absolute count
+    /// from there.
     Unknown,
 }
 
@@ -150,7 +154,8 @@ pub(crate) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of an axis with this mass, kg, whose encoder stands at `seen`, mm, with this count; `unknown`: it counts from there, unless it is absolute.
+    /// Of an axis with this mass, kg, whose encoder stands at `seen`, mm, with this count;
+    /// `unknown`: it counts from there, unless it is absolute.
     pub(crate) fn new(travel: &Travel, mass: f64, seen: f64, count: f64, unknown: bool) -> Self {
         let (stops, spring) = match travel.stops {
             Some((from, to, stiffness)) => {

@@ -9,10 +9,11 @@
 //!        └──────────────────► z        Fr  = ∫ dFn/√(1 + s²)   Fz = −∫ dFn·s/√(1 + s²)
 //! ```
 //!
-//! The surface is kept in columns about the axis, as in any model of turning that knows the turn before (regenerative effect). The point
-//! passes a column when the work has turned to it: work angle = angle of the point about the axis − spindle angle. The force of a period is that
-//! against the column that comes next, as the turn before and the passes before have left it. Both sides are known: a shaft from
-//! outside, a bore from within.
+//! The surface is kept in columns about the axis, as in any model of turning that knows the turn
+//! before (regenerative effect). The point passes a column when the work has turned to it: work
+//! angle = angle of the point about the axis − spindle angle. The force of a period is that against
+//! the column that comes next, as the turn before and the passes before have left it. Both sides
+//! are known: a shaft from outside, a bore from within.
 //!
 //! Not simulated: bending of the bar, an insert that breaks, chips that wind.
 use crate::work::Hole;
@@ -29,7 +30,8 @@ const MOST_PLACES: usize = 20_000;
 const ACROSS: f64 = 0.5;
 /// A thinner chip is no dearer, mm: Kienzle's law holds from about here on.
 const THINNEST_MM: f64 = 0.01;
-/// Slower than this, rad/s, the force falls to zero with the speed: it is friction then, and turns nothing.
+/// Slower than this, rad/s, the force falls to zero with the speed: it is friction then, and turns
+/// nothing.
 const SLOW: f64 = 1.0;
 /// A tool nearer to a hole's middle than this is in it, mm.
 const ON_AXIS_MM: f64 = 0.1;
@@ -47,7 +49,8 @@ pub struct Kienzle {
     pub exponent: f64,
 }
 
-/// Materials' values, of turning with carbide (Kienzle and Victor; König and Essel, *Spezifische Schnittkraftwerte*, 1973).
+/// Materials' values, of turning with carbide (Kienzle and Victor; König and Essel, *Spezifische
+/// Schnittkraftwerte*, 1973).
 pub const KIENZLE: [(&str, Kienzle); 6] = [
     ("C45", Kienzle { at_1_mm_n_per_mm2: 2220.0, exponent: 0.14 }),
     ("42CrMo4", Kienzle { at_1_mm_n_per_mm2: 2500.0, exponent: 0.26 }),
@@ -97,7 +100,8 @@ pub struct Insert {
     pub flat: Length,
     /// From its point to the edge that cuts a thread's crest.
     pub crest_height: Option<Length>,
-    /// It turns: square towards the chuck, with a trailing edge behind. Otherwise a V, as for threads.
+    /// It turns: square towards the chuck, with a trailing edge behind. Otherwise a V, as for
+    /// threads.
     pub turns: bool,
 }
 
@@ -149,7 +153,8 @@ impl Insert {
     }
 }
 
-/// What the work does to the machine: forces on the tool along X, Y and Z, N; torque against positive rotation, N·m.
+/// What the work does to the machine: forces on the tool along X, Y and Z, N; torque against
+/// positive rotation, N·m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TurningLoad {
     pub(crate) force: [f64; 3],
@@ -158,7 +163,8 @@ pub(crate) struct TurningLoad {
     pub(crate) main: f64,
 }
 
-/// Where the point is: distance and angle (rev) about the axis, mm, Z of the tip, and the work angle in columns.
+/// Where the point is: distance and angle (rev) about the axis, mm, Z of the tip, and the work
+/// angle in columns.
 #[derive(Clone, Copy, Debug)]
 struct Pose {
     radius: f64,
@@ -242,7 +248,8 @@ impl Turning {
         self.bar.rear.value() + (place as f64 + 0.5) * self.step
     }
 
-    /// One period with the point at machine X, Y and tip Z, mm, at the end of it; the spindle's angle, rev, and speed, rad/s.
+    /// One period with the point at machine X, Y and tip Z, mm, at the end of it; the spindle's
+    /// angle, rev, and speed, rad/s.
     pub(crate) fn step(
         &mut self,
         (number, insert): (u32, &Insert),
@@ -415,15 +422,17 @@ mod tests {
 
     #[test]
     fn the_first_pass_costs_its_area_times_kienzles_pressure() {
-        // a sharp V 0.3 mm deep: area d²·tan 30° = 0.0520 mm²; across each flank the chip is d(z)·sin 30° thick,
-        // kc = 2220·h^-0.14, so Fc = 2·∫ 2220·(t·sin 30°)^-0.14·t dz with t from 0 to 0.3, dz = dt·tan 30°
+        // a sharp V 0.3 mm deep: area d²·tan 30° = 0.0520 mm²; across each flank the chip is
+        // d(z)·sin 30° thick, kc = 2220·h^-0.14, so Fc = 2·∫ 2220·(t·sin 30°)^-0.14·t dz with t
+        // from 0 to 0.3, dz = dt·tan 30°
         let load = pass(&mut fresh(0.0), &v(0.0), 9.7, 1.5);
         let closed =
             2.0 * 30_f64.to_radians().tan() * 2220.0 * 0.5_f64.powf(-0.14) * 0.3_f64.powf(1.86)
                 / 1.86;
         assert!((load.main / closed - 1.0).abs() < 0.02, "{} for {closed} N", load.main);
         assert!((150.0..200.0).contains(&load.main), "{load:?}");
-        // torque at the point's radius; both flanks alike push outwards only: half of it, times sin 30°
+        // torque at the point's radius; both flanks alike push outwards only: half of it, times sin
+        // 30°
         assert!((load.torque - load.main * 9.7e-3).abs() < 1e-9);
         assert!((load.force[0] / (0.25 * load.main) - 1.0).abs() < 0.02, "{load:?}");
         assert!(load.force[2].abs() < 0.02 * load.main, "{load:?}");
@@ -443,7 +452,8 @@ mod tests {
     fn a_pass_along_one_flank_pushes_the_other_way() {
         let mut turning = fresh(0.0);
         pass(&mut turning, &v(0.1), 9.6, 1.5);
-        // 0.2 mm deeper and 0.2·tan 30° towards −Z: the flank on that side cuts, the other one only touches
+        // 0.2 mm deeper and 0.2·tan 30° towards −Z: the flank on that side cuts, the other one only
+        // touches
         let step = 1000.0 / 60.0 * 250e-6;
         let omega = 1000.0 / 60.0 * TAU;
         turning.last = None;

@@ -7,9 +7,9 @@
 //!      └───────────────────────► x
 //! ```
 //!
-//! Tap makers state tool life as a length of thread, some 5 to 20 m for high-speed steel in C45, and torque monitors are
-//! set to about half again to twice the torque of a new tap. That the rise is linear between the two is an estimate,
-//! and so is how much the lives of taps differ.
+//! Tap makers state tool life as a length of thread, some 5 to 20 m for high-speed steel in C45,
+//! and torque monitors are set to about half again to twice the torque of a new tap. That the rise
+//! is linear between the two is an estimate, and so is how much the lives of taps differ.
 use crate::rng::Rng;
 use units::Length;
 

@@ -10,8 +10,8 @@
 //!   thickness ───────────────────V──────
 //! ```
 //!
-//! A hole is what tools have made at one place, so it is a list of bores, each with its diameter and depth,
-//! and perhaps a thread. Depths count from the surface, positive downwards.
+//! A hole is what tools have made at one place, so it is a list of bores, each with its diameter
+//! and depth, and perhaps a thread. Depths count from the surface, positive downwards.
 use units::{Angle, Lead, Length};
 
 /// The workpiece before the run.
@@ -27,8 +27,8 @@ pub struct Stock {
     pub cutting_n_per_mm2: f64,
     /// Holes that are there already.
     pub holes: Vec<Hole>,
-    /// A tap that finds no hole is taken to find one of diameter D − P, deep enough. Otherwise it finds
-    /// solid material and breaks.
+    /// A tap that finds no hole is taken to find one of diameter D − P, deep enough. Otherwise it
+    /// finds solid material and breaks.
     pub assume_predrilled: bool,
 }
 
@@ -107,11 +107,11 @@ impl Hole {
     }
 }
 
-/// A tool that comes back is out of the work where its tip stands this near to the surface, mm: axes and spindles stop within
-/// micrometres of where they shall.
+/// A tool that comes back is out of the work where its tip stands this near to the surface, mm:
+/// axes and spindles stop within micrometres of where they shall.
 pub(crate) const AT_SURFACE_MM: f64 = 0.02;
-/// A tool has been in the work once its tip was deeper than this, mm. More than [`AT_SURFACE_MM`], so that a tool which rests
-/// at the surface is not in and out by turns.
+/// A tool has been in the work once its tip was deeper than this, mm. More than [`AT_SURFACE_MM`],
+/// so that a tool which rests at the surface is not in and out by turns.
 pub(crate) const ENTERED_MM: f64 = 0.04;
 
 /// Tools closer than this to a hole's centre are in that hole.

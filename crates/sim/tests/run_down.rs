@@ -70,7 +70,8 @@ fn a_quick_stop_takes_the_turns_of_the_drives_torque() {
     let exact = 0.010 * (1000.0 / 60.0 * TAU).powi(2) / 2.0 / (0.95 * 42.0) / TAU;
     let (off, _, turned, time) = run_down(DriveReaction::QuickStop, None);
     assert!((turned - exact).abs() < 0.25 * exact, "{turned} turns, exact {exact}");
-    // each on its own ramp of the same length: what is left is the drives' lag and the speed loops' error
+    // each on its own ramp of the same length: what is left is the drives' lag and the speed loops'
+    // error
     assert!(off.abs() < 0.1, "spindle and feed stop {off} mm apart");
     assert!(time < Time::s(0.3), "{time}");
 }

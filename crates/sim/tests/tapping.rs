@@ -1,5 +1,5 @@
-//! A whole machine drills and taps, held by the least servo that can: position and speed in proportion,
-//! with feed-forward. What is asserted is the machine's, not the servo's.
+//! A whole machine drills and taps, held by the least servo that can: position and speed in
+//! proportion, with feed-forward. What is asserted is the machine's, not the servo's.
 mod fixtures;
 use bus::{Command, Machine, Truth};
 use core::f64::consts::TAU;
@@ -79,7 +79,8 @@ impl Servo {
         }
     }
 
-    /// Turn by so many revolutions, rest to rest, at a speed and an acceleration; Z goes along by `lead`.
+    /// Turn by so many revolutions, rest to rest, at a speed and an acceleration; Z goes along by
+    /// `lead`.
     fn stroke(&mut self, turns: f64, spin: f64, rate: f64, lead: f64) {
         let from = self.wanted;
         let (distance, sense) = (turns.abs(), turns.signum());
@@ -123,7 +124,8 @@ fn over_the_work(tool_length_mm: f64) -> Config {
     config
 }
 
-/// Peak-to-peak deviation of the tap's edges from a straight helix while they are in the material, mm.
+/// Peak-to-peak deviation of the tap's edges from a straight helix while they are in the material,
+/// mm.
 fn widening(saw: &[Truth], lead: f64) -> f64 {
     let deviations = saw
         .iter()

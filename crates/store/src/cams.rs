@@ -11,8 +11,9 @@
 //!   follower = "flat"
 //! ```
 //!
-//! Kinds with a closed form: `eccentric`, `harmonic`, `lobes`, `polynomial`, `automotive`. A library is read whole or
-//! refused with all that is wrong; a lift table is refused at its first bad row.
+//! Kinds with a closed form: `eccentric`, `harmonic`, `lobes`, `polynomial`, `automotive`. A
+//! library is read whole or refused with all that is wrong; a lift table is refused at its first
+//! bad row.
 use crate::{Error, SMALL_FILE_LIMIT, read_text, text::Lines};
 use diag::{Diagnostic, Span};
 use serde::Deserialize;
@@ -21,7 +22,8 @@ use units::{Angle, Length};
 
 /// Bytes a lift table may have.
 pub const LIFT_TABLE_LIMIT: u64 = 16 << 20;
-/// Rows that are read of a lift table: one more than any cam takes, so that the excess can be named.
+/// Rows that are read of a lift table: one more than any cam takes, so that the excess can be
+/// named.
 pub const MOST_ROWS: usize = 65_538;
 
 /// A library of cams.
@@ -58,7 +60,8 @@ pub struct CamEntry {
     /// How fast the work turns.
     #[serde(default)]
     pub work_speed: WorkSpeed,
-    /// Follow what the follower asks for even where the contour is undercut: for tests of an axis in the air.
+    /// Follow what the follower asks for even where the contour is undercut: for tests of an axis
+    /// in the air.
     #[serde(default)]
     pub path_only: bool,
 }
@@ -70,8 +73,8 @@ pub enum WorkSpeed {
     /// At the programmed speed.
     #[default]
     Constant,
-    /// Slower where the contact runs fast along the contour, so that as much is removed everywhere: the programmed speed
-    /// is the mean.
+    /// Slower where the contact runs fast along the contour, so that as much is removed everywhere:
+    /// the programmed speed is the mean.
     Even,
 }
 
@@ -179,7 +182,8 @@ pub fn parse(text: &str) -> Result<CamFile, Vec<Diagnostic>> {
     if findings.is_empty() { Ok(file) } else { Err(findings) }
 }
 
-/// The text of a lift table; of one that is too large, as much of it as shows which row is one too many.
+/// The text of a lift table; of one that is too large, as much of it as shows which row is one too
+/// many.
 ///
 /// # Errors
 /// It cannot be read, is no text, or too large without having too many rows.
@@ -199,8 +203,8 @@ pub fn table_text(path: &Path) -> Result<String, Error> {
     crate::text::utf8(path, bytes)
 }
 
-/// Read a lift table: `angle,lift` in degrees and millimetres. A first line of words, lines that begin with `#` and
-/// empty lines are passed over; commas, semicolons, tabs and blanks separate.
+/// Read a lift table: `angle,lift` in degrees and millimetres. A first line of words, lines that
+/// begin with `#` and empty lines are passed over; commas, semicolons, tabs and blanks separate.
 ///
 /// # Errors
 /// The first row that is not two numbers.

@@ -6,8 +6,8 @@
 //!     features: [ { kind, line, verdict, reason, time_s, … by kind … } ] }      in the order cut
 //! ```
 //!
-//! Keys are only ever added. Every number is finite: what could not be measured is `null`. Numbers are
-//! rounded to six decimals: a micrometre of a micrometre is noise of the arithmetic.
+//! Keys are only ever added. Every number is finite: what could not be measured is `null`. Numbers
+//! are rounded to six decimals: a micrometre of a micrometre is noise of the arithmetic.
 use crate::{Error, SMALL_FILE_LIMIT, output, read_text};
 use diag::{Diagnostic, Span};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -44,7 +44,8 @@ pub struct Certificate {
     pub cycle_time_s: Measured,
     /// The program reached its end.
     pub ended: bool,
-    /// Of the whole run: pass only if the program ended, nothing broke an invariant and every feature passed.
+    /// Of the whole run: pass only if the program ended, nothing broke an invariant and every
+    /// feature passed.
     #[serde(default)]
     pub verdict: Verdict,
     /// Features by their verdicts.
@@ -64,7 +65,8 @@ pub struct Certificate {
     /// What may never happen, and whether it did.
     #[serde(default)]
     pub invariants: Invariants,
-    /// Tools that were taken off work to which they were tied, but not screwed: threads, cams, polygons, gears.
+    /// Tools that were taken off work to which they were tied, but not screwed: threads, cams,
+    /// polygons, gears.
     #[serde(default)]
     pub withdrawals: Vec<Withdrawal>,
     /// What was cut, in that order.

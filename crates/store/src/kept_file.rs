@@ -1,4 +1,5 @@
-//! What a control keeps of a machine from run to run: TOML that a person can read, with whose it is and a mark of the whole.
+//! What a control keeps of a machine from run to run: TOML that a person can read, with whose it is
+//! and a mark of the whole.
 //!
 //! ```text
 //!   version = 3
@@ -8,9 +9,9 @@
 //!   # end 7a1b2c3d                 mark of all that stands above: whether it was cut short or edited
 //! ```
 //!
-//! Marks are FNV-1a of 32 bits (Fowler, Noll, Vo). The file is written beside its name and renamed: a reader finds the old one
-//! or the new one. What is known of a machine that has been changed since is refused: it would be corrected by another
-//! machine's figures.
+//! Marks are FNV-1a of 32 bits (Fowler, Noll, Vo). The file is written beside its name and renamed:
+//! a reader finds the old one or the new one. What is known of a machine that has been changed
+//! since is refused: it would be corrected by another machine's figures.
 use crate::{Error, output, read_text, text::Lines};
 use diag::Diagnostic;
 use serde::{Serialize, de::DeserializeOwned};
@@ -40,7 +41,8 @@ pub(crate) trait KeptFile: Serialize + DeserializeOwned {
     const VERSION: u32;
     /// Longest file, bytes.
     const LONGEST: u64;
-    /// Codes of findings: it is damaged, it is another machine's, the machine has been changed since.
+    /// Codes of findings: it is damaged, it is another machine's, the machine has been changed
+    /// since.
     const CODES: [&'static str; 3];
     /// What to do where it is not this machine's.
     const INSTEAD: &'static str;
@@ -88,7 +90,8 @@ pub(crate) trait KeptFile: Serialize + DeserializeOwned {
     /// Read one for this machine; `None` if there is no file.
     ///
     /// # Errors
-    /// It cannot be read, is damaged, or belongs to another machine or to this one before it was changed.
+    /// It cannot be read, is damaged, or belongs to another machine or to this one before it was
+    /// changed.
     fn read_for(path: &Path, machine: &str, mark: u32) -> Result<Option<Self>, Error> {
         if !path.exists() {
             return Ok(None);

@@ -1,10 +1,10 @@
 //! Reading TOML so that every mistake is found at once.
 //!
-//! Deriving a deserialiser stops at the first mistake. Here the document is first parsed as it stands,
-//! with the place of every value; then the reader asks for each key by name and bounds. A key that is
-//! missing, of the wrong type or out of bounds is noted and answered with a harmless value, and reading
-//! goes on; a key that no reader asked for is unknown, and its nearest neighbour in spelling is offered.
-//! Only if nothing was noted does the caller get what was read.
+//! Deriving a deserialiser stops at the first mistake. Here the document is first parsed as it
+//! stands, with the place of every value; then the reader asks for each key by name and bounds. A
+//! key that is missing, of the wrong type or out of bounds is noted and answered with a harmless
+//! value, and reading goes on; a key that no reader asked for is unknown, and its nearest neighbour
+//! in spelling is offered. Only if nothing was noted does the caller get what was read.
 //!
 //! | code | what was found |
 //! |---|---|
@@ -38,9 +38,9 @@ pub(crate) fn read<T>(
     read_over(text, file, "", &|_| None, read)
 }
 
-/// Read a document whole that may say with the key `extends` on which other one it is based: `base_of` knows the
-/// texts by name. What the document does not state is as the base has it, table by table; `[[tables]]` are paired in their
-/// order. A base may extend another one.
+/// Read a document whole that may say with the key `extends` on which other one it is based:
+/// `base_of` knows the texts by name. What the document does not state is as the base has it, table
+/// by table; `[[tables]]` are paired in their order. A base may extend another one.
 pub(crate) fn read_over<T>(
     text: &str,
     file: u16,
@@ -118,7 +118,8 @@ impl<'d> Keys<'d> {
         self.required(key).and_then(|v| self.checked(key, v, &bounds)).unwrap_or(harmless)
     }
 
-    /// A number within bounds whose key had another name in the version before, which is read as well.
+    /// A number within bounds whose key had another name in the version before, which is read as
+    /// well.
     pub(crate) fn renamed(
         &mut self,
         key: &'static str,
@@ -204,8 +205,8 @@ impl<'d> Keys<'d> {
         self.ask(key).and_then(|v| self.checked_text(key, v))
     }
 
-    /// All entries of this table and of those that it is based on as text, whose keys its reader accepts; the others are unknown
-    /// keys.
+    /// All entries of this table and of those that it is based on as text, whose keys its reader
+    /// accepts; the others are unknown keys.
     pub(crate) fn texts<T>(&mut self, accept: impl Fn(&str) -> Option<T>) -> Vec<(T, String)> {
         let mut found = Vec::new();
         for table in std::iter::once(self.table).chain(self.bases.clone()) {

@@ -14,8 +14,9 @@
 //!   spindle_1e9_rev = [0.0, …]        likewise of the spindle
 //! ```
 //!
-//! `early_rev` is by how many turns a spindle that is followed by its encoder must be told to turn back earlier than its
-//! machine's file makes one think. What all such files have in common is in [`kept_file`](crate::kept_file).
+//! `early_rev` is by how many turns a spindle that is followed by its encoder must be told to turn
+//! back earlier than its machine's file makes one think. What all such files have in common is in
+//! [`kept_file`](crate::kept_file).
 use crate::kept_file::{self, KeptFile, Whose};
 use crate::{Error, SMALL_FILE_LIMIT};
 use diag::Diagnostic;
@@ -148,8 +149,8 @@ impl LearningRecords {
     /// Read them from a file for a machine; `None` if there is no file yet.
     ///
     /// # Errors
-    /// When the file cannot be read, or is damaged, or belongs to another machine or to this one before it was
-    /// changed.
+    /// When the file cannot be read, or is damaged, or belongs to another machine or to this one
+    /// before it was changed.
     pub fn load(path: &Path, machine: &str, mark: u32) -> Result<Option<Self>, Error> {
         Self::read_for(path, machine, mark)
     }

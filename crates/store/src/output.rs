@@ -10,10 +10,10 @@
 //!   out/
 //! ```
 //!
-//! A folder that is there keeps what others put into it: only the names of this run are replaced. The
-//! certificate goes first and comes last, so at every instant, a power cut included, a certificate that
-//! lies in the folder belongs to the files beside it. A run that fails or is refused leaves `out/` as it
-//! was; a killed one leaves a hidden folder besides.
+//! A folder that is there keeps what others put into it: only the names of this run are replaced.
+//! The certificate goes first and comes last, so at every instant, a power cut included, a
+//! certificate that lies in the folder belongs to the files beside it. A run that fails or is
+//! refused leaves `out/` as it was; a killed one leaves a hidden folder besides.
 use crate::Error;
 use std::{
     ffi::OsStr,
@@ -110,7 +110,8 @@ impl Folder {
     }
 }
 
-/// A file in the making. Dropped without [`NewFile::finish`], it vanishes, and what was at its place stays.
+/// A file in the making. Dropped without [`NewFile::finish`], it vanishes, and what was at its
+/// place stays.
 #[derive(Debug)]
 pub struct NewFile {
     destination: PathBuf,

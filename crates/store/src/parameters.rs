@@ -5,8 +5,8 @@
 //!   5221<TAB>-250.000000   G54, X                     31…   the user's own
 //! ```
 //!
-//! Rotary positions are in degrees and linear ones in the machine's unit: what a number means is the
-//! interpreter's business.
+//! Rotary positions are in degrees and linear ones in the machine's unit: what a number means is
+//! the interpreter's business.
 //!
 //! | code | what was found |
 //! |---|---|
@@ -39,8 +39,8 @@ impl Parameters {
         self.values.get(&number).copied()
     }
 
-    /// Set a value; `false`, and nothing set, if the number is not one of 1 to [`HIGHEST`] or the value
-    /// is not finite.
+    /// Set a value; `false`, and nothing set, if the number is not one of 1 to [`HIGHEST`] or the
+    /// value is not finite.
     #[must_use]
     pub fn set(&mut self, number: u32, value: f64) -> bool {
         let good = (1..=HIGHEST).contains(&number) && value.is_finite();
@@ -55,8 +55,8 @@ impl Parameters {
         self.values.iter().map(|(number, value)| (*number, *value))
     }
 
-    /// Read them from text; `file` is the number that spans carry. Empty lines and lines that begin with
-    /// `;` or `#` are passed over.
+    /// Read them from text; `file` is the number that spans carry. Empty lines and lines that begin
+    /// with `;` or `#` are passed over.
     ///
     /// # Errors
     /// Everything that is wrong with the text, in its order.

@@ -1,4 +1,5 @@
-//! The table of phase errors of periodic couplings, Δθ over profile and speed, with what was learnt.
+//! The table of phase errors of periodic couplings, Δθ over profile and speed, with what was
+//! learnt.
 //!
 //! ```text
 //!   version = 2

@@ -16,7 +16,8 @@ pub struct Slice {
     pub radii: Vec<Length>,
 }
 
-/// The radii at `count` equal angles of an outline around the axis; `None` of fewer than three points.
+/// The radii at `count` equal angles of an outline around the axis; `None` of fewer than three
+/// points.
 pub fn radii(outline: &[[Length; 2]], count: usize) -> Option<Vec<Length>> {
     if outline.len() < 3 {
         return None;

@@ -17,8 +17,8 @@ use std::{
 
 /// Bytes a machine file, tool table or parameter file may have.
 pub const SMALL_FILE_LIMIT: u64 = 1 << 20;
-/// Bytes of a part program that is held in memory: a run keeps up to twelve times as much of its meaning. What only reads, as
-/// `check` does, takes longer ones piece by piece.
+/// Bytes of a part program that is held in memory: a run keeps up to twelve times as much of its
+/// meaning. What only reads, as `check` does, takes longer ones piece by piece.
 pub const PROGRAM_LIMIT: u64 = 256 << 20;
 
 /// The bytes of a file, `what` it is (for the sentence), and how many it may have.
@@ -34,7 +34,8 @@ pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>
     read_stream(file, path, what, limit)
 }
 
-/// Whether no process may ever write to it. One that a process holds open, such as a shell's `<(…)`, has its writer.
+/// Whether no process may ever write to it. One that a process holds open, such as a shell's
+/// `<(…)`, has its writer.
 #[cfg(unix)]
 fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;

@@ -186,7 +186,8 @@ proptest! {
     }
 }
 
-/// Each built-in machine, those too that extend another one, can be extended by a file that states nothing but its name.
+/// Each built-in machine, those too that extend another one, can be extended by a file that states
+/// nothing but its name.
 #[test]
 fn a_file_that_extends_a_machine_and_states_a_name_alone_is_that_machine() {
     for name in machine::EMBEDDED {

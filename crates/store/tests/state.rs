@@ -1,4 +1,5 @@
-//! A control's state outlives it: whole, or not at all; and nothing that was not written by a control is believed.
+//! A control's state outlives it: whole, or not at all; and nothing that was not written by a
+//! control is believed.
 #![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 
 use canon::{ToolLibrary, ToolUse};
@@ -403,8 +404,8 @@ const FILES: [&str; 6] = [
     "alarms.jsonl",
 ];
 
-/// A folder whose file was damaged: what it says is what was saved last or before, and if not the last, a sentence
-/// says so.
+/// A folder whose file was damaged: what it says is what was saved last or before, and if not the
+/// last, a sentence says so.
 fn damaged(name: &str, damage: impl FnOnce(&mut Vec<u8>)) -> Result<(), TestCaseError> {
     let home = tempfile::tempdir().unwrap();
     let path = home.path().join("state");

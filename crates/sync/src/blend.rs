@@ -1,4 +1,5 @@
-//! A small move from rest to rest: turning a spindle to an angle, stepping an axis onto its coupling.
+//! A small move from rest to rest: turning a spindle to an angle, stepping an axis onto its
+//! coupling.
 //!
 //! ```text
 //!   s(τ) = d·(10τ³ − 15τ⁴ + 6τ⁵),  τ = t/T      peak speed  15/8·d/T

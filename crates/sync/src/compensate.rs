@@ -1,4 +1,5 @@
-//! Sending a profile so that its follower comes out where it should: by shift, and by the answer of each harmonic.
+//! Sending a profile so that its follower comes out where it should: by shift, and by the answer of
+//! each harmonic.
 //!
 //! ```text
 //!   command at master angle t:   D(t + Δθ)            Δθ positive (late): send what comes later
@@ -8,10 +9,10 @@
 //!   (3) by harmonics   U_k = D_k / H_k                H_k: what the machine made of harmonic k
 //! ```
 //!
-//! A lag delays and shrinks each harmonic by its own amount, and no shift mends that: (3) does. H belongs to the
-//! frequency k·n, not to the profile, so what is known at one speed serves another one as far as its frequencies
-//! reach. Where H is not known, or so small that the command would grow beyond [`MOST_BOOST`], the harmonic is sent
-//! as it is.
+//! A lag delays and shrinks each harmonic by its own amount, and no shift mends that: (3) does. H
+//! belongs to the frequency k·n, not to the profile, so what is known at one speed serves another
+//! one as far as its frequencies reach. Where H is not known, or so small that the command would
+//! grow beyond [`MOST_BOOST`], the harmonic is sent as it is.
 //!
 //! The wrong sign doubles the error instead of removing it.
 use crate::spectrum::{Complex, Spectrum};
@@ -128,7 +129,8 @@ pub struct Response {
 }
 
 impl Response {
-    /// From what was sent and what came at a speed; harmonics of the command below `smallest` are not believed.
+    /// From what was sent and what came at a speed; harmonics of the command below `smallest` are
+    /// not believed.
     pub fn of(command: &Spectrum, answer: &Spectrum, spin: Spin, smallest: f64) -> Self {
         let pairs = command.harmonics.iter().zip(&answer.harmonics).enumerate().skip(1);
         let heard = pairs.filter(|(_, (sent, _))| sent.size() > smallest);
@@ -153,8 +155,8 @@ impl Response {
         Self { points: kept }
     }
 
-    /// As it follows from a drive's loops, up to a frequency, where nothing was measured: s²x = C·(K(u − x) + φs·u − s·x) + αs²·u
-    /// with C = ω + ω²/4s.
+    /// As it follows from a drive's loops, up to a frequency, where nothing was measured: s²x =
+    /// C·(K(u − x) + φs·u − s·x) + αs²·u with C = ω + ω²/4s.
     pub fn of_loops(loops: &DriveLoops, highest_hz: f64) -> Self {
         /// Points of it.
         const POINTS: u32 = 200;
@@ -170,7 +172,8 @@ impl Response {
         Self { points: (1..=POINTS).map(at).collect() }
     }
 
-    /// At a frequency, between known ones; below the lowest it goes to one, and beyond the highest nothing is known.
+    /// At a frequency, between known ones; below the lowest it goes to one, and beyond the highest
+    /// nothing is known.
     pub fn at(&self, hz: f64) -> Option<Complex> {
         let upper = self.points.partition_point(|p| p.0 < hz * (1.0 - 1e-9));
         let (high, h1) = *self.points.get(upper)?;

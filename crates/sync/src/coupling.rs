@@ -11,8 +11,8 @@
 //! ```
 //!
 //! The line has no direction of travel, so it holds while the spindle slows, stops and turns back.
-//! A measured point (θ, z) is judged by two figures of the same fact: the *error* e = z − g(θ) along
-//! the axis, and the *phase difference* e/H, the angle by which the follower is ahead.
+//! A measured point (θ, z) is judged by two figures of the same fact: the *error* e = z − g(θ)
+//! along the axis, and the *phase difference* e/H, the angle by which the follower is ahead.
 //!
 //! Followed at speed, the chain rule gives the feed-forwards: ż = g′·ω and z̈ = g′·α + g″·ω².
 use units::{Accel, Angle, Lead, Length, Speed, Spin, SpinAccel, Time};

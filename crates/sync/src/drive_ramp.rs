@@ -1,13 +1,16 @@
-//! What a speed-commanded drive is about to do: it obeys after a delay, on the ramps that are set in it.
+//! What a speed-commanded drive is about to do: it obeys after a delay, on the ramps that are set
+//! in it.
 //!
 //! ```text
 //!   told n ──► delay ──► ramp up, ramp down ──► speed, and its acceleration in the period now beginning
 //! ```
 //!
-//! A model only: an observer that is told this acceleration has to learn no more than what the drive does differently.
+//! A model only: an observer that is told this acceleration has to learn no more than what the
+//! drive does differently.
 use units::{Spin, SpinAccel, Time};
 
-/// Orders on their way to the drive; more than these in its delay, and the last one takes the place of the one before.
+/// Orders on their way to the drive; more than these in its delay, and the last one takes the place
+/// of the one before.
 const PENDING: usize = 8;
 
 /// The model of a drive that is told speeds.
@@ -26,7 +29,8 @@ pub struct DriveRamp {
 }
 
 impl DriveRamp {
-    /// A drive that was told to stand, which obeys after `delay`, with the accelerations with which it gains and loses speed.
+    /// A drive that was told to stand, which obeys after `delay`, with the accelerations with which
+    /// it gains and loses speed.
     pub const fn new(delay: Time, gains: SpinAccel, loses: SpinAccel) -> Self {
         Self {
             rates: (gains.value(), loses.value()),
@@ -50,7 +54,8 @@ impl DriveRamp {
         self.waiting = at + 1;
     }
 
-    /// A period later: the mean acceleration in the period that begins now. `seen`: how fast it turns, from where a ramp begins.
+    /// A period later: the mean acceleration in the period that begins now. `seen`: how fast it
+    /// turns, from where a ramp begins.
     pub fn advance(&mut self, period: Time, seen: Spin) -> SpinAccel {
         let h = period.value();
         self.now_s += h;
@@ -99,7 +104,8 @@ mod tests {
             ramps.0 += u32::from((accel + 100.0).abs() < 1e-6);
             ramps.1 += u32::from((accel + 50.0).abs() < 1e-6);
         }
-        // 0.1 s down, 0.2 s up on the other side; the period in which it passes zero belongs to either
+        // 0.1 s down, 0.2 s up on the other side; the period in which it passes zero belongs to
+        // either
         assert!((99..=101).contains(&ramps.0) && (197..=201).contains(&ramps.1), "{ramps:?}");
         assert!((spin + 10.0).abs() < 1e-9, "{spin} rev/s");
     }

@@ -7,11 +7,13 @@
 //!   Spinning ── same speed (coarse) ──► Phasing ── gap gone (fine) ──► Locked
 //! ```
 //!
-//! The master's angle is split into whole cycles of q turns, each of which is exactly p turns of the follower, and a
-//! rest below q. Only the rest is multiplied by p/q, so no rounding adds up, however long the gear runs.
+//! The master's angle is split into whole cycles of q turns, each of which is exactly p turns of
+//! the follower, and a rest below q. Only the rest is multiplied by p/q, so no rounding adds up,
+//! however long the gear runs.
 //!
-//! Engaging at speed: while *spinning* the follower is only told the speed it will have. Once it has it, the gap to
-//! its place on the gear, less than half a turn, is closed by a smooth move on top of the gear (*phasing*).
+//! Engaging at speed: while *spinning* the follower is only told the speed it will have. Once it
+//! has it, the gap to its place on the gear, less than half a turn, is closed by a smooth move on
+//! top of the gear (*phasing*).
 //!
 //! Source: `G51.2 P Q R` of lathes with two spindles; JP7525593B2 for what it is used for.
 use crate::{Blend, Rotation};
@@ -38,8 +40,8 @@ pub struct Travel {
 }
 
 impl Gear {
-    /// A gear of `follower` turns in `master` turns (above zero), the follower standing at `phase` when the masters
-    /// are at zero; with a lead, an axis is a second master.
+    /// A gear of `follower` turns in `master` turns (above zero), the follower standing at `phase`
+    /// when the masters are at zero; with a lead, an axis is a second master.
     pub fn new(follower: i32, master: i32, phase: Angle, lead: Option<Lead>) -> Self {
         Self {
             follower_turns: f64::from(follower),
@@ -104,8 +106,9 @@ pub enum Engagement {
 }
 
 impl Engagement {
-    /// The follower has the gear's speed: begin to close what its phase lacks. `place` is where it is, `belongs`
-    /// where the gear has it. The follower's angle counts turns; whole ones do not matter.
+    /// The follower has the gear's speed: begin to close what its phase lacks. `place` is where it
+    /// is, `belongs` where the gear has it. The follower's angle counts turns; whole ones do not
+    /// matter.
     #[must_use]
     pub fn phasing(place: Angle, belongs: Angle, limits: &Engaging) -> Self {
         let gap = (place - belongs).value();
@@ -181,7 +184,8 @@ mod tests {
     }
 
     proptest! {
-        /// Against the rational numbers themselves: follower = p·(turns + count/2²⁰)/q, whole turns left out.
+        /// Against the rational numbers themselves: follower = p·(turns + count/2²⁰)/q, whole turns
+        /// left out.
         #[test]
         fn a_thousand_million_turns_leave_no_drift(
             p in 1..10_000_i64, q in 1..10_000_i64, backwards: bool,
@@ -195,7 +199,8 @@ mod tests {
             let counted = i128::from(p) * i128::from(turns * COUNTS + count);
             let exact = counted.rem_euclid(i128::from(q * COUNTS)) as f64 / (q * COUNTS) as f64;
             let off = found - exact;
-            // the last bits of a number as large as the angle: after as many turns again no more of them are lost
+            // the last bits of a number as large as the angle: after as many turns again no more of
+            // them are lost
             let bits = 4.0 * f64::EPSILON * found.abs();
             prop_assert!((off - off.round()).abs() <= bits, "{p}:{q} at {theta}: {off}, {bits}");
         }

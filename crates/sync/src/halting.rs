@@ -21,8 +21,9 @@
 //! | v, a, J | speed and acceleration along the way (v ≥ 0), bound of the jerk | rev/s… |
 //! | σ | time within the stroke that is being left | s |
 //!
-//! Braking aims at a = −min(A(v), √(2·J·v)): as hard as allowed, and early enough to let go without a jolt. The way
-//! is that of the plan, s = plan(σ) with dσ/dt = `v/v_plan`, and v never exceeds the plan's speed there.
+//! Braking aims at a = −min(A(v), √(2·J·v)): as hard as allowed, and early enough to let go without
+//! a jolt. The way is that of the plan, s = plan(σ) with dσ/dt = `v/v_plan`, and v never exceeds
+//! the plan's speed there.
 use units::{Angle, Length, Spin, SpinAccel, SpinJerk, Time};
 
 use crate::{Blend, Coupling, Rotation, Stroke, StrokePoint, Tap, Tick};

@@ -1,4 +1,5 @@
-//! Learning by repetition: what one run of a motion missed is given to the next one in advance, whatever the motion.
+//! Learning by repetition: what one run of a motion missed is given to the next one in advance,
+//! whatever the motion.
 //!
 //! ```text
 //!             ┌────────────── run k: u_k sent, e_k = wanted − measured, score s_k ◄─────────────┐
@@ -14,15 +15,17 @@
 //! | γ | gain of learning |
 //! | L, Q | learning filter and robustness filter of the basis |
 //!
-//! The basis is the parameter, and all that differs ([`Basis`]): a motion that goes round has harmonics, each with the
-//! answer 1/L that was heard of it ([`crate::Repetition`]: cams, a polygon's oscillation); a motion that goes in and out
-//! has splines over its time, L = 1 and Q a low-pass without phase ([`crate::LearningRecord`]: repeated taps). What decides
-//! whether a run taught something, what is kept, and when it ends, is here.
+//! The basis is the parameter, and all that differs ([`Basis`]): a motion that goes round has
+//! harmonics, each with the answer 1/L that was heard of it ([`crate::Repetition`]: cams, a
+//! polygon's oscillation); a motion that goes in and out has splines over its time, L = 1 and Q a
+//! low-pass without phase ([`crate::LearningRecord`]: repeated taps). What decides whether a run
+//! taught something, what is kept, and when it ends, is here.
 //!
-//! With T from what is sent to what comes, the error shrinks where |Q·(1 − γ·L·T)| < 1 (Bristow, Tharayil, Alleyne: A
-//! survey of iterative learning control, IEEE Control Systems 26(3), 2006, eq. 18). Nobody knows T well enough to be sure;
-//! hence the guard: what is kept is the best run that was *measured*, and the very first one was without correction, so
-//! that what is kept is never worse than not learning by more than the scores' own noise.
+//! With T from what is sent to what comes, the error shrinks where |Q·(1 − γ·L·T)| < 1 (Bristow,
+//! Tharayil, Alleyne: A survey of iterative learning control, IEEE Control Systems 26(3), 2006,
+//! eq. 18). Nobody knows T well enough to be sure; hence the guard: what is kept is the best run
+//! that was *measured*, and the very first one was without correction, so that what is kept is
+//! never worse than not learning by more than the scores' own noise.
 
 /// Runs that made it worse, after which it ends.
 pub const STRIKES: u8 = 3;

@@ -15,16 +15,18 @@
 //! | Q | low-pass run forward and backward over the stroke: no phase | — |
 //! | T | from setpoint to place: the closed loop with its feed-forwards | — |
 //!
-//! **Convergence** (Bristow, Tharayil, Alleyne: A survey of iterative learning control, IEEE Control
-//! Systems 26(3), 2006, eq. 18): the error shrinks from hole to hole where |Q·(1 − γT)| < 1. Feed-forward
-//! makes T ≈ 1 well below the screw's resonance, so there the factor is about 1 − γ; above the bandwidth
-//! of Q nothing is learnt. What is left is (1 − Q)/(1 − Q(1 − γT)) of the first error.
+//! **Convergence** (Bristow, Tharayil, Alleyne: A survey of iterative learning control, IEEE
+//! Control Systems 26(3), 2006, eq. 18): the error shrinks from hole to hole where |Q·(1 − γT)|
+//! < 1. Feed-forward makes T ≈ 1 well below the screw's resonance, so there the factor is about 1 −
+//! γ; above the bandwidth of Q nothing is learnt. What is left is (1 − Q)/(1 − Q(1 − γT)) of the
+//! first error.
 //!
-//! **Storage.** u is a uniform cubic B-spline: twice differentiable, so that speed and force can be fed
-//! forward. Q is two second-order Butterworth sections each way, |Q| = 1/(1 + (f/f₀)⁸).
+//! **Storage.** u is a uniform cubic B-spline: twice differentiable, so that speed and force can be
+//! fed forward. Q is two second-order Butterworth sections each way, |Q| = 1/(1 + (f/f₀)⁸).
 //!
-//! **Guard.** That of all learning by repetition ([`crate::iteration`]); the score of a stroke is the rms of the sync
-//! error in the material. Taps go on learning as long as the tool is used: there is no floor.
+//! **Guard.** That of all learning by repetition ([`crate::iteration`]); the score of a stroke is
+//! the rms of the sync error in the material. Taps go on learning as long as the tool is used:
+//! there is no floor.
 use crate::iteration::{Basis, Progress, Taught, Terms};
 use core::f64::consts::PI;
 use units::{Angle, Lead, Length, Spin, Time};
@@ -171,7 +173,8 @@ struct LowPass {
 
 impl LowPass {
     fn new(bandwidth_hz: f64, cell_s: f64) -> Self {
-        // bilinear with the bandwidth prewarped; a fourth-order Butterworth has Q of 0.5412 and 1.3066
+        // bilinear with the bandwidth prewarped; a fourth-order Butterworth has Q of 0.5412
+        // and 1.3066
         let w = (PI * bandwidth_hz * cell_s).min(0.45 * PI);
         let k = libm::tan(w);
         let section = |q: f64| {
@@ -225,7 +228,8 @@ pub struct LearningRecord {
     pub early: Angle,
 }
 
-/// Corrections as splines over the time within the stroke: the basis of a motion that goes in and out.
+/// Corrections as splines over the time within the stroke: the basis of a motion that goes in and
+/// out.
 struct Splines<'a> {
     feed: &'a mut Channel,
     spindle: &'a mut Channel,
@@ -294,7 +298,8 @@ impl LearningRecord {
         self.spindle.forget_errors();
     }
 
-    /// Corrections of feed and spindle at a time of the stroke, the way out counted on from the way in.
+    /// Corrections of feed and spindle at a time of the stroke, the way out counted on from the way
+    /// in.
     pub fn correction(&self, at: Time) -> (Correction, Correction) {
         let cell_s = self.cell().value();
         let place = at.value() / cell_s;
@@ -324,17 +329,17 @@ impl LearningRecord {
         self.progress.learn(&mut splines, score.value(), &TERMS)
     }
 
-    /// An encoder-following stroke went beyond its bottom by so much (negative: it fell short): the stopping
-    /// angle of this spindle at this speed is longer than planned by as many turns. What braking overruns
-    /// does not depend on when it begins, so one stroke teaches all of it.
+    /// An encoder-following stroke went beyond its bottom by so much (negative: it fell short): the
+    /// stopping angle of this spindle at this speed is longer than planned by as many turns. What
+    /// braking overruns does not depend on when it begins, so one stroke teaches all of it.
     pub fn overran(&mut self, by: Length) {
         let turns: Angle = by / self.key.lead.abs();
         self.stopped_late(self.early + turns, by);
     }
 
-    /// A stroke of a spindle that slowed down to a creep on its way has shown how much longer than planned its
-    /// stopping angle is, and went beyond its bottom by so much. The first stroke teaches all of it, later ones only what
-    /// is not their own chance.
+    /// A stroke of a spindle that slowed down to a creep on its way has shown how much longer than
+    /// planned its stopping angle is, and went beyond its bottom by so much. The first stroke
+    /// teaches all of it, later ones only what is not their own chance.
     pub fn stopped_late(&mut self, by: Angle, overrun: Length) {
         const MOST: Angle = Angle::rev(20.0);
         let share = if self.strokes == 0 { 1.0 } else { LATER };

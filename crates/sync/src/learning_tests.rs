@@ -16,7 +16,8 @@ fn record() -> Box<LearningRecord> {
     Box::new(LearningRecord::new(key, HOW.gain))
 }
 
-/// One stroke of an axis that adds a repeating disturbance to what it is given; rms of its error, mm.
+/// One stroke of an axis that adds a repeating disturbance to what it is given; rms of its error,
+/// mm.
 fn stroke(record: &mut LearningRecord, answer: f64, disturbance: impl Fn(f64) -> f64) -> f64 {
     let (mut squares, h) = (0.0, 250e-6);
     record.begin();

@@ -6,9 +6,10 @@
 //!            ▼                     in the work: along the coupling, if a whole tap can be so far off it
 //! ```
 //!
-//! To bring a tap that stands over the work back onto its coupling could mean to push it into the work at a wrong angle.
-//! And a tap that is further off its coupling than holder and core bear is no longer the whole tap of the record: it
-//! broke, or what was stored or read is wrong. That is refused.
+//! To bring a tap that stands over the work back onto its coupling could mean to push it into the
+//! work at a wrong angle. And a tap that is further off its coupling than holder and core bear is
+//! no longer the whole tap of the record: it broke, or what was stored or read is wrong. That is
+//! refused.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -20,14 +21,17 @@
 use crate::recovery::{Point, Refusal, Stored};
 use units::{Length, Stiffness};
 
-/// Core of a tap over its nominal diameter, and what it bears, N/mm²: high-speed steel, from known break torques.
+/// Core of a tap over its nominal diameter, and what it bears, N/mm²: high-speed steel, from known
+/// break torques.
 const CORE: f64 = 0.6;
 const SHEAR_N_PER_MM2: f64 = 1000.0;
-/// From here on a holder is stiff: an error of a tenth of a millimetre presses with half a kilonewton.
+/// From here on a holder is stiff: an error of a tenth of a millimetre presses with half a
+/// kilonewton.
 const STIFF: Stiffness = Stiffness::n_per_mm(5000.0);
 /// Stiffness of a holder at the end of its travel.
 const AT_END: Stiffness = Stiffness::n_per_mm(20_000.0);
-/// With so many leads in the work the chamfer is in: before, few teeth hold, and the tap tears at them instead.
+/// With so many leads in the work the chamfer is in: before, few teeth hold, and the tap tears at
+/// them instead.
 const CHAMFER: f64 = 3.0;
 /// How far a tap can stand out of a stiff holder that is pulled, and out of one that gives.
 const GIVE: (Length, Length) = (Length::mm(0.1), Length::mm(1.0));
@@ -112,7 +116,8 @@ mod tests {
         diameter: Length::mm(8.0),
     };
 
-    /// √3·1000·π/4·1.8² = 4407 N: 0.5 mm of spring take 250 of them, and the stop the rest in 0.208 mm.
+    /// √3·1000·π/4·1.8² = 4407 N: 0.5 mm of spring take 250 of them, and the stop the rest in 0.208
+    /// mm.
     #[test]
     fn a_holder_that_gives_is_stiff_at_the_end_of_its_travel() {
         let setting = Setting {

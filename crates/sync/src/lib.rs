@@ -10,8 +10,8 @@
 //!         θ₀
 //! ```
 //!
-//! Nothing here knows programs, clocks or drives: angles and positions come in, angles and positions
-//! go out, once a period.
+//! Nothing here knows programs, clocks or drives: angles and positions come in, angles and
+//! positions go out, once a period.
 #![no_std]
 extern crate alloc;
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Measuring a periodic coupling: what the follower did over the master's angle, and by which angle it is late.
+//! Measuring a periodic coupling: what the follower did over the master's angle, and by which angle
+//! it is late.
 //!
 //! ```text
 //!    x │   ideal ╭──╮ ╭──╮ measured         Δθ = θ_measured − θ_ideal     late: positive
@@ -8,14 +9,15 @@
 //!      └──────────────────────► θ
 //! ```
 //!
-//! Samples of both encoders are taken at a fixed period. When the master passed each node of the profile is found by
-//! interpolation of its angle over time, and the follower's place at that time by a cubic through the four samples
-//! around it. Angles are smoothed by a straight line over a few periods, since a master turns evenly and its counts
-//! are coarse.
+//! Samples of both encoders are taken at a fixed period. When the master passed each node of the
+//! profile is found by interpolation of its angle over time, and the follower's place at that time
+//! by a cubic through the four samples around it. Angles are smoothed by a straight line over a few
+//! periods, since a master turns evenly and its counts are coarse.
 //!
-//! (a) and (b) are the source's; (c) weights every node by its slope, which is what a shift can mend, and alone makes
-//! the contour error least. Its standard deviation is σ/√(Σ D′²), with σ the noise of one node. A profile with m equal
-//! lobes says Δθ only modulo 1/m turn: the value next to zero is taken.
+//! (a) and (b) are the source's; (c) weights every node by its slope, which is what a shift can
+//! mend, and alone makes the contour error least. Its standard deviation is σ/√(Σ D′²), with σ the
+//! noise of one node. A profile with m equal lobes says Δθ only modulo 1/m turn: the value next to
+//! zero is taken.
 //!
 //! Source: JPH0622778B2, figures 5, 6, 11 and 12.
 #![allow(clippy::cast_possible_wrap)] // nodes are far below 2⁶³
@@ -82,7 +84,8 @@ impl core::fmt::Display for MeasureError {
 
 impl core::error::Error for MeasureError {}
 
-/// The follower's place at each of N angles of the master; the mean of all turns that the samples cover.
+/// The follower's place at each of N angles of the master; the mean of all turns that the samples
+/// cover.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -173,7 +176,8 @@ pub struct PhaseError {
     pub lobes: usize,
 }
 
-/// Compare a measured profile with the ideal one; `level` is the share of the lift at which the flanks are read.
+/// Compare a measured profile with the ideal one; `level` is the share of the lift at which the
+/// flanks are read.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -262,7 +266,8 @@ fn best_shift(d: &Spectrum, m: &Spectrum, nodes: usize, lobes: usize) -> f64 {
     shift
 }
 
-/// The vertex of the parabola through the top of a profile near node `from`, in nodes, and its curvature.
+/// The vertex of the parabola through the top of a profile near node `from`, in nodes, and its
+/// curvature.
 fn vertex(values: &[f64], from: i64, reach: i64) -> (f64, f64) {
     let n = values.len() as i64;
     let at = |i: i64| values[i.rem_euclid(n) as usize];

@@ -9,11 +9,11 @@
 //!    spindle    axis                                           axis
 //! ```
 //!
-//! *Command-synchronised*: the spindle is position-controlled too; both obey one planned trajectory and
-//! their loops are matched, so that what is left is disturbance. *Encoder-following*: the spindle is only
-//! speed-controlled and the axis runs after what the encoder says. A reading is `transport` periods old
-//! when the axis' loop uses it (one where setpoints travel to the drives once a period). At the
-//! speed v of the follower the axis therefore lags by
+//! *Command-synchronised*: the spindle is position-controlled too; both obey one planned trajectory
+//! and their loops are matched, so that what is left is disturbance. *Encoder-following*: the
+//! spindle is only speed-controlled and the axis runs after what the encoder says. A reading is
+//! `transport` periods old when the axis' loop uses it (one where setpoints travel to the drives
+//! once a period). At the speed v of the follower the axis therefore lags by
 //!
 //! ```text
 //!   v/Kp + v·Ts    position loop alone            Kp position gain, 1/s

@@ -1,4 +1,5 @@
-//! The master's observer: angle, speed and acceleration from a quantised encoder, and their prediction.
+//! The master's observer: angle, speed and acceleration from a quantised encoder, and their
+//! prediction.
 //!
 //! ```text
 //!   ordered acceleration u ──►┌───────────────┐
@@ -15,9 +16,10 @@
 //! | h | period | s |
 //! | ξ | e^(−2π·f·h), triple pole at the bandwidth f | — |
 //!
-//! Steady-state gains of an α-β-γ filter with a triple real pole (Morrison's fading-memory filter of
-//! second degree): α = 1−ξ³, β = 3/2(1−ξ)²(1+ξ), γ = (1−ξ)³. With u known, a planned ramp leaves no
-//! residual; the bandwidth only decides how fast d is learnt against how much quantisation passes.
+//! Steady-state gains of an α-β-γ filter with a triple real pole (Morrison's fading-memory filter
+//! of second degree): α = 1−ξ³, β = 3/2(1−ξ)²(1+ξ), γ = (1−ξ)³. With u known, a planned ramp leaves
+//! no residual; the bandwidth only decides how fast d is learnt against how much quantisation
+//! passes.
 use units::{Angle, Spin, SpinAccel, Time};
 
 use crate::Rotation;
@@ -34,8 +36,8 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// A tracker of something at rest at `place`, called once a period, that learns disturbances with
-    /// a bandwidth well below half the sampling rate.
+    /// A tracker of something at rest at `place`, called once a period, that learns disturbances
+    /// with a bandwidth well below half the sampling rate.
     pub fn new(period_s: f64, bandwidth_hz: f64, place: f64) -> Self {
         let xi = libm::exp(-core::f64::consts::TAU * bandwidth_hz * period_s);
         let alpha = 1.0 - xi * xi * xi;
@@ -51,9 +53,9 @@ impl Tracker {
         }
     }
 
-    /// The largest bandwidth, Hz, at which an encoder of a given count leaves no more noise on the rate
-    /// than is allowed (standard deviations). Quantisation is count/√12; of a variance σ² the filter
-    /// leaves σ²·(1−ξ)³·(49+50ξ+13ξ²)/(2h²·(1+ξ)⁵), which is 7/4·σ²(1−ξ)³/h² for ξ near 1.
+    /// The largest bandwidth, Hz, at which an encoder of a given count leaves no more noise on the
+    /// rate than is allowed (standard deviations). Quantisation is count/√12; of a variance σ² the
+    /// filter leaves σ²·(1−ξ)³·(49+50ξ+13ξ²)/(2h²·(1+ξ)⁵), which is 7/4·σ²(1−ξ)³/h² for ξ near 1.
     pub fn bandwidth_for(period_s: f64, count: f64, rate_noise: f64) -> f64 {
         let sigma = count / libm::sqrt(12.0);
         let gap = libm::cbrt(4.0 / 7.0 * libm::pow(rate_noise * period_s / sigma, 2.0));
@@ -72,8 +74,8 @@ impl Tracker {
         self.disturbance += self.gains[2] * residual;
     }
 
-    /// How much a count at most adds to the acceleration of the place, by its second difference: α·count/h², and as much again
-    /// where the next count takes it back.
+    /// How much a count at most adds to the acceleration of the place, by its second difference:
+    /// α·count/h², and as much again where the next count takes it back.
     pub fn count_accel(&self, count: f64) -> f64 {
         2.0 * self.gains[0] * count / (self.period_s * self.period_s)
     }
@@ -120,7 +122,8 @@ impl Observer {
         SpinAccel::rev_per_s2(self.0.count_accel(count.value()))
     }
 
-    /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from there.
+    /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from
+    /// there.
     pub fn now(&self) -> Rotation {
         Rotation {
             angle: Angle::rev(self.0.place()),

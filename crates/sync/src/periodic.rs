@@ -9,12 +9,14 @@
 //!      0        1/2       1 rev
 //! ```
 //!
-//! Of a tone of k waves a turn the spline misses about (2πk/N)⁶/30 000 of its amplitude between the nodes.
+//! Of a tone of k waves a turn the spline misses about (2πk/N)⁶/30 000 of its amplitude between the
+//! nodes.
 //!
-//! The coefficients c follow from the values x by two recursive filters, one each way (M. Unser: Splines, a
-//! perfect fit for signal and image processing, IEEE Signal Processing Magazine 16(6), 1999, box 2), started
-//! with the sum over the turn that periodicity demands. That costs O(N) and is done outside the servo's
-//! tick; a value and its derivatives cost some fifty products, whatever N is.
+//! The coefficients c follow from the values x by two recursive filters, one each way (M. Unser:
+//! Splines, a perfect fit for signal and image processing, IEEE Signal Processing Magazine 16(6),
+//! 1999, box 2), started with the sum over the turn that periodicity demands. That costs O(N) and
+//! is done outside the servo's tick; a value and its derivatives cost some fifty products, whatever
+//! N is.
 use alloc::vec::Vec;
 
 /// The two poles of the quintic's filter.
@@ -106,7 +108,8 @@ impl Periodic {
     pub fn at(&self, turn: f64) -> PeriodicPoint {
         let n = self.nodes as f64;
         let place = (turn - libm::floor(turn)) * n;
-        // the product may round up to N itself; there the fraction is 1 and the spline goes on smoothly
+        // the product may round up to N itself; there the fraction is 1 and the spline goes on
+        // smoothly
         let whole = (place as usize).min(self.nodes - 1);
         let f = place - whole as f64;
         let Some(&[a, b, c, d, e, g]) = self.coefficients.get(whole..whole + 6) else {
@@ -126,7 +129,8 @@ impl Periodic {
 fn filter(x: &mut [f64], z: f64) {
     let n = x.len();
     let gain = (1.0 - z) * (1.0 - 1.0 / z);
-    // z^n is below 1e-3 at the fewest nodes: the sums over one turn, closed by 1/(1 − z^n), are exact
+    // z^n is below 1e-3 at the fewest nodes: the sums over one turn, closed by 1/(1 − z^n), are
+    // exact
     let closing = 1.0 / (1.0 - libm::pow(z, n as f64));
     let (mut before, mut power) = (0.0, closing);
     for k in 0..n {
@@ -157,7 +161,8 @@ fn filter(x: &mut [f64], z: f64) {
     }
 }
 
-/// The polynomial between two nodes, by powers of the fraction of the way, from the coefficients c₋₂ … c₃ around.
+/// The polynomial between two nodes, by powers of the fraction of the way, from the coefficients
+/// c₋₂ … c₃ around.
 fn polynomial(c: [f64; 6]) -> [f64; 6] {
     let [a, b, c, d, e, f] = c;
     [

@@ -24,18 +24,19 @@
 //! - (1) Sc = Sb, Zc = ZS + uS·(ZE−ZS);
 //! - (2) Zc = Zb, Sc = SS + uZ·(SE−SS).
 //!
-//! The axis that overran goes back, so that the way back retraces what the stop has already cut. On a
-//! coupling that is no line, ZS + uS·(ZE−ZS) is g(Sb), and SS + uZ·(SE−SS) the angle near Sb at which g is
-//! Zb: where there is none (beyond a cam's lift), the feed goes back whoever overran.
+//! The axis that overran goes back, so that the way back retraces what the stop has already cut. On
+//! a coupling that is no line, ZS + uS·(ZE−ZS) is g(Sb), and SS + uZ·(SE−SS) the angle near Sb at
+//! which g is Zb: where there is none (beyond a cam's lift), the feed goes back whoever overran.
 //!
-//! A tap that is held stiffly is better unloaded first: the feed goes to where holder and flanks press no
-//! more (|e| ≤ half the play), and only then is the axis chosen.
+//! A tap that is held stiffly is better unloaded first: the feed goes to where holder and flanks
+//! press no more (|e| ≤ half the play), and only then is the axis chosen.
 //!
-//! After a loss of power a single-turn encoder knows θ modulo one turn only. z gives the turn, n = round(g⁻¹(z) − φ),
-//! if the distance from the coupling is *shown* to be less than H/2; if it is not, that is refused.
+//! After a loss of power a single-turn encoder knows θ modulo one turn only. z gives the turn, n =
+//! round(g⁻¹(z) − φ), if the distance from the coupling is *shown* to be less than H/2; if it is
+//! not, that is refused.
 //!
-//! Source: JPH0773810B2, figure 2 and claims 1–3; its formulas are lost in the text, the rule of signs is deduced from
-//! the figure.
+//! Source: JPH0773810B2, figure 2 and claims 1–3; its formulas are lost in the text, the rule of
+//! signs is deduced from the figure.
 use core::fmt;
 use units::{Angle, Lead, Length};
 
@@ -106,8 +107,8 @@ pub struct Seat {
 pub enum Way {
     /// The axis that overran goes back onto the coupling, at once.
     Direct,
-    /// First the feed goes to zero axial force, if the holder is stiff; then the axis that overran goes back as far as is
-    /// left.
+    /// First the feed goes to zero axial force, if the holder is stiff; then the axis that overran
+    /// goes back as far as is left.
     UnloadFirst(Seat),
     /// The follower alone, to PS: the tap is in no thread ([`crate::leaving`]).
     Straight,
@@ -126,7 +127,8 @@ pub struct Projection {
     pub to: Point,
 }
 
-/// What is stored of a coupled motion: where it began, where it was to end, and its sense at the stop.
+/// What is stored of a coupled motion: where it began, where it was to end, and its sense at the
+/// stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stored {
@@ -272,7 +274,8 @@ impl Stored {
         self.coupling.phase_difference(at.angle, at.place)
     }
 
-    /// Who overran, by the rule of signs: d·(uZ − uS), where uZ − uS is the error over ZE − ZS. `None`: nobody.
+    /// Who overran, by the rule of signs: d·(uZ − uS), where uZ − uS is the error over ZE − ZS.
+    /// `None`: nobody.
     pub fn overran(&self, at: Point) -> Option<Mover> {
         let inward = (self.end().place - self.start().place).value();
         // a coupling that ends at the height at which it began has no inward but its slope's
@@ -312,8 +315,9 @@ impl Stored {
         Projection { from: at, unloaded, mover: Some(mover), to }
     }
 
-    /// Where a stiffly held tap is pressed no more, reached by the feed alone: within half the play of the coupling. Deeper
-    /// than PE and than where it stands nothing is unloaded: there the hole may end.
+    /// Where a stiffly held tap is pressed no more, reached by the feed alone: within half the play
+    /// of the coupling. Deeper than PE and than where it stands nothing is unloaded: there the hole
+    /// may end.
     fn unloaded(&self, at: Point, seat: Seat) -> Point {
         let error = self.error(at);
         let free = seat.play / 2.0;
@@ -326,8 +330,8 @@ impl Stored {
         if deeper(self.end().place) && deeper(at.place) { at } else { Point { place, ..at } }
     }
 
-    /// The angle near a point at which the coupling has the point's height, within one lead's turn of it if the
-    /// coupling bends. Newton's steps; on a line the first is exact.
+    /// The angle near a point at which the coupling has the point's height, within one lead's turn
+    /// of it if the coupling bends. Newton's steps; on a line the first is exact.
     fn angle_at(&self, at: Point) -> Option<Angle> {
         const STEPS: usize = 32;
         const NEAR_MM: f64 = 1e-12;
@@ -356,9 +360,10 @@ impl Stored {
         Point { angle, place: self.coupling.position(angle) }
     }
 
-    /// The unwrapped angle of a master whose encoder knows it within a turn only: φ + n with the turn n that lies
-    /// nearest the coupling. `bound` is what the distance from the coupling is shown not to exceed, the encoders'
-    /// own uncertainty included. `reading` may be any angle: only its part within a turn counts.
+    /// The unwrapped angle of a master whose encoder knows it within a turn only: φ + n with the
+    /// turn n that lies nearest the coupling. `bound` is what the distance from the coupling is
+    /// shown not to exceed, the encoders' own uncertainty included. `reading` may be any angle:
+    /// only its part within a turn counts.
     ///
     /// # Errors
     /// The bound does not tell turns apart, or contradicts the readings.

@@ -63,7 +63,8 @@ fn a_tap_over_the_work_goes_straight_to_its_start() {
 
 #[test]
 fn nothing_is_unloaded_to_deeper_than_the_stroke() {
-    // a spindle that overran at the bottom by a quarter of a turn: the feed would have to go 0.3125 mm below PE
+    // a spindle that overran at the bottom by a quarter of a turn: the feed would have to go 0.3125
+    // mm below PE
     let way = Way::UnloadFirst(Seat { play: Length::ZERO, is_stiff: true });
     let stop = point(23.25, -20.0);
     let found = m8(Direction::Inward).project(stop, way);

@@ -1,4 +1,5 @@
-//! Learning over revolutions: what a turn missed is sent in advance with the next one, harmonic by harmonic.
+//! Learning over revolutions: what a turn missed is sent in advance with the next one, harmonic by
+//! harmonic.
 //!
 //! ```text
 //!   turn 0      U = D               M measured          H_k = M_k / U_k            what the machine does to a sine
@@ -8,11 +9,13 @@
 //!   guard of the turn, floor, end: those of all learning by repetition ([`crate::iteration`])
 //! ```
 //!
-//! With H known to within ε the error of a harmonic shrinks by |1 − γ(1 + ε)| a turn. A law that only leads (γ·E sent
-//! earlier by a time) diverges where the phase of H is off by more than a quarter turn, which on a real cam is a dozen
-//! harmonics; so a harmonic whose H is not known is not learnt: one that the command excites too little gets its H
-//! from its neighbours, one beyond all that are excited from what is assumed of the drive's loops, if anything is, else
-//! it stays as it is. Friction is what speaks there: a round eccentric excites two harmonics, its reversals err in sixty.
+//! With H known to within ε the error of a harmonic shrinks by |1 − γ(1 + ε)| a turn. A law that
+//! only leads (γ·E sent earlier by a time) diverges where the phase of H is off by more than a
+//! quarter turn, which on a real cam is a dozen harmonics; so a harmonic whose H is not known is
+//! not learnt: one that the command excites too little gets its H from its neighbours, one beyond
+//! all that are excited from what is assumed of the drive's loops, if anything is, else it stays as
+//! it is. Friction is what speaks there: a round eccentric excites two harmonics, its reversals err
+//! in sixty.
 //!
 //! Source: the compensation of JPH0622778B2, from one shift to all harmonics.
 use crate::compensate::{MOST_BOOST, Response};
@@ -80,7 +83,8 @@ struct Turn<'a> {
 }
 
 impl Repetition {
-    /// For an ideal profile, given by nodes, at a speed. `known`: an answer measured before, to begin with.
+    /// For an ideal profile, given by nodes, at a speed. `known`: an answer measured before, to
+    /// begin with.
     pub fn new(
         ideal: &[f64],
         spin: Spin,
@@ -153,7 +157,8 @@ impl Repetition {
         self.harmonics.iter().filter(|h| h.strikes >= STRIKES).count()
     }
 
-    /// What the machine makes of each frequency, as far as it is known: to begin with at another speed.
+    /// What the machine makes of each frequency, as far as it is known: to begin with at another
+    /// speed.
     pub fn response(&self) -> Response {
         let heard = self.harmonics.iter().enumerate().skip(1).filter(|(_, h)| !h.assumed);
         let known = heard.filter_map(|(k, h)| Some((k, h.answer?)));

@@ -6,7 +6,8 @@ use units::Angle;
 
 const NODES: usize = 180;
 
-/// A machine: a lag of first order, a resonance, reversal friction, an uneven encoder and a noisy sensor.
+/// A machine: a lag of first order, a resonance, reversal friction, an uneven encoder and a noisy
+/// sensor.
 #[derive(Clone, Debug)]
 struct Plant {
     lag_hz: f64,

@@ -1,4 +1,5 @@
-//! The master's angle for a follower that must not shake: from a coarse encoder, with a bound on the acceleration.
+//! The master's angle for a follower that must not shake: from a coarse encoder, with a bound on
+//! the acceleration.
 //!
 //! ```text
 //!   ordered u ──────────────────────┐
@@ -8,9 +9,10 @@
 //!         └──────────────────────────────────────┘
 //! ```
 //!
-//! An α-β-γ filter ([`crate::Tracker`]) hands a share α of each count on to the angle in the period in which it is read, and two
-//! periods' difference of that is an acceleration of α·q/h²: hundreds of rev/s² at a period of 1 ms. Here a count reaches the
-//! acceleration first, through a filter, and the angle by integration.
+//! An α-β-γ filter ([`crate::Tracker`]) hands a share α of each count on to the angle in the period
+//! in which it is read, and two periods' difference of that is an acceleration of α·q/h²: hundreds
+//! of rev/s² at a period of 1 ms. Here a count reaches the acceleration first, through a filter,
+//! and the angle by integration.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -19,22 +21,25 @@
 //! | w, g | poles at −w: at z = 1 − g, g = 1 − e^(−w·h) | 1/s, — |
 //! | R | acceleration that counts may cost | rev/s² |
 //!
-//! Closed loop: D = x³·Q + (1 + x/2)·M = (x + g)⁵, five equal poles. With 1 − θ̂/θ = x³·Q/D it has no lag at a
-//! constant speed nor at a constant acceleration, also through a reversal. Comparing coefficients:
+//! Closed loop: D = x³·Q + (1 + x/2)·M = (x + g)⁵, five equal poles. With 1 − θ̂/θ = x³·Q/D it has
+//! no lag at a constant speed nor at a constant acceleration, also through a reversal. Comparing
+//! coefficients:
 //!
 //! ```text
 //!   M = m₂x² + m₁x + m₀      m₀ = g⁵     m₁ = 5g⁴ − m₀/2     m₂ = 10g³ − m₁/2
 //!   Q = x² + q₁x + q₀        q₁ = 5g     q₀ = 10g² − m₂/2
 //! ```
 //!
-//! Counts are at most q/2 off their mean, so that they cost no more than q/2 times the sum of the absolute values of the impulse
-//! response to the acceleration, which is below 6·w² for w·h ≤ 0.3 (4.9·w² for w·h → 0). From R = 3·q·w² follows w. To the angle that
-//! sum is 2.4 to 2.9: where the counts beat with the period as badly as can be, the angle is off by 1.5·q, else by less than half a
-//! count.
+//! Counts are at most q/2 off their mean, so that they cost no more than q/2 times the sum of the
+//! absolute values of the impulse response to the acceleration, which is below 6·w² for w·h ≤ 0.3
+//! (4.9·w² for w·h → 0). From R = 3·q·w² follows w. To the angle that sum is 2.4 to 2.9: where the
+//! counts beat with the period as badly as can be, the angle is off by 1.5·q, else by less than
+//! half a count.
 //!
-//! What it costs: an acceleration Δ that nothing announced is learnt within about 5/w, and until then the angle is off by 2.0 to 2.6
-//! times Δ/w²; an unannounced jump of speed Δω by about Δω/w. With w from R that is up to 8·q·Δ/R: both below a count and quiet
-//! (R ≪ Δ) is only what is announced by u.
+//! What it costs: an acceleration Δ that nothing announced is learnt within about 5/w, and until
+//! then the angle is off by 2.0 to 2.6 times Δ/w²; an unannounced jump of speed Δω by about Δω/w.
+//! With w from R that is up to 8·q·Δ/R: both below a count and quiet (R ≪ Δ) is only what is
+//! announced by u.
 use crate::Rotation;
 use units::{Angle, Spin, SpinAccel, Time};
 
@@ -43,8 +48,8 @@ const RESPONSE: f64 = 6.0;
 /// Largest w·h for which it holds.
 const FASTEST: f64 = 0.3;
 
-/// A master stands where readings are no farther off than so many counts, and the speed is below one count in 1/w, for so many 1/w:
-/// what it does then is learnt.
+/// A master stands where readings are no farther off than so many counts, and the speed is below
+/// one count in 1/w, for so many 1/w: what it does then is learnt.
 const OFF: f64 = 1.5;
 const LEARNT: f64 = 5.0;
 
@@ -52,7 +57,8 @@ const LEARNT: f64 = 5.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothObserver {
     period_s: f64,
-    /// Of a master that stands: how far off its readings may be, rev, and how fast it may seem, rev/s.
+    /// Of a master that stands: how far off its readings may be, rev, and how fast it may seem,
+    /// rev/s.
     standing: (f64, f64),
     /// For how long it has stood, and must stand, s.
     stood_s: f64,
@@ -70,8 +76,8 @@ pub struct SmoothObserver {
 }
 
 impl SmoothObserver {
-    /// An observer of a master at rest at `angle`, whose encoder has counts of `count`, called once a period. They cost no more
-    /// acceleration than `most`.
+    /// An observer of a master at rest at `angle`, whose encoder has counts of `count`, called once
+    /// a period. They cost no more acceleration than `most`.
     pub fn new(period: Time, count: Angle, most: SpinAccel, angle: Angle) -> Self {
         let h = period.value();
         let w = libm::sqrt(2.0 * most.value() / (RESPONSE * count.value())).min(FASTEST / h);
@@ -116,7 +122,8 @@ impl SmoothObserver {
         self.stood_s >= self.learning_s
     }
 
-    /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from there.
+    /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from
+    /// there.
     pub fn now(&self) -> Rotation {
         Rotation {
             angle: Angle::rev(self.angle),

@@ -102,8 +102,9 @@ proptest! {
     }
 }
 
-/// A drive that brakes slower than it was told, to rest: what the observer still goes when it says that it stands, in counts, and how
-/// long after the drive has come to rest it says so, s. `flickers`: by how much the reading at rest is off, in counts.
+/// A drive that brakes slower than it was told, to rest: what the observer still goes when it says
+/// that it stands, in counts, and how long after the drive has come to rest it says so, s.
+/// `flickers`: by how much the reading at rest is off, in counts.
 fn after_a_stop(
     from: f64,
     announced: f64,

@@ -4,11 +4,12 @@
 //!    x(θ) = c₀ + 2·Re Σ c_k·exp(2πi·k·θ)          k: waves a turn
 //! ```
 //!
-//! A lag delays each harmonic by its own angle and shrinks it by its own share, so what a machine does to a
-//! profile is one complex factor a harmonic, and what must be sent to get a profile is its inverse.
+//! A lag delays each harmonic by its own angle and shrinks it by its own share, so what a machine
+//! does to a profile is one complex factor a harmonic, and what must be sent to get a profile is
+//! its inverse.
 //!
-//! The transform is the plain sum over N nodes with one table of N cosines: N·K products, a millisecond for 720
-//! nodes and 200 harmonics, once a revolution and outside the tick.
+//! The transform is the plain sum over N nodes with one table of N cosines: N·K products, a
+//! millisecond for 720 nodes and 200 harmonics, once a revolution and outside the tick.
 use alloc::{vec, vec::Vec};
 use core::f64::consts::TAU;
 use core::ops::{Add, Div, Mul, Sub};
@@ -102,7 +103,8 @@ fn circle(nodes: usize) -> (Vec<f64>, Vec<f64>) {
 }
 
 impl Spectrum {
-    /// Of node values at θ = i/N, up to harmonic `most`; those from N/2 on do not exist and are left out.
+    /// Of node values at θ = i/N, up to harmonic `most`; those from N/2 on do not exist and are
+    /// left out.
     pub fn of(values: &[f64], most: usize) -> Self {
         let n = values.len();
         let (cosines, sines) = circle(n);
@@ -139,7 +141,8 @@ impl Spectrum {
         Self { harmonics: self.harmonics.iter().enumerate().map(shifted).collect() }
     }
 
-    /// How many lobes a turn repeat: the greatest number that divides every harmonic that counts. 1: no symmetry.
+    /// How many lobes a turn repeat: the greatest number that divides every harmonic that counts.
+    /// 1: no symmetry.
     pub fn lobes(&self) -> usize {
         /// A harmonic smaller than this share of the largest is rounding of the table.
         const ROUNDING: f64 = 1e-4;

@@ -14,8 +14,9 @@
 //! | a | the drive's deceleration | rev/s² |
 //! | N | stopping angle | rev |
 //!
-//! The machine's file knows τ and a as somebody measured or set them; the machine itself may differ. A stroke that only slows
-//! down to a creep shows the real a on the way, since from n₀ to n the spindle turns (n₀² − n²)/2a.
+//! The machine's file knows τ and a as somebody measured or set them; the machine itself may
+//! differ. A stroke that only slows down to a creep shows the real a on the way, since from n₀ to n
+//! the spindle turns (n₀² − n²)/2a.
 use units::{Angle, Spin, SpinAccel, Time};
 
 /// A ramp shorter than this share of what its file says is an error of measuring.
@@ -49,8 +50,8 @@ impl Stopping {
         (n + gained / 2.0) * self.delay + stopping_angle(n + gained, self.decel)
     }
 
-    /// The same drive with the deceleration that it showed: it was at `from`, and at `to` after `turned`. `None` if it
-    /// had not slowed down enough by then to tell.
+    /// The same drive with the deceleration that it showed: it was at `from`, and at `to` after
+    /// `turned`. `None` if it had not slowed down enough by then to tell.
     pub fn shown(&self, from: Spin, to: Spin, turned: Angle) -> Option<Self> {
         let braked = turned.value();
         let squares = from.value() * from.value() - to.value() * to.value();
@@ -58,8 +59,8 @@ impl Stopping {
         (braked > 0.0 && squares > 0.0).then_some(Self { decel, ..*self })
     }
 
-    /// The same drive, if from a speed it needs so many turns more than by delay and deceleration. What would leave no
-    /// turns to brake is not believed.
+    /// The same drive, if from a speed it needs so many turns more than by delay and deceleration.
+    /// What would leave no turns to brake is not believed.
     #[must_use]
     pub(crate) fn later_by(&self, early: Angle, from: Spin) -> Self {
         let ramp = stopping_angle(from, self.decel);

@@ -4,10 +4,12 @@
 //!   x = base + (1 − w)·g₀(θ) + w·g₁(θ)        w: 0 ──╱── 1 over the fade
 //! ```
 //!
-//! g₀ is what was in force, g₁ what shall be; either may be nothing, so the same formula begins, exchanges and ends
-//! a superposition. w is the quintic of [`crate::Blend`], so that speed and acceleration do not jump.
+//! g₀ is what was in force, g₁ what shall be; either may be nothing, so the same formula begins,
+//! exchanges and ends a superposition. w is the quintic of [`crate::Blend`], so that speed and
+//! acceleration do not jump.
 //!
-//! At speed, with ω, α the master's rates: ẋ = g′ω, ẍ = g″ω² + g′α, x⃛ = g‴ω³ + 3g″ωα, and the product rule for w.
+//! At speed, with ω, α the master's rates: ẋ = g′ω, ẍ = g″ω² + g′α, x⃛ = g‴ω³ + 3g″ωα, and the
+//! product rule for w.
 use crate::{Blend, Periodic, Rotation};
 
 /// A value and its rates: mm and s on an axis, rev and s on a spindle.

@@ -13,15 +13,17 @@
 //!                              └────────────────────────────────────────────────────────────┘
 //! ```
 //!
-//! From `In`, `Bottom` and `Out` a stop leads to `Halted`, which stays on the coupling ([`Halting`]).
+//! From `In`, `Bottom` and `Out` a stop leads to `Halted`, which stays on the coupling
+//! ([`Halting`]).
 //!
-//! From `In` to `Out` the axis obeys one [`Coupling`]; only the spindle's order changes, so reversal
-//! needs no special case. *Command-synchronised*, spindle and axis obey the planned strokes θ(t), and
-//! the depth is met because the plan ends there. *Encoder-following*, the spindle only obeys a speed:
-//! the stroke's clock waits at the top speed until the turns that are left are the turns that braking
-//! takes (the predicted stopping angle, ω²/2a for a constant a), then runs on. The order to turn back
-//! thus comes early, and the depth is met instead of overrun. A spindle whose drive makes its own ramps is only
-//! [told](crate::told) speeds: its strokes are no planned strokes at all.
+//! From `In` to `Out` the axis obeys one [`Coupling`]; only the spindle's order changes, so
+//! reversal needs no special case. *Command-synchronised*, spindle and axis obey the planned
+//! strokes θ(t), and the depth is met because the plan ends there. *Encoder-following*, the spindle
+//! only obeys a speed: the stroke's clock waits at the top speed until the turns that are left are
+//! the turns that braking takes (the predicted stopping angle, ω²/2a for a constant a), then runs
+//! on. The order to turn back thus comes early, and the depth is met instead of overrun. A spindle
+//! whose drive makes its own ramps is only [told](crate::told) speeds: its strokes are no planned
+//! strokes at all.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -57,7 +59,8 @@ pub struct Tap<'a, S> {
     pub start_angle: Option<Angle>,
     /// The axis obeys the encoder and the spindle only a speed.
     pub encoder_following: bool,
-    /// Turns by which an encoder-following spindle is braked earlier than planned: what it overran before.
+    /// Turns by which an encoder-following spindle is braked earlier than planned: what it overran
+    /// before.
     pub early: Angle,
     /// Its drive makes its own ramps.
     pub spoken: Option<Spoken>,
@@ -305,7 +308,8 @@ impl Cycle {
         }
     }
 
-    /// Turns by which this stroke has shown the stopping angle to be longer than by the machine's file.
+    /// Turns by which this stroke has shown the stopping angle to be longer than by the machine's
+    /// file.
     pub const fn taught(&self) -> Option<Angle> {
         match self {
             Self::Told(_, told) => told.taught(),

@@ -85,8 +85,8 @@ struct Run {
     braked_at: f64,
 }
 
-/// The one place that knows the API: run the cycle on an ideal spindle whose speed is `factor` times
-/// what is ordered.
+/// The one place that knows the API: run the cycle on an ideal spindle whose speed is `factor`
+/// times what is ordered.
 fn run(tap: &Tap<Trapezoid>, first_angle: f64, factor: f64) -> Run {
     let h = Time::s(250e-6);
     let (mut cycle, mut angle, mut spin, mut held) = (Cycle::new(), first_angle, 0.0, None);

@@ -1,4 +1,5 @@
-//! The tap of a spindle whose drive is only told a speed: it is told early, and what it does is watched.
+//! The tap of a spindle whose drive is only told a speed: it is told early, and what it does is
+//! watched.
 //!
 //! ```text
 //!        told S               turns left = N·(1 + u)           slow: its deceleration has shown itself
@@ -18,14 +19,16 @@
 //! | u | share by which it may be longer: large before anything is learnt |
 //! | early | turns that it was longer at the programmed speed, learnt from the strokes before; it goes with the square of the speed |
 //!
-//! The first stroke of a kind is on the safe side: it leaves the speed so early that even a stopping angle longer by u
-//! would not pass the bottom, and creeps on to it. Creeping takes long, so it goes on at a speed between, where a first part of the
-//! ramp has shown how the drive brakes, and is told to creep when the turns that are left are those that the rest of the ramp takes,
-//! with a quarter of u. From the second stroke on the spindle is told to turn back straight from its
-//! speed, if the turning point repeats well enough: it scatters with the speed times the scatter of the drive's delay, and with the
-//! ramp. Where it does not, the later strokes creep too, but for a moment only, because how the drive stops is known.
-//! A stop on the way tells it to stand; the feed stays on its helix meanwhile, and the stroke goes on, or out, from there.
-//! An order is given in a period, so the turning point is met within half a period's way.
+//! The first stroke of a kind is on the safe side: it leaves the speed so early that even a
+//! stopping angle longer by u would not pass the bottom, and creeps on to it. Creeping takes long,
+//! so it goes on at a speed between, where a first part of the ramp has shown how the drive brakes,
+//! and is told to creep when the turns that are left are those that the rest of the ramp takes,
+//! with a quarter of u. From the second stroke on the spindle is told to turn back straight from
+//! its speed, if the turning point repeats well enough: it scatters with the speed times the
+//! scatter of the drive's delay, and with the ramp. Where it does not, the later strokes creep too,
+//! but for a moment only, because how the drive stops is known. A stop on the way tells it to
+//! stand; the feed stays on its helix meanwhile, and the stroke goes on, or out, from there. An
+//! order is given in a period, so the turning point is met within half a period's way.
 use crate::stopping::{Stopping, stopping_angle};
 use crate::strokes::Stroke;
 use crate::tapping::{Cycle, Phase, Tap, Tick};
@@ -34,11 +37,13 @@ use units::{Angle, Spin, SpinAccel, Time};
 
 /// The deceleration has shown itself once the spindle is as slow as this many times its creep …
 const SHOWN: f64 = 1.5;
-/// … and a first part of the ramp has, to this share of the speed before: there it goes on until the rest of the ramp is due.
+/// … and a first part of the ramp has, to this share of the speed before: there it goes on until
+/// the rest of the ramp is due.
 const BETWEEN: f64 = 0.7;
 /// The first part is measured when so much of it is left.
 const NEARLY: f64 = 0.5;
-/// At the speed between it stays for so long, or does not go there: a ramp that begins anew begins at a steady speed.
+/// At the speed between it stays for so long, or does not go there: a ramp that begins anew begins
+/// at a steady speed.
 const STEADY_FOR: Time = Time::s(0.01);
 /// By this share of what it may be off before the rest of the ramp may differ from its first part.
 const REST: f64 = 0.25;
@@ -73,13 +78,15 @@ pub enum Told {
     In,
     /// Told to creep.
     Slow(Slowing),
-    /// Told to turn back, or to stand for the dwell; still going in. With what the stroke has taught.
+    /// Told to turn back, or to stand for the dwell; still going in. With what the stroke has
+    /// taught.
     Turn(Option<Angle>),
     /// Standing at the bottom since the time given.
     Bottom(Option<Angle>, Time),
     /// Told its speed outwards.
     Out(Option<Angle>),
-    /// Held: told to stand, wherever that is, and whether it does. With the way to go on, and what was taught.
+    /// Held: told to stand, wherever that is, and whether it does. With the way to go on, and what
+    /// was taught.
     Held {
         /// On inwards.
         inward: bool,
@@ -90,7 +97,8 @@ pub enum Told {
     },
     /// Told its speed outwards by whoever holds it: at the start it is held again.
     Clear(Option<Angle>),
-    /// It has come to the start so: told to stand, and held there, whether or not it is still told to come out.
+    /// It has come to the start so: told to stand, and held there, whether or not it is still told
+    /// to come out.
     Cleared {
         /// As in `Turn`.
         taught: Option<Angle>,
@@ -118,8 +126,9 @@ impl Spoken {
         self.stopping.later_by(early, self.speeds.0).slower_by(self.uncertainty)
     }
 
-    /// How fast it gains speed, from rest to `to` over the turns that it has done: n²/2N, which is far steadier than
-    /// what an observer sees of a coarse encoder's acceleration. That one only tells whether it does.
+    /// How fast it gains speed, from rest to `to` over the turns that it has done: n²/2N, which is
+    /// far steadier than what an observer sees of a coarse encoder's acceleration. That one only
+    /// tells whether it does.
     fn rises(&self, spin: Spin, seen: SpinAccel, turned: Angle, to: Spin) -> SpinAccel {
         let n = spin.value();
         let mean = SpinAccel::rev_per_s2(n * n / (2.0 * turned.value().max(f64::MIN_POSITIVE)));
@@ -190,7 +199,8 @@ impl Told {
             Self::Turn(taught) | Self::Bottom(taught, _) => Self::Out(taught),
             Self::Out(taught) | Self::Clear(taught) => {
                 let left = coupling.phase_difference(tick.master.angle, tap.end) * -inwards - half;
-                // what was learnt of this speed inwards holds for the way out as far as the speeds are alike
+                // what was learnt of this speed inwards holds for the way out as far as the speeds
+                // are alike
                 let more = taught.unwrap_or(tap.early) * square(spin / spoken.speeds.0);
                 let turned = (tap.bottom - tap.end).abs() / tap.lead.abs() - left;
                 let accel = tick.master.accel * -inwards;
@@ -250,7 +260,8 @@ impl Told {
         Ask::Speed(Rotation { spin, ..Rotation::default() })
     }
 
-    /// Turns by which the stopping angle at the speed of this tap is longer than by the machine's file.
+    /// Turns by which the stopping angle at the speed of this tap is longer than by the machine's
+    /// file.
     pub(crate) const fn taught(self) -> Option<Angle> {
         match self {
             Self::In | Self::Slow(_) => None,
@@ -273,7 +284,8 @@ impl Slowing {
         Self { from, shown: None, told, rest: None }
     }
 
-    /// With the longest that it may take to stop, its speed, the turns that are left, and its angle inwards.
+    /// With the longest that it may take to stop, its speed, the turns that are left, and its angle
+    /// inwards.
     fn next(self, spoken: &Spoken, longest: Stopping, now: (Spin, Angle), angle: Angle) -> Told {
         if self.told > spoken.creep {
             return self.between(spoken, longest, now, angle);

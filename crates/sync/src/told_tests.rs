@@ -63,7 +63,8 @@ fn tap(early: Angle, known: bool, dwell: Time, sense: f64) -> Tap<'static, Unpla
     tap_at(2000.0, early, known, dwell, sense)
 }
 
-/// What became of a tap: turns beyond the bottom, turns beyond the start on the way out, what was taught, time.
+/// What became of a tap: turns beyond the bottom, turns beyond the start on the way out, what was
+/// taught, time.
 struct Seen {
     beyond_bottom: f64,
     beyond_start: f64,
@@ -86,7 +87,8 @@ fn run_held(tap: &Tap<Unplanned>, delay: usize, holds: core::ops::Range<f64>) ->
     seen
 }
 
-/// The same, told to come out for a while; with the cycle and the angle at its end, or after twenty seconds.
+/// The same, told to come out for a while; with the cycle and the angle at its end, or after twenty
+/// seconds.
 fn run_ordered(
     tap: &Tap<Unplanned>,
     delay: usize,
@@ -194,8 +196,8 @@ fn whatever_the_speed_the_second_stroke_meets_the_bottom_even_if_the_stroke_is_t
     }
 }
 
-/// Half a scan sooner or later: straight from 35 rev/s, still rising, that is n·δ·(1 + a/d) beyond the bottom, and from the
-/// creep a tenth of n·δ at most.
+/// Half a scan sooner or later: straight from 35 rev/s, still rising, that is n·δ·(1 + a/d) beyond
+/// the bottom, and from the creep a tenth of n·δ at most.
 #[test]
 fn a_learnt_stroke_that_creeps_meets_the_bottom_however_late_its_drive_obeys() {
     let first = run(&tap_at(3000.0, Angle::ZERO, false, Time::ZERO, 1.0));
@@ -220,13 +222,15 @@ fn a_learnt_stroke_that_creeps_meets_the_bottom_however_late_its_drive_obeys() {
 fn a_stroke_that_is_held_on_its_way_in_goes_on_to_its_bottom() {
     for at in [0.1, 0.6, 1.0] {
         let seen = run_held(&tap(Angle::ZERO, false, Time::ZERO, 1.0), DELAY, at..at + 1.5);
-        // too little way is left for the drive to show how it stops: short of the bottom, then, never beyond
+        // too little way is left for the drive to show how it stops: short of the bottom, then,
+        // never beyond
         let beyond = seen.beyond_bottom;
         assert!((-0.1..0.01).contains(&beyond), "held at {at} s: {beyond} rev");
     }
 }
 
-/// Told to come out until it is out, and beyond that: it stands where its way out ends, and is told nothing more.
+/// Told to come out until it is out, and beyond that: it stands where its way out ends, and is told
+/// nothing more.
 #[test]
 fn a_tap_that_is_told_to_come_out_stands_where_it_is_clear_however_long_it_is_told_so() {
     for (at, sense) in [(0.3, 1.0), (0.6, 1.0), (1.0, 1.0), (0.6, -1.0)] {
@@ -241,8 +245,9 @@ fn a_tap_that_is_told_to_come_out_stands_where_it_is_clear_however_long_it_is_to
     }
 }
 
-/// From a uniform ramp that is anything within what the file leaves open: not beyond the bottom, not far before it, what it
-/// teaches is right, and it takes longer than a known stroke by no more than the closed form of what is left open costs.
+/// From a uniform ramp that is anything within what the file leaves open: not beyond the bottom,
+/// not far before it, what it teaches is right, and it takes longer than a known stroke by no more
+/// than the closed form of what is left open costs.
 #[test]
 fn a_first_stroke_goes_on_between_and_takes_little_longer_than_a_known_one() {
     for rpm in [500.0, 1000.0, 2000.0, 2500.0] {
@@ -263,12 +268,14 @@ fn a_first_stroke_goes_on_between_and_takes_little_longer_than_a_known_one() {
             let taught = first.taught.expect("it has slowed down");
             assert!((taught.value() - longer).abs() < 1e-3, "{of}: {taught:?}");
             let known = run(true, taught);
-            // what is left open is turned at the speed between instead of at n, and a quarter of it at the creep
+            // what is left open is turned at the speed between instead of at n, and a quarter of it
+            // at the creep
             let open = n * n / 134.0 * 1.2 - n * n / (134.0 * share);
             let rest = 0.25 * 0.2 * 0.49 * n * n / (134.0 * share);
             let late = 4e-3 * n;
             let costs = (open + late) * (1.0 / 0.7 - 1.0) / n + (rest + 0.7 * late) / (0.1 * n);
-            // 20 ms at its creep, three delays, and at the creep what would be too short a time at the speed between
+            // 20 ms at its creep, three delays, and at the creep what would be too short a time at
+            // the speed between
             let most = 1.15 * costs + 0.02 + 3.0 * 0.01 + 0.7 * 0.01 / 0.1;
             let more = first.seconds - known.seconds;
             assert!(more < most, "{of}: {more} s more, {most} at most");

@@ -136,7 +136,8 @@ pub struct Arc {
     pub plane: Plane,
     /// Centre in machine coordinates, along the plane's first and second axis.
     pub centre: [Length; 2],
-    /// Angle swept, counter-clockwise positive as seen against the normal; more than one turn is allowed.
+    /// Angle swept, counter-clockwise positive as seen against the normal; more than one turn is
+    /// allowed.
     pub sweep: Angle,
 }
 
@@ -156,7 +157,8 @@ impl Ratio {
         f64::from(self.follower) / f64::from(self.master)
     }
 
-    /// The gear of a few turns about which this one winds slowly: 3600:7201 about 1:2, or itself. `None`: there is none.
+    /// The gear of a few turns about which this one winds slowly: 3600:7201 about 1:2, or itself.
+    /// `None`: there is none.
     pub fn settled(self) -> Option<Self> {
         /// Turns of the master after which a gear begins anew.
         const FEW: i32 = 8;

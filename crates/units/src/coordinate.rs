@@ -1,5 +1,6 @@
-//! Coordinates of axes: in millimetres of a linear axis, in degrees of a rotary one. Servo loops, profiles and monitors
-//! compute with them without asking which; text is made of them by their axis alone.
+//! Coordinates of axes: in millimetres of a linear axis, in degrees of a rotary one. Servo loops,
+//! profiles and monitors compute with them without asking which; text is made of them by their axis
+//! alone.
 //!
 //! A coordinate is not a length:
 //!
@@ -42,7 +43,8 @@ product!(CoordinateSpeed * Time = Coordinate);
 product!(CoordinateAccel * Time = CoordinateSpeed);
 product!(CoordinateJerk * Time = CoordinateAccel);
 
-/// In from a quantity of either kind, and out again where the kind of the axis is known by what is done with it.
+/// In from a quantity of either kind, and out again where the kind of the axis is known by what is
+/// done with it.
 macro_rules! kinds {
     ($name:ident: $linear:ident, $rotary:ident) => {
         impl $name {
@@ -54,7 +56,8 @@ macro_rules! kinds {
             pub const fn rotary(value: $rotary) -> Self {
                 Self(value.value() * DEG_PER_REV)
             }
-            /// Of an axis that is linear because of what it does: it taps, it follows a spindle, it carries a wheel.
+            /// Of an axis that is linear because of what it does: it taps, it follows a spindle, it
+            /// carries a wheel.
             pub const fn of_linear(self) -> $linear {
                 $linear(self.0)
             }
@@ -104,7 +107,8 @@ impl AxisKind {
         }
     }
 
-    /// Unit of its [`Coordinate`] after a number, with the space where one belongs there: `" mm"`, `"°"`.
+    /// Unit of its [`Coordinate`] after a number, with the space where one belongs there: `" mm"`,
+    /// `"°"`.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Linear => " mm",

@@ -12,8 +12,9 @@
 //!   Force [N]     Torque [N·m] × Spin ──► Power [W]   (the 2π is inside that product, and only there)
 //! ```
 //!
-//! A [`Coordinate`] is where an axis is, whichever kind of axis it is: in millimetres of a linear one, in
-//! degrees of a rotary one. It is neither a Length nor an Angle, and reads as one of them by its axis only.
+//! A [`Coordinate`] is where an axis is, whichever kind of axis it is: in millimetres of a linear
+//! one, in degrees of a rotary one. It is neither a Length nor an Angle, and reads as one of them
+//! by its axis only.
 //!
 //! Every arrow is one `product!` below; there are no others. Constructors name their unit
 //! (`Spin::rpm(600.0)`); `value()` gives the base unit back.

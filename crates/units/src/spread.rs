@@ -33,7 +33,8 @@ pub enum Per {
 /// How a value varies about what its model says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// To either side; of a normal distribution one standard deviation. In the value's own unit, or as a share of it.
+    /// To either side; of a normal distribution one standard deviation. In the value's own unit, or
+    /// as a share of it.
     pub by: f64,
     /// How.
     pub distribution: Distribution,

@@ -1,7 +1,7 @@
 //! What the judge costs a servo period: between features, over a hole, in a thread.
 //!
-//! `cargo bench -p verify`. A simulated period costs well under a microsecond, so between features the
-//! judge must cost next to nothing.
+//! `cargo bench -p verify`. A simulated period costs well under a microsecond, so between features
+//! the judge must cost next to nothing.
 #[path = "../tests/common/mod.rs"]
 mod common;
 use common::{Record, config, drilling, hole_ops, tools};

@@ -1,4 +1,5 @@
-//! The bar on a lathe as it has been turned: what the points of the tools have left of it, from recorded motion.
+//! The bar on a lathe as it has been turned: what the points of the tools have left of it, from
+//! recorded motion.
 //!
 //! ```text
 //!      radius                       a few axial sections, each at its angle of the work:
@@ -9,9 +10,9 @@
 //!         rear                face
 //! ```
 //!
-//! The tool passes a section whenever the work has turned to it: work angle = angle of the point about the axis − spindle
-//! angle. Between two samples place and angle are interpolated; in a section the insert's form is cut out exactly. A drill on the axis
-//! bores.
+//! The tool passes a section whenever the work has turned to it: work angle = angle of the point
+//! about the axis − spindle angle. Between two samples place and angle are interpolated; in a
+//! section the insert's form is cut out exactly. A drill on the axis bores.
 use crate::insert::{Form, Side};
 use bus::Sample;
 use canon::{InsertPoint, Tool, ToolKind};
@@ -24,12 +25,14 @@ pub(crate) const SECTIONS: usize = 12;
 const STEP_MM: f64 = 0.01;
 /// Places along the axis at most.
 const MOST_PLACES: usize = 20_000;
-/// The trailing edge of a turning tool: its slope (an insert of 80° that leads with 95°), and its length, mm (ISO 1832: size 12).
+/// The trailing edge of a turning tool: its slope (an insert of 80° that leads with 95°), and its
+/// length, mm (ISO 1832: size 12).
 const TRAILING_SLOPE: f64 = 0.087_488_663_525_924;
 const TRAILING_MM: f64 = 12.0;
 /// A way along Z in a period that is a feed, mm: 0.2 mm a minute.
 const FEED_MM: f64 = 1e-6;
-/// A turning tool's nose where the table does not state one, mm (estimate: the usual one for finishing).
+/// A turning tool's nose where the table does not state one, mm (estimate: the usual one for
+/// finishing).
 const USUAL_NOSE_MM: f64 = 0.4;
 /// A tool nearer to the axis than this is on it, mm.
 const ON_AXIS_MM: f64 = 0.05;
@@ -136,8 +139,8 @@ impl TurnedBar {
         (place >= 0.0 && place < self.places as f64).then_some(place as usize)
     }
 
-    /// Height of the material at a section's places, towards the tool: the outer radius, or the inner one with its sign changed, so that
-    /// more is always more material.
+    /// Height of the material at a section's places, towards the tool: the outer radius, or the
+    /// inner one with its sign changed, so that more is always more material.
     pub(crate) fn heights(&self, section: usize, side: Side) -> impl Iterator<Item = f64> + '_ {
         let range = section * self.places..(section + 1) * self.places;
         let (radii, sign) = match side {
@@ -163,7 +166,8 @@ impl TurnedBar {
         self.side
     }
 
-    /// Middle one of the diameters of bar or bore between two places; of the stock, where the bar does not reach there.
+    /// Middle one of the diameters of bar or bore between two places; of the stock, where the bar
+    /// does not reach there.
     pub(crate) fn diameter(&self, [low, high]: [f64; 2], side: Side) -> Length {
         let stock = match side {
             Side::External => self.bar.radius,
@@ -220,7 +224,8 @@ impl TurnedBar {
             self.feed = (now.z - before.z).signum();
         }
         let (from, to) = (before.turn * SECTIONS as f64, now.turn * SECTIONS as f64);
-        // a point that passes behind the axis, or a record with a gap, says nothing of the way between
+        // a point that passes behind the axis, or a record with a gap, says nothing of the way
+        // between
         if (to - from).abs() > SECTIONS as f64 / 2.0 {
             return Vec::new();
         }
@@ -272,7 +277,8 @@ impl TurnedBar {
         }
     }
 
-    /// Cut with a turning tool: its nose, square towards the way of the feed, and a trailing edge behind.
+    /// Cut with a turning tool: its nose, square towards the way of the feed, and a trailing edge
+    /// behind.
     fn turn(&mut self, at: &Crossing, nose: f64, side: Side) {
         let trails = -self.feed;
         let place = |z: f64| ((z - self.bar.rear.value()) / self.step - 0.5).max(0.0);

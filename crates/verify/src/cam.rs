@@ -1,4 +1,5 @@
-//! Ground cams: the contour that came out, from where the wheel's edge came nearest to the work's axis.
+//! Ground cams: the contour that came out, from where the wheel's edge came nearest to the work's
+//! axis.
 //!
 //! ```text
 //!   e(θ) = X(θ) + deflection − (centre + D(θ − phase))      D: the profile that was asked
@@ -11,10 +12,12 @@
 //!   removal rate    (ds/dθ)·ω, the contact's speed along the contour, its peak over its mean in the last turn
 //! ```
 //!
-//! The contour is the parallel curve of the wheel centre's path p: ds/dθ = |p′| − R·α′, with α the direction of p′.
+//! The contour is the parallel curve of the wheel centre's path p: ds/dθ = |p′| − R·α′, with α the
+//! direction of p′.
 //!
-//! What is ground off stays off, so of all turns the nearest place counts at each angle; the wheel's edge is the axis and
-//! what the work presses it back. A wheel's wear is not known here: it shows as material that is left.
+//! What is ground off stays off, so of all turns the nearest place counts at each angle; the
+//! wheel's edge is the axis and what the work presses it back. A wheel's wear is not known here: it
+//! shows as material that is left.
 mod contour;
 
 use crate::Config;
@@ -195,7 +198,8 @@ impl CamTrack {
         self.recent.pop_front();
     }
 
-    /// What the last turn would have ground, of a wheel that stood clear of its profile's top at `stands`.
+    /// What the last turn would have ground, of a wheel that stood clear of its profile's top at
+    /// `stands`.
     pub(crate) fn idle(&self, ordered: &Ordered, config: &Config, stands: Length) -> GroundCam {
         let mut cam = blank(ordered, Angle::rev(1.0));
         let whole = self.nearest.iter().all(|x| x.is_finite());

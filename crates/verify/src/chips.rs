@@ -56,7 +56,8 @@ impl Removals {
 mod tests {
     use super::*;
 
-    /// What was seen of a spindle that turns at these speeds, rev/s, a millisecond each, all in op 5.
+    /// What was seen of a spindle that turns at these speeds, rev/s, a millisecond each, all in
+    /// op 5.
     fn seen(speeds: &[f64]) -> Option<u32> {
         let mut removals = Removals::default();
         removals.order(5, 3, Spin::rev_per_s(-10.0));

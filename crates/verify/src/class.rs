@@ -45,8 +45,8 @@ impl ThreadClass {
         }
     }
 
-    /// The class of the other family that serves the same purpose, so that one class can be asked of
-    /// a program with both kinds of thread: 4H, 5H ~ 3B; 6H ~ 2B; 7H ~ 1B.
+    /// The class of the other family that serves the same purpose, so that one class can be asked
+    /// of a program with both kinds of thread: 4H, 5H ~ 3B; 6H ~ 2B; 7H ~ 1B.
     #[must_use]
     pub const fn in_family(self, family: Family) -> Self {
         match (family, self) {

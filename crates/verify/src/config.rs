@@ -16,11 +16,12 @@ pub struct Config {
     pub tolerances: Tolerances,
     /// What is cut, for the torque a sharp tap would need; `None`: no expectation.
     pub material: Option<Material>,
-    /// The stock as it is clamped. Depths count from it, by the length of the tool that is really in the spindle; without
-    /// it what was cut is not known, and holes and threads are not judged. Its zero is that of the work offset G54, in which
-    /// messages give places.
+    /// The stock as it is clamped. Depths count from it, by the length of the tool that is really
+    /// in the spindle; without it what was cut is not known, and holes and threads are not judged.
+    /// Its zero is that of the work offset G54, in which messages give places.
     pub stock: Option<Stock>,
-    /// Mills that only the program's comments describe: what they cut is followed, and never found good.
+    /// Mills that only the program's comments describe: what they cut is followed, and never found
+    /// good.
     pub described_mills: ToolLibrary,
     /// The stock that is milled; `None`: what mills cut is not judged.
     pub mill_stock: Option<MillStock>,
@@ -40,7 +41,8 @@ pub struct Config {
 }
 
 impl Config {
-    /// The tool by its number, for milling: as the table has it, or as the program's comments describe it.
+    /// The tool by its number, for milling: as the table has it, or as the program's comments
+    /// describe it.
     pub(crate) fn mill(&self, number: u32) -> Option<&Tool> {
         self.described_mills.get(number).or_else(|| self.tools.get(number))
     }
@@ -76,12 +78,13 @@ pub struct Tolerances {
     pub position: Length,
     /// Depth of a thread, each way.
     pub thread_depth: Length,
-    /// How far a tap may run beyond the programmed bottom: less than `thread_depth`, because below a
-    /// blind hole's thread there is its bottom.
+    /// How far a tap may run beyond the programmed bottom: less than `thread_depth`, because below
+    /// a blind hole's thread there is its bottom.
     pub thread_overrun: Length,
     /// Largest sync error in the material; `None`: only its effect on the thread counts.
     pub sync_error: Option<Length>,
-    /// Of a turned thread: distance from its helix, error of the lead over its length, and passes beside one another.
+    /// Of a turned thread: distance from its helix, error of the lead over its length, and passes
+    /// beside one another.
     pub turned_thread: Length,
     /// Contour of a ground cam, each way.
     pub cam_contour: Length,
@@ -98,8 +101,9 @@ pub struct Tolerances {
 }
 
 impl Default for Tolerances {
-    /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO 2768-1 f for
-    /// 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Teeth: DIN 3967, series 26, 50 to 125 mm. Turned threads: what lathe builders promise of their leads, typical.
+    /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO
+    /// 2768-1 f for 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Teeth: DIN 3967, series 26, 50
+    /// to 125 mm. Turned threads: what lathe builders promise of their leads, typical.
     fn default() -> Self {
         Self {
             hole_depth: Length::mm(0.05),

@@ -1,4 +1,5 @@
-//! Whether the tool was in the material: without contact there is no feature, whatever path the axes took.
+//! Whether the tool was in the material: without contact there is no feature, whatever path the
+//! axes took.
 //!
 //! ```text
 //!                  ▼ tool: axis less the length of the tool that is really in the spindle
@@ -9,11 +10,12 @@
 //!        from.x, y       to.x, y
 //! ```
 //!
-//! The stock's place is the set-up's, in machine coordinates; offsets that the program sets move the program, not the stock.
+//! The stock's place is the set-up's, in machine coordinates; offsets that the program sets move
+//! the program, not the stock.
 use units::{Force, Length, Torque};
 
-/// A tool in the material that nothing resists cuts nothing: a sharp tap takes the formula's torque within ±25 %, flanks in a
-/// thread that is there already 10 to 30 % of it.
+/// A tool in the material that nothing resists cuts nothing: a sharp tap takes the formula's torque
+/// within ±25 %, flanks in a thread that is there already 10 to 30 % of it.
 const LEAST_TORQUE_SHARE: f64 = 0.05;
 /// Less is the noise of arithmetic.
 const LEAST_TORQUE: Torque = Torque::n_m(1e-6);
@@ -40,7 +42,8 @@ impl Stock {
         self.to[2] - self.from[2]
     }
 
-    /// How far a circle of a radius about a place in X and Y reaches over the nearest side; negative: by so much it is inside.
+    /// How far a circle of a radius about a place in X and Y reaches over the nearest side;
+    /// negative: by so much it is inside.
     pub(crate) fn over_side(&self, at_mm: [f64; 2], radius_mm: f64) -> f64 {
         (0..2).fold(f64::NEG_INFINITY, |most, i| {
             let low = self.from[i].value() - (at_mm[i] - radius_mm);
@@ -54,7 +57,8 @@ impl Stock {
 pub(crate) const NO_STOCK: &str =
     "where the material is was not known: state [setup.stock] in the machine's file";
 
-/// The program's zero, as the tip in the spindle would touch it, is not the work's: one sentence an axis.
+/// The program's zero, as the tip in the spindle would touch it, is not the work's: one sentence an
+/// axis.
 pub(crate) fn shifted(
     zero: [Length; 3],
     stock: &Stock,
@@ -77,7 +81,8 @@ pub(crate) fn unknown(config: &crate::Config) -> Option<String> {
 /// What says that a tool was in the material, or was not.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
-    /// Way of the edges within the stock, along the depth of the cut; `None`: where the stock is was not known.
+    /// Way of the edges within the stock, along the depth of the cut; `None`: where the stock is
+    /// was not known.
     pub reach: Option<Length>,
     /// Largest torque of the cut, where it can be known.
     pub torque: Option<Torque>,

@@ -69,8 +69,8 @@ impl Feature {
         }
     }
 
-    /// Whether there is something that could be measured: a hole that was there before its drill came is, and where it
-    /// is not known it is taken to be.
+    /// Whether there is something that could be measured: a hole that was there before its drill
+    /// came is, and where it is not known it is taken to be.
     pub fn is_there(&self) -> bool {
         self.verdict.is_pass() || self.contact.reach.is_none() || self.contact.is_cut()
     }
@@ -88,8 +88,8 @@ impl Feature {
         }
     }
 
-    /// Where it is in the plane across the tool, as X and Y of the machine; what is turned around the
-    /// work's own axis has no place.
+    /// Where it is in the plane across the tool, as X and Y of the machine; what is turned around
+    /// the work's own axis has no place.
     pub const fn position(&self) -> Option<[Length; 2]> {
         match &self.kind {
             FeatureKind::Hole(hole) => Some([hole.x, hole.y]),
@@ -201,7 +201,8 @@ pub struct Hole {
     pub position_error: Length,
     /// The tool's diameter; for a spot drill the cone's diameter at the surface.
     pub diameter: Length,
-    /// Chips were thrown off the tool after it, on the way to the next hole: seen, not only ordered.
+    /// Chips were thrown off the tool after it, on the way to the next hole: seen, not only
+    /// ordered.
     pub chip_removal: bool,
 }
 
@@ -290,11 +291,13 @@ pub struct Thread {
     pub torque_in: Option<Torque>,
     /// Largest torque on the way out, once the chip's root is sheared: from half a turn back on.
     pub torque_out: Option<Torque>,
-    /// Torque the formula of [`Material`](crate::Material) expects of a sharp tap; `None` without a material.
+    /// Torque the formula of [`Material`](crate::Material) expects of a sharp tap; `None` without a
+    /// material.
     pub torque_expected: Option<Torque>,
     /// Largest axial force on the tap (magnitude), where it can be known.
     pub axial_force_max: Option<Force>,
-    /// Spindle angle within a turn at which the fitted helix passes the start plane; `None`: too little was cut to fit one.
+    /// Spindle angle within a turn at which the fitted helix passes the start plane; `None`: too
+    /// little was cut to fit one.
     pub start_angle: Option<Angle>,
     /// Chips were thrown off the tap after it, on the way to the next hole: seen, not only ordered.
     pub chip_removal: bool,
@@ -305,13 +308,14 @@ pub struct Thread {
 }
 
 impl Thread {
-    /// How far the tap makers' formula is believed, as a share of it: they call it a guide value, and charges of a
-    /// steel differ by as much (estimate).
+    /// How far the tap makers' formula is believed, as a share of it: they call it a guide value,
+    /// and charges of a steel differ by as much (estimate).
     pub const TORQUE_BAND: f64 = 0.25;
     /// Torque of flanks in a thread that is cut, as shares of the formula (published: 10 to 30 %).
     pub const TORQUE_OUT_SHARES: [f64; 2] = [0.1, 0.3];
 
-    /// There is a length of full thread that a gauge could be tried on: what gauges find means something.
+    /// There is a length of full thread that a gauge could be tried on: what gauges find means
+    /// something.
     pub fn is_gauged(&self) -> bool {
         self.pitch_diameter > Length::ZERO
     }
@@ -337,8 +341,8 @@ impl Thread {
         Some(inward && outward.is_none_or(|(m, band)| within(m, band)))
     }
 
-    /// Name of the class asked if the thread is within it, else of the finest that it is within, else `"none"`;
-    /// `"not gauged"` where there is no full thread that a gauge could be tried on.
+    /// Name of the class asked if the thread is within it, else of the finest that it is within,
+    /// else `"none"`; `"not gauged"` where there is no full thread that a gauge could be tried on.
     pub fn class_name(&self) -> &'static str {
         if !self.is_gauged() {
             return "not gauged";

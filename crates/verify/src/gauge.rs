@@ -12,8 +12,8 @@
 //!           ╲___________╱     diameter): ΔD2 = w·cot 30° = √3·w
 //! ```
 //!
-//! Sources: ISO 965-1 (limits), ISO 1502 (what each gauge checks), ASME B1.1 (the diameter equivalent of
-//! a lead error, cot 30°·δp = 1.732·δp).
+//! Sources: ISO 965-1 (limits), ISO 1502 (what each gauge checks), ASME B1.1 (the diameter
+//! equivalent of a lead error, cot 30°·δp = 1.732·δp).
 use crate::class::ThreadClass;
 use crate::feature::Gauge;
 use crate::tolerance::Limits;

@@ -1,7 +1,8 @@
 //! A hobbed gear: what the hob generated, from recorded motion.
 //!
-//! Each time the hob has turned by one of its threads, a tooth stands right. Where the work stood at that instant says
-//! where that tooth's flank is in the work, at the height at which the hob stood:
+//! Each time the hob has turned by one of its threads, a tooth stands right. Where the work stood
+//! at that instant says where that tooth's flank is in the work, at the height at which the hob
+//! stood:
 //!
 //! ```text
 //!   n = |s|·θ_hob whole:   tooth n mod z,  flank at   φ = ±n/z − θ_work   turns, at the hob's height
@@ -12,10 +13,10 @@
 //!       └────────── height
 //! ```
 //!
-//! Angles count as arcs on the pitch circle, d = m·z/cos β. What is judged is the generating motion: the hob's own
-//! form, its run-out and the feed marks of its edges are not. Grades and tolerances by ISO 1328-1:2013, 5.3:
-//! `f_pT` = (0.001 d + 0.4 m + 5)·√2^(A−5), `F_pT` = (0.002 d + 0.55 √d + 0.7 m + 12)·√2^(A−5),
-//! `f_HβT` = (0.05 √d + 0.35 √b + 4)·√2^(A−5), µm.
+//! Angles count as arcs on the pitch circle, d = m·z/cos β. What is judged is the generating
+//! motion: the hob's own form, its run-out and the feed marks of its edges are not. Grades and
+//! tolerances by ISO 1328-1:2013, 5.3: `f_pT` = (0.001 d + 0.4 m + 5)·√2^(A−5), `F_pT` = (0.002
+//! d + 0.55 √d + 0.7 m + 12)·√2^(A−5), `f_HβT` = (0.05 √d + 0.35 √b + 4)·√2^(A−5), µm.
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
 use crate::feature::{Feature, FeatureKind, Verdict};
@@ -240,7 +241,8 @@ impl GearTrack {
         Contact { reach: known.map(reach), ..Contact::default() }
     }
 
-    /// How deep the teeth are, against the distance of the axes that was ordered: each tooth is thinner by 2·Δ·tan 20°.
+    /// How deep the teeth are, against the distance of the axes that was ordered: each tooth is
+    /// thinner by 2·Δ·tan 20°.
     fn depth(
         &self,
         gear: &mut Gear,

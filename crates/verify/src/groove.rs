@@ -1,7 +1,7 @@
 //! The groove a tap leaves, binned over depth while the samples stream by.
 //!
-//! Turning and advancing on one ideal helix, a rigid tap follows itself and the groove is as wide as
-//! its tooth. What the edges stand off that helix,
+//! Turning and advancing on one ideal helix, a rigid tap follows itself and the groove is as wide
+//! as its tooth. What the edges stand off that helix,
 //!
 //! ```text
 //!   e = depth − a·(θ − θ₀)          a: advance per revolution; e > 0: deeper than the helix
@@ -17,13 +17,13 @@
 //!                                           taper, they touch only beyond ± clearance/2
 //! ```
 //!
-//! (c: chamfer length, P: pitch.) The groove at p lies between the extremes of e over both, inwards and
-//! outwards: w(p) = max(leading, following − clearance/2) − min(leading, following + clearance/2).
-//! The lead error is read where the first full tooth stands, p + c, as the range of the groove's
-//! middle over any two places within the engagement length.
+//! (c: chamfer length, P: pitch.) The groove at p lies between the extremes of e over both, inwards
+//! and outwards: w(p) = max(leading, following − clearance/2) − min(leading, following +
+//! clearance/2). The lead error is read where the first full tooth stands, p + c, as the range of
+//! the groove's middle over any two places within the engagement length.
 //!
-//! Bounded memory: extremes per bin of P/8, and running sums for the fit of θ₀ (least squares over the
-//! spindle's path, lead given: the mean of e weighted with |dθ|).
+//! Bounded memory: extremes per bin of P/8, and running sums for the fit of θ₀ (least squares over
+//! the spindle's path, lead given: the mean of e weighted with |dθ|).
 
 /// Bins per pitch: finer than the chamfer's steps, coarser than the path of one servo period.
 const BINS_PER_PITCH: f64 = 8.0;
@@ -57,7 +57,8 @@ impl Range {
         self.known().map(|r| f64::midpoint(r.least, r.largest))
     }
 
-    /// Drawn in by `by` on both sides: what a tooth thinner by 2·`by` would touch. May be inside out.
+    /// Drawn in by `by` on both sides: what a tooth thinner by 2·`by` would touch. May be inside
+    /// out.
     fn less(self, by: f64) -> Self {
         Self { least: self.least + by, largest: self.largest - by }
     }
@@ -99,7 +100,8 @@ struct Stand {
 #[derive(Clone, Debug)]
 pub(crate) struct Groove {
     pitch_mm: f64,
-    /// Depth gained per revolution in the spindle's positive sense; negative for a left-hand thread.
+    /// Depth gained per revolution in the spindle's positive sense; negative for a left-hand
+    /// thread.
     advance_mm_per_rev: f64,
     bin_mm: f64,
     bins: Vec<Bin>,
@@ -305,8 +307,9 @@ impl Groove {
         (0..places).map(place).collect()
     }
 
-    /// Largest range of the groove's middle within any stretch of the engagement length. Depths touched
-    /// one way only (at the very bottom) have no middle, unless the tap never came out at all.
+    /// Largest range of the groove's middle within any stretch of the engagement length. Depths
+    /// touched one way only (at the very bottom) have no middle, unless the tap never came out at
+    /// all.
     fn lead_error_mm(&self, form: &TapForm) -> f64 {
         let first = ((form.chamfer_mm / self.bin_mm) as usize).min(self.bins.len());
         let stretch = ((form.engagement_mm / self.bin_mm) as usize).max(1) + 1;

@@ -1,4 +1,5 @@
-//! Idle turns of a wheel: the contour that its path would have ground, while it stands clear of the work.
+//! Idle turns of a wheel: the contour that its path would have ground, while it stands clear of the
+//! work.
 //!
 //! ```text
 //!   X ordered before the turns: x₀, clear of the profile's top T        the wheel moves along x₀ − T + D(θ)

@@ -8,9 +8,9 @@
 //!       └────────────╲──┴──╱──────► d              = (d − f/2)/tan a              beside a flat f
 //! ```
 //!
-//! A full profile ends at the edge that cuts the crest, which reaches a little over the crest's middle. Where the tool table does not
-//! state the point it is taken from the design profiles of ISO 68-1: outside a root rounded with H/6 = 0.1443·P, inside with
-//! H/12 = 0.0722·P.
+//! A full profile ends at the edge that cuts the crest, which reaches a little over the crest's
+//! middle. Where the tool table does not state the point it is taken from the design profiles of
+//! ISO 68-1: outside a root rounded with H/6 = 0.1443·P, inside with H/12 = 0.0722·P.
 use canon::{Insert, InsertPoint, Tool, ToolKind};
 use units::{Angle, Length};
 
@@ -69,7 +69,8 @@ impl Form {
         }
     }
 
-    /// Of the tool in a threading pass. A tool that the table does not describe is taken for an insert of 60°.
+    /// Of the tool in a threading pass. A tool that the table does not describe is taken for an
+    /// insert of 60°.
     pub(crate) fn of_thread(tool: Option<&Tool>, pitch: f64, side: Side) -> Self {
         let usual = Insert { angle: HALF_ANGLE * 2.0, point: None, crest_height: None };
         match tool.map(|tool| &tool.kind) {

@@ -8,8 +8,8 @@
 //!   tip   ─► depth, overrun, hole bottom ───────────────────┘
 //! ```
 //!
-//! Axis and edges differ by the holder's deflection: a soft holder lets the tap follow its thread where
-//! the machine does not. The sync error is the machine's, the thread is the edges'.
+//! Axis and edges differ by the holder's deflection: a soft holder lets the tap follow its thread
+//! where the machine does not. The sync error is the machine's, the thread is the edges'.
 use crate::class::ThreadClass;
 use crate::feature::{Gauge, ProfilePoint, Thread};
 use crate::gauge::{CutThread, Gauged};

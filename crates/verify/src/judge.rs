@@ -8,7 +8,8 @@
 //!   finish     ─► what is left in the queue was not cut to its end
 //! ```
 //!
-//! A sample between features costs a comparison; within one, memory is bounded by the bins of its depth.
+//! A sample between features costs a comparison; within one, memory is bounded by the bins of its
+//! depth.
 use crate::Config;
 use crate::bar::TurnedBar;
 use crate::cam::{self, CamTrack};
@@ -283,7 +284,8 @@ impl Judge {
         }
     }
 
-    /// The program was given up at this op: what was ordered after it will not be cut, and is no feature.
+    /// The program was given up at this op: what was ordered after it will not be cut, and is no
+    /// feature.
     pub fn give_up(&mut self, op: u32) {
         self.orders.retain(|order| order.first <= op);
         if let Some(open) = self.orders.back_mut() {
@@ -291,7 +293,8 @@ impl Judge {
         }
     }
 
-    /// Nothing more is done to what was ordered before this op, unless a coupling still holds: it is judged.
+    /// Nothing more is done to what was ordered before this op, unless a coupling still holds: it
+    /// is judged.
     pub fn settle(&mut self, next_op: u32) {
         for order in &mut self.orders {
             if matches!(order.what, What::Hole(_) | What::Turned(_)) {
@@ -309,7 +312,8 @@ impl Judge {
         &self.features
     }
 
-    /// Nothing is ordered that was not judged yet: what is there is all that [`Self::finish`] would say.
+    /// Nothing is ordered that was not judged yet: what is there is all that [`Self::finish`] would
+    /// say.
     pub fn is_settled(&self) -> bool {
         self.orders.is_empty() && !self.milling.is_under_way()
     }

@@ -1,7 +1,8 @@
 //! A turned polygon: the cross-section that the inserts left, from recorded motion.
 //!
-//! Both spindles and the slides are recorded once a period. Between two records a cubic through four of them says
-//! where everything was, and with it where each insert's tip was *in the workpiece*:
+//! Both spindles and the slides are recorded once a period. Between two records a cubic through
+//! four of them says where everything was, and with it where each insert's tip was *in the
+//! workpiece*:
 //!
 //! ```text
 //!   in the machine   tip = (X, Y) + r·(cos ψ, sin ψ)      ψ = ½ + θ_tool + δ   (turns; insert at zero points to −X)
@@ -12,13 +13,13 @@
 //!   nose(Δ) = ρ − √(ρ² − Δ²): the insert's nose, which leaves the lay of the feed, f²/8ρ
 //! ```
 //!
-//! Facets end where they meet their neighbours. Flatness is the least distance of two parallel lines that hold the
-//! facet's profile between them; tilt is the angle between those lines and the facet that was ordered; the facet's
-//! distance from the work's axis is that of the middle between them. Sizes are judged by ISO 2768-1 f, flatness by
-//! ISO 2768-2 H.
+//! Facets end where they meet their neighbours. Flatness is the least distance of two parallel
+//! lines that hold the facet's profile between them; tilt is the angle between those lines and the
+//! facet that was ordered; the facet's distance from the work's axis is that of the middle between
+//! them. Sizes are judged by ISO 2768-1 f, flatness by ISO 2768-2 H.
 //!
-//! What was ordered is known from the gearing alone: insert δ faces the work when R·θ + phase + δ is whole, and
-//! cuts the facet whose normal stands at −θ in the work.
+//! What was ordered is known from the gearing alone: insert δ faces the work when R·θ + phase + δ
+//! is whole, and cuts the facet whose normal stands at −θ in the work.
 mod along;
 mod measure;
 mod ordered;
@@ -37,7 +38,8 @@ use units::{Angle, Length, Spin};
 pub struct Polygon {
     /// How many facets were ordered.
     pub sides: u32,
-    /// Distance of opposite facets, mean over all and over Z; of an odd number of sides twice the facets' distance from the axis.
+    /// Distance of opposite facets, mean over all and over Z; of an odd number of sides twice the
+    /// facets' distance from the axis.
     pub across_flats: Length,
     /// The same as programmed: twice the tip's closest distance from the work's axis, mean over Z.
     pub across_flats_ordered: Length,

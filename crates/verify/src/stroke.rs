@@ -8,16 +8,17 @@
 //!               ▼ tip        ↓ depth
 //! ```
 //!
-//! Surface and depth are those of the stock as it is clamped, by the length of the tool that is in the spindle. The
-//! ordered depth counts from the program's zero, with the offsets that the program had in force:
+//! Surface and depth are those of the stock as it is clamped, by the length of the tool that is in
+//! the spindle. The ordered depth counts from the program's zero, with the offsets that the program
+//! had in force:
 //!
 //! ```text
 //!   real     stock's top − (axis − length of the tool)
 //!   ordered  (program's zero − bottom) + (stock's top − work's zero)
 //! ```
 //!
-//! So a wrong H, a forgotten G43 and a zero that was shifted are errors of depth. Without a stock the op's own surface
-//! counts, and nothing can be said of contact.
+//! So a wrong H, a forgotten G43 and a zero that was shifted are errors of depth. Without a stock
+//! the op's own surface counts, and nothing can be said of contact.
 use crate::{Contact, Stock};
 use bus::Sample;
 use canon::{Axis, Hole, Position, Tap, Tool, ToolLibrary};
@@ -25,7 +26,8 @@ use units::{Force, Length, Torque};
 
 /// Below this the tip counts as in the material: less is the axis' own noise at the R plane.
 const TOUCH_MM: f64 = 0.02;
-/// A tool is left in the material from this share of the touch on: nearer to the surface its axis stands at the R plane.
+/// A tool is left in the material from this share of the touch on: nearer to the surface its axis
+/// stands at the R plane.
 const LEFT_TOUCHES: f64 = 5.0;
 /// Lengths nearer than this are one and the same, written twice.
 const SAME_MM: f64 = 2e-3;
@@ -104,7 +106,8 @@ impl Stroke {
         }
     }
 
-    /// Count depth from the stock as it is clamped, for this tool. The stock is known along the spindle only.
+    /// Count depth from the stock as it is clamped, for this tool. The stock is known along the
+    /// spindle only.
     pub(crate) fn in_stock(
         mut self,
         stock: Option<&Stock>,
@@ -127,8 +130,9 @@ impl Stroke {
         self
     }
 
-    /// Where the work's zero is that the program means. The set-up states that of G54. Of another work offset the program
-    /// states it; where it lies in the stroke, the program says that the material begins there.
+    /// Where the work's zero is that the program means. The set-up states that of G54. Of another
+    /// work offset the program states it; where it lies in the stroke, the program says that the
+    /// material begins there.
     fn zero_in(&self, stock: &Stock) -> Length {
         match self.own_zero {
             None => stock.zero[2],
@@ -165,7 +169,8 @@ impl Stroke {
         depth_mm.clamp(0.0, thickness)
     }
 
-    /// How far the tool's circle reaches over a side of the stock, and its diameter; `None` without a stock.
+    /// How far the tool's circle reaches over a side of the stock, and its diameter; `None` without
+    /// a stock.
     fn over_side(&self, at_mm: [f64; 2]) -> Option<[f64; 2]> {
         let InStock { stock, radius_mm, .. } = self.in_stock.as_ref()?;
         Some([stock.over_side(at_mm, *radius_mm), 2.0 * radius_mm])
@@ -221,8 +226,8 @@ impl Stroke {
     }
 }
 
-/// Where an offset between the program's zero and the work's comes from. `in_force`: the length that the program took the
-/// tool to have, if its work offset was right.
+/// Where an offset between the program's zero and the work's comes from. `in_force`: the length
+/// that the program took the tool to have, if its work offset was right.
 fn cause(in_force_mm: f64, tool: Option<&Tool>, tools: &ToolLibrary) -> Option<String> {
     let tool = tool?;
     let (number, length_mm) = (tool.number, tool.worn_length().value());

@@ -6,8 +6,8 @@
 //!      1 ──┬── nothing used        0.4: 40 % left          0 ── at the limit        < 0: out
 //! ```
 //!
-//! A feature has as many headrooms as tolerances; its own is the least of them. Of gauges, the tolerance
-//! is TD2, so 0.4 means the same for an M3 and an M20.
+//! A feature has as many headrooms as tolerances; its own is the least of them. Of gauges, the
+//! tolerance is TD2, so 0.4 means the same for an M3 and an M20.
 use crate::config::Tolerances;
 use crate::feature::{Feature, FeatureKind, Gauge, Hole, Thread, Verdict};
 use units::Length;
@@ -103,7 +103,8 @@ pub struct Headroom {
 }
 
 impl Headroom {
-    /// Left over tolerance; where nothing is allowed, anything left is enough and anything missing is not.
+    /// Left over tolerance; where nothing is allowed, anything left is enough and anything missing
+    /// is not.
     pub fn share(&self) -> f64 {
         if self.tolerance > Length::ZERO {
             self.left / self.tolerance

@@ -6,8 +6,9 @@
 //!                                       the hole drilled before ─► D1 ──┘
 //! ```
 //!
-//! The helix that counts is the *tap's own*: a block with another lead does not make another thread, it
-//! tears this one. `docs/judging.md` derives the equations and says what the method cannot see.
+//! The helix that counts is the *tap's own*: a block with another lead does not make another
+//! thread, it tears this one. `docs/judging.md` derives the equations and says what the method
+//! cannot see.
 use crate::Config;
 use crate::feature::{Feature, FeatureKind, Verdict};
 use crate::groove::Groove;
@@ -123,8 +124,8 @@ impl ThreadTrack {
         }
     }
 
-    /// Torque in and out apart. Behind the farthest turn the thread is cut already; the first half turn back shears
-    /// the chip's root and is neither.
+    /// Torque in and out apart. Behind the farthest turn the thread is cut already; the first half
+    /// turn back shears the chip's root and is neither.
     fn measure_ways(&mut self, torque: Torque, theta_rev: f64) {
         const CHIP_ROOT_REV: f64 = 0.5;
         let inward = theta_rev * self.size.hand.sign();
@@ -170,7 +171,8 @@ impl ThreadTrack {
         }
     }
 
-    /// The tap is in a clutch holder: nothing is synchronised, and it is not asked where the thread starts.
+    /// The tap is in a clutch holder: nothing is synchronised, and it is not asked where the thread
+    /// starts.
     pub(crate) fn is_in_clutch(&self) -> bool {
         self.tap_tool().is_some_and(|tap| matches!(tap.holder, Holder::Clutch { .. }))
     }
@@ -181,7 +183,8 @@ impl ThreadTrack {
     }
 }
 
-/// Size of the thread by the tap in the spindle; by op and tool diameter where that is no known tap.
+/// Size of the thread by the tap in the spindle; by op and tool diameter where that is no known
+/// tap.
 fn what_is_cut(tap: &Tap, number: Option<u32>, tool: Option<&Tool>) -> (ThreadSize, Vec<String>) {
     let ordered_hand = if tap.lead.value() < 0.0 { Hand::Left } else { Hand::Right };
     let stand_in = |diameter: Length| {
@@ -228,7 +231,8 @@ fn mismatch(tap: &Tap, number: u32, size: &ThreadSize, ordered: Hand) -> Vec<Str
     findings
 }
 
-/// Angle of the tap: [`Sample::spindle`] without copying the whole truth, and what a clutch has let it slip.
+/// Angle of the tap: [`Sample::spindle`] without copying the whole truth, and what a clutch has let
+/// it slip.
 fn tap_rev(sample: &Sample) -> f64 {
     let encoder = sample.feedback.spindles[SPINDLE].angle;
     sample.truth.as_ref().map_or(encoder, |t| t.spindles[SPINDLE] + t.tool_turn).value()

@@ -6,17 +6,18 @@
 //!   D1 ──────────┤▒▒▒▒▒▒▒▒▒▒▒ TD1 ▒▒▒▒▒▒▒▒▒▒▒├──────► minor diameter
 //! ```
 //!
-//! **Metric** (ISO 965-1): the table for the usual coarse sizes. For other sizes its formulas, with d
-//! the geometric mean of the standard's diameter step, P and d in mm, rounded as the standard does
-//! to the nearest preferred number of the series R 40. Of the table's 40 values of TD2 they give 33
-//! exactly and the others within one or two steps of the series (7.2 % at most):
+//! **Metric** (ISO 965-1): the table for the usual coarse sizes. For other sizes its formulas, with
+//! d the geometric mean of the standard's diameter step, P and d in mm, rounded as the standard
+//! does to the nearest preferred number of the series R 40. Of the table's 40 values of TD2 they
+//! give 33 exactly and the others within one or two steps of the series (7.2 % at most):
 //!
 //! - Td2(6) = 90·P^0.4·d^0.1 µm;  TD2 = Td2(6) × 0.85 (4H), 1.06 (5H), 1.32 (6H), 1.7 (7H)
 //! - TD1(6) = 433·P − 190·P^1.22 µm (P ≤ 0.8), 230·P^0.7 µm (P ≥ 1); × 0.63, 0.8, 1, 1.25
 //!
 //! **Unified** (ASME B1.1; D, P, Le in inches, Le = D for the coarse and fine series):
 //!
-//! - Td2(2A) = 0.0015·D^⅓ + 0.0015·Le^½ + 0.015·P^⅔;  TD2 = Td2(2A) × 0.975 (3B), 1.3 (2B), 1.95 (1B)
+//! - Td2(2A) = 0.0015·D^⅓ + 0.0015·Le^½ + 0.015·P^⅔;
+//!   TD2 = Td2(2A) × 0.975 (3B), 1.3 (2B), 1.95 (1B)
 //! - TD1(1B, 2B) = 0.25·P − 0.4·P² for D ≥ ¼ in (0.15·P under 4 threads per inch); below ¼ in
 //!   0.05·P^⅔ + 0.03·P/D − 0.002, at least 0.25·P − 0.4·P² and at most 0.394·P
 //! - TD1(3B) = 0.05·P^⅔ + 0.03·P/D − 0.002, at least 0.23·P − 1.5·P² (13 threads and finer) or
@@ -63,7 +64,8 @@ const TABLE: [Row; 10] = [
     row([20.0, 2.5], [18.376, 17.294], [140.0, 180.0, 224.0, 280.0], 450.0),
 ];
 
-/// Limits of the diameter steps of ISO 965-1, mm; a step excludes its lower and includes its upper limit.
+/// Limits of the diameter steps of ISO 965-1, mm; a step excludes its lower and includes its upper
+/// limit.
 const STEPS_MM: [f64; 10] = [0.99, 1.4, 2.8, 5.6, 11.2, 22.4, 45.0, 90.0, 180.0, 355.0];
 
 /// One decade of the preferred numbers R 40 (ISO 3), rounded as ISO 965-1 rounds them.

@@ -7,16 +7,19 @@
 //!     └───────────────────► x       length of thread that the tap has cut
 //! ```
 //!
-//! A tap gets duller with the length of thread that it has cut, and needs more torque. Whether a rise is wear or chance
-//! is a question of how much the threads scatter: the trend says both, and calls it wear only when the rise is more than
-//! chance makes of it once in twenty times (Student's t: with few threads that is far more than two standard errors).
+//! A tap gets duller with the length of thread that it has cut, and needs more torque. Whether a
+//! rise is wear or chance is a question of how much the threads scatter: the trend says both, and
+//! calls it wear only when the rise is more than chance makes of it once in twenty times (Student's
+//! t: with few threads that is far more than two standard errors).
 //!
-//! A deeper thread takes more torque, too: its flanks rub along more of it. Where depths h differ, f takes that out of w: both
-//! M and x are first freed of what goes with h (Frisch and Waugh, Econometrica 1, 1933).
+//! A deeper thread takes more torque, too: its flanks rub along more of it. Where depths h differ,
+//! f takes that out of w: both M and x are first freed of what goes with h (Frisch and Waugh,
+//! Econometrica 1, 1933).
 use crate::feature::{Feature, FeatureKind, Thread};
 use units::{Length, Torque};
 
-/// A slope of so many standard errors is believed, by degrees of freedom from 1 on: Student's t, two-sided 95 %.
+/// A slope of so many standard errors is believed, by degrees of freedom from 1 on: Student's t,
+/// two-sided 95 %.
 const BELIEVED: [f64; 12] =
     [12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179];
 /// The same with more of them.
@@ -33,7 +36,8 @@ pub struct TorqueTrend {
     pub tool: u32,
     /// Size of its threads.
     pub size: String,
-    /// By thread, in the order cut: thread that it had cut before and with it, torque in, torque out.
+    /// By thread, in the order cut: thread that it had cut before and with it, torque in, torque
+    /// out.
     pub threads: Vec<(Length, Torque, Option<Torque>)>,
     /// What the tap makers' formula expects on the way in.
     pub expected: Option<Torque>,
@@ -77,8 +81,8 @@ impl TorqueTrend {
         self.significant().is_some_and(|rise| rise > 0.0)
     }
 
-    /// The rise by metre as far as the threads carry one: more than chance makes of it, either way, and from threads enough
-    /// that a trend is a question at all.
+    /// The rise by metre as far as the threads carry one: more than chance makes of it, either way,
+    /// and from threads enough that a trend is a question at all.
     pub fn significant(&self) -> Option<f64> {
         let rise = self.rise_per_m.filter(|_| self.threads.len() >= FEWEST)?;
         (rise.abs() > self.believed() * self.uncertainty_per_m).then_some(rise)

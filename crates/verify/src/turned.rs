@@ -1,7 +1,8 @@
-//! Turned threads: the groove that the passes of a single point have left in the bar, from recorded motion.
+//! Turned threads: the groove that the passes of a single point have left in the bar, from recorded
+//! motion.
 //!
-//! A thread is judged whole, by what the insert's form has left of the bar that was there before (stock, turned passes, bores), in axial
-//! sections of it:
+//! A thread is judged whole, by what the insert's form has left of the bar that was there before
+//! (stock, turned passes, bores), in axial sections of it:
 //!
 //! ```text
 //!   contact       the point was in the material along the ordered thread, or nothing was cut
@@ -9,12 +10,14 @@
 //!   limits        of the standard thread of that pitch and bar: ISO 965-1, ASME B1.1                   ([`size`])
 //! ```
 //!
-//! A thread whose lead is not the same everywhere (G34, chains of blocks) has no limits of size; what it asks for is its program: it is
-//! judged by contact, helix and infeed, and its diameters are named as not judged. A straight thread of one lead that is none of a standard, a
-//! taper, a thread in a face, and one on work that is no bar are *not judged*: no standard here says what they must fit.
+//! A thread whose lead is not the same everywhere (G34, chains of blocks) has no limits of size;
+//! what it asks for is its program: it is judged by contact, helix and infeed, and its diameters
+//! are named as not judged. A straight thread of one lead that is none of a standard, a taper, a
+//! thread in a face, and one on work that is no bar are *not judged*: no standard here says what
+//! they must fit.
 //!
-//! Each pass is judged against the helix that its own block orders: where the thread's stretch starts, the spindle has
-//! turned so far from the start angle.
+//! Each pass is judged against the helix that its own block orders: where the thread's stretch
+//! starts, the spindle has turned so far from the start angle.
 //!
 //! ```text
 //!   e = w − law(±θ − start − turns before)      w: coordinate along the thread, mm; law: what the blocks order ([`law`])
@@ -28,11 +31,12 @@
 //!   infeed error  largest |across − ordered| in the pass that goes deepest
 //! ```
 //!
-//! A tool that is taken off the work, as for a hold, is judged until it is clear: until it stands where it stood before it was fed
-//! in. The pass then counts once it has been cut to its end.
+//! A tool that is taken off the work, as for a hold, is judged until it is clear: until it stands
+//! where it stood before it was fed in. The pass then counts once it has been cut to its end.
 //!
-//! The helix is judged from the surface that the block names on. Where the chain ends the axes come to rest, which takes a part
-//! of a revolution: the last revolution before it is the run-out and is not judged.
+//! The helix is judged from the surface that the block names on. Where the chain ends the axes come
+//! to rest, which takes a part of a revolution: the last revolution before it is the run-out and is
+//! not judged.
 mod feature;
 mod figures;
 mod inspection;
@@ -57,9 +61,11 @@ use inspection::{Contact, Inspected, inspect};
 use law::{Law, Stretch};
 use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Time, Torque};
 
-/// Share of the way back to where a tool stood before it was fed in, from which on it is clear of the work.
+/// Share of the way back to where a tool stood before it was fed in, from which on it is clear of
+/// the work.
 const CLEAR: f64 = 0.99;
-/// Shorter than this is no way in which a tool was fed in: the rounding of coordinates, and where axes stand.
+/// Shorter than this is no way in which a tool was fed in: the rounding of coordinates, and where
+/// axes stand.
 const FED_IN_MM: f64 = 0.01;
 /// A tool so far off its ordered way across the thread is being taken off the work, mm.
 const LEAVES_MM: f64 = 0.1;
@@ -148,7 +154,8 @@ impl Ordered {
         true
     }
 
-    /// The pass that an op belongs to, its thread, and the turns from the thread's start to the chain's end.
+    /// The pass that an op belongs to, its thread, and the turns from the thread's start to the
+    /// chain's end.
     fn find(&self, op: u32) -> Option<(usize, Law<'_>, f64)> {
         let (index, pass) = self
             .passes
@@ -164,7 +171,8 @@ impl Ordered {
 /// What was recorded of one pass.
 #[derive(Clone, Debug, Default)]
 struct Pass {
-    /// Depth along the thread below the surface and distance from the helix, mm; turns since it began.
+    /// Depth along the thread below the surface and distance from the helix, mm; turns since it
+    /// began.
     at: Vec<[f64; 3]>,
     infeed: f64,
     /// +1 or −1: the way the spindle turned when it began.
@@ -249,7 +257,8 @@ impl TurnedTrack {
         if depth < 0.0 {
             return;
         }
-        // a spindle that comes to rest in the work swings back a little: the pass goes on as it began
+        // a spindle that comes to rest in the work swings back a little: the pass goes on as it
+        // began
         let sense = *pass.sense.get_or_insert(turned.signum());
         let before = law.first().before;
         let phase = sense * (angle - law.start_angle().value()) - before - along;

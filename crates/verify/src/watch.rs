@@ -14,8 +14,8 @@
 //! | the tip is not more than [`BEYOND_MM`] beyond the programmed bottom | a drill or tap is in the material |
 //! | the tool is whole | always |
 //!
-//! The judge grades what was cut; this one says whether it was ever cut in a way that no program may ask for. It
-//! believes real positions and speeds only, and knows neither plan nor kernel.
+//! The judge grades what was cut; this one says whether it was ever cut in a way that no program
+//! may ask for. It believes real positions and speeds only, and knows neither plan nor kernel.
 use crate::config::Config;
 use crate::stroke::Stroke;
 use bus::{Sample, State};
@@ -26,18 +26,21 @@ use units::{Angle, Length, Speed, Spin, Time};
 
 mod breakage;
 
-/// Most that a tap in its thread is moved sideways, mm: encoders and feeds that stand still do less.
+/// Most that a tap in its thread is moved sideways, mm: encoders and feeds that stand still do
+/// less.
 pub const ACROSS_MM: f64 = 0.05;
-/// Most that a tip goes beyond the bottom, mm: what a hole's point leaves, and twice what a thread may overrun.
+/// Most that a tip goes beyond the bottom, mm: what a hole's point leaves, and twice what a thread
+/// may overrun.
 pub const BEYOND_MM: f64 = 0.1;
 /// By how much of the ordered speed a drill may be pulled down.
 const SPEED_SHARE: f64 = 0.25;
-/// Most by which a tap and its helix pass each other while they go opposite ways, mm. At the turning point one of
-/// them turns back a moment before the other; that costs micrometres.
+/// Most by which a tap and its helix pass each other while they go opposite ways, mm. At the
+/// turning point one of them turns back a moment before the other; that costs micrometres.
 pub const AGAINST_MM: f64 = 0.005;
 /// The tip is in the material from here on, mm.
 const TOUCH_MM: f64 = 0.05;
-/// Nearer to the axis of the work than this, mm, a surface speed without a limit asks for whatever the spindle has.
+/// Nearer to the axis of the work than this, mm, a surface speed without a limit asks for whatever
+/// the spindle has.
 const NEAR_AXIS_MM: f64 = 5.0;
 /// Breaches that are kept.
 const MOST: usize = 100;
@@ -81,7 +84,8 @@ enum Ordered {
 }
 
 impl Ordered {
-    /// The speed with the tip so far from the axis of the work; `None`: at its highest, which the program does not say.
+    /// The speed with the tip so far from the axis of the work; `None`: at its highest, which the
+    /// program does not say.
     fn at(self, radius: Length) -> Option<Spin> {
         match self {
             Self::Turn(spin) => Some(spin),
@@ -120,7 +124,8 @@ pub struct Watch {
     periods: u64,
     breaches: Vec<Breach>,
     count: u64,
-    /// Periods, periods in which something was wrong, and breaches before the program that is under way.
+    /// Periods, periods in which something was wrong, and breaches before the program that is under
+    /// way.
     before_program: (u64, u64, usize),
 }
 
@@ -145,8 +150,8 @@ impl Watch {
         }
     }
 
-    /// Another program begins on the same workpiece: what goes on from before is a breach of it, too.
-    /// Of those before, as many of the last are kept as are of one program.
+    /// Another program begins on the same workpiece: what goes on from before is a breach of it,
+    /// too. Of those before, as many of the last are kept as are of one program.
     pub fn begin_program(&mut self) {
         let surplus = self.breaches.len().saturating_sub(MOST);
         self.breaches.drain(..surplus);

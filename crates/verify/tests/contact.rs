@@ -46,7 +46,8 @@ proptest! {
             let reach = shifted.contact.reach.map_or(f64::NAN, Length::value);
             let really = f64::clamp(ordered + above_mm + off_mm, 0.0, 40.0);
             prop_assert!((reach - really).abs() < SAMPLE_WAY_MM, "{reach} mm, really {really} mm");
-            // what was in the stock by less than that may lie between two samples: it may be seen or not
+            // what was in the stock by less than that may lie between two samples: it may be seen
+            // or not
             if really == 0.0 || really > SAMPLE_WAY_MM {
                 prop_assert_eq!(shifted.contact.is_cut(), really > 0.0, "{} mm", really);
             }

@@ -33,8 +33,8 @@ fn hob_tool() -> Tool {
     }
 }
 
-/// Hob at 300 rev/min, 2 mm a turn of the work; the work stands beside its gear by `off` (turns) of the time, the
-/// work's angle and the height.
+/// Hob at 300 rev/min, 2 mm a turn of the work; the work stands beside its gear by `off` (turns) of
+/// the time, the work's angle and the height.
 fn judged(hob: Hob, off: impl Fn(f64, f64) -> f64) -> Feature {
     judged_at(hob, |_| 75.0, off)
 }
@@ -99,13 +99,15 @@ fn a_true_motion_makes_a_true_gear_of_either_hand() {
 
 #[test]
 fn an_eccentric_table_is_a_pitch_deviation_once_a_turn() {
-    // 20 µm on the pitch circle of 80/cos 20° = 85.13 mm, once a turn: 40 µm in all, 2·20·sin(π/40) between neighbours
+    // 20 µm on the pitch circle of 80/cos 20° = 85.13 mm, once a turn: 40 µm in all, 2·20·sin(π/40)
+    // between neighbours
     let um = 20e-3 / (PI * 80.0 / f64::to_radians(20.0).cos());
     let feature = judged(HOB, |work, _| um * (work * TAU).sin());
     let gear = gear(&feature);
     assert!((gear.pitch_total.in_um() - 40.0).abs() < 0.5, "{}", gear.pitch_total);
     let single = 2.0 * 20.0 * (PI / 40.0).sin();
-    // neighbours that a turn of the work lies between stand 2 mm apart, which the helix turns by 2/735: 0.35 µm more
+    // neighbours that a turn of the work lies between stand 2 mm apart, which the helix turns by
+    // 2/735: 0.35 µm more
     assert!((gear.pitch_deviation.in_um() - single).abs() < 0.4, "{}", gear.pitch_deviation);
     // along the face the work turns by face/lead, and the error with it: 20·2π·20.25/735 µm at most
     assert!((gear.helix_deviation.in_um() - 3.46).abs() < 0.1, "{}", gear.helix_deviation);

@@ -96,7 +96,8 @@ fn a_hole_that_was_never_reached_says_how_near_the_tip_came() {
     );
 }
 
-/// A hole 12 mm below the program's zero, which the tip touches at −150; top and zero of the work are there.
+/// A hole 12 mm below the program's zero, which the tip touches at −150; top and zero of the work
+/// are there.
 fn on_stock(top_mm: f64, zero_mm: f64) -> (Feature, Hole) {
     let stock = Some(common::stock_at(top_mm, zero_mm));
     let config = Config { stock, ..config(tools()) };

@@ -153,8 +153,9 @@ impl Cut {
         *polygon
     }
 
-    /// Independent of facets, passes and grids: on each ray from the work's axis, every crossing of every insert's
-    /// path is found by bisection and the innermost counts; then the minimum zone is searched for.
+    /// Independent of facets, passes and grids: on each ray from the work's axis, every crossing of
+    /// every insert's path is found by bisection and the innermost counts; then the minimum zone is
+    /// searched for.
     fn flatness_um(&self, normal: f64, half: f64) -> f64 {
         const RAYS: i32 = 90;
         let tip = |insert: f64, phi: f64| {
@@ -323,7 +324,8 @@ fn a_taper_is_judged_at_every_height_and_as_a_slope() {
 
 #[test]
 fn a_ratio_that_winds_is_a_twisted_polygon() {
-    // 3600:7201 winds by 360°/7200 a turn, 0.05°; at 0.1 mm a turn 0.5° a millimetre. Z falls while the facets turn on.
+    // 3600:7201 winds by 360°/7200 a turn, 0.05°; at 0.1 mm a turn 0.5° a millimetre. Z falls while
+    // the facets turn on.
     let ratio = Ratio { follower: 7201, master: 3600 };
     let cut = Cut { ratio, nose: 0.8, ..Cut::hexagon() };
     let polygon = cut.polygon();
@@ -331,9 +333,11 @@ fn a_ratio_that_winds_is_a_twisted_polygon() {
     near(polygon.along.turn.in_deg(), -0.5, 0.002);
     near(polygon.along_ordered.turn.in_deg(), -0.5, 1e-3);
     near(polygon.tilt.in_deg(), 0.0, 0.01);
-    // each pass stands 0.05° on from the one before: half of that at the corner, 4.907 mm out, adds 2.14 µm
+    // each pass stands 0.05° on from the one before: half of that at the corner, 4.907 mm out,
+    // adds 2.14 µm
     near(polygon.flatness.in_um(), 8.7 + 2.14, 0.3);
-    // the same gear with a tool that runs away from it by as much again: as wide, but not as twisted as ordered
+    // the same gear with a tool that runs away from it by as much again: as wide, but not as
+    // twisted as ordered
     let wrong =
         Cut { ratio, nose: 0.8, swing: |work| [0.0, 0.0, work / TAU / 3600.0], ..Cut::hexagon() };
     let polygon = wrong.polygon();

@@ -1,6 +1,8 @@
-//! Turned threads as a bar has them, from motion made up for them: what is on the work and right passes, and nothing else does.
+//! Turned threads as a bar has them, from motion made up for them: what is on the work and right
+//! passes, and nothing else does.
 //!
-//! Limits are computed here from the formulas of ISO 965-1, tips of inserts from the geometry of a V.
+//! Limits are computed here from the formulas of ISO 965-1, tips of inserts from the geometry of a
+//! V.
 #![allow(clippy::unwrap_used)] // a test may panic
 use bus::{Sample, Truth};
 use canon::{
@@ -330,7 +332,8 @@ proptest! {
 
     #[test]
     fn a_tool_path_off_the_work_is_never_good(
-        // 1.5 pitches may be left uncut, and the groove reaches half a pitch beyond the point that cuts it
+        // 1.5 pitches may be left uncut, and the groove reaches half a pitch beyond the point that
+        // cuts it
         case in any_case(), x in 0.12..3.0_f64, z in 2.1..20.0_f64, how in 0..4,
     ) {
         let shift = match how {

@@ -52,18 +52,21 @@ pub enum Stop {
     Coupled,
 }
 
-/// A tool in the work that only recovery may take out: a tap in its thread, or one that is tied to a spindle.
+/// A tool in the work that only recovery may take out: a tap in its thread, or one that is tied to
+/// a spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Engagement {
     /// The machine counts them, from 1.
     pub number: u64,
     /// The tool.
     pub tool: u32,
-    /// It is certainly in the workpiece now; before its first touch and between two pecks it is not.
+    /// It is certainly in the workpiece now; before its first touch and between two pecks it is
+    /// not.
     pub touches: bool,
     /// How far the axis was from its coupling at most in the material, by the encoders.
     pub sync_error: Length,
-    /// A recovery that has begun to move it knows that it may be broken; where it stands later does not show that any more.
+    /// A recovery that has begun to move it knows that it may be broken; where it stands later does
+    /// not show that any more.
     pub may_be_broken: bool,
 }
 
@@ -79,7 +82,8 @@ pub enum Sense {
     Negative,
 }
 
-/// What the machine itself keeps of a tool in its work, whatever becomes of the control and of its files.
+/// What the machine itself keeps of a tool in its work, whatever becomes of the control and of its
+/// files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// Number of the last engagement; 0: there has been none.
@@ -106,8 +110,8 @@ pub struct Welcome {
     pub real_time: bool,
     /// By spindle: it has lost count of its turns; the angle within a turn is right.
     pub turns_lost: [bool; SPINDLES],
-    /// How the drives came to rest when they were left alone; of several times since a tool went into the work, the one
-    /// that leaves least certain how far it is from its coupling.
+    /// How the drives came to rest when they were left alone; of several times since a tool went
+    /// into the work, the one that leaves least certain how far it is from its coupling.
     pub stop: Stop,
     /// Whether a tool is in the work.
     pub evidence: Evidence,
@@ -151,7 +155,8 @@ impl Message {
         }
     }
 
-    /// What drives are told is a number, and of axes and spindles that there are; a tool in the work has a number.
+    /// What drives are told is a number, and of axes and spindles that there are; a tool in the
+    /// work has a number.
     pub(crate) fn makes_sense(&self) -> bool {
         match self {
             Self::Command(command, engagement) => {

@@ -104,7 +104,8 @@ impl<S: Read + Write> Port<S> {
         self.take_rest()
     }
 
-    /// Wait for the next one, for as long as the stream is willing; `None`: nothing has begun to come.
+    /// Wait for the next one, for as long as the stream is willing; `None`: nothing has begun to
+    /// come.
     ///
     /// # Errors
     /// As [`Port::take`].

@@ -1,6 +1,7 @@
 //! What is cut when it is stopped.
 
-/// What is cut: a program, the options that it takes, and from when to when its tool is tied to a spindle, machine time in s.
+/// What is cut: a program, the options that it takes, and from when to when its tool is tied to a
+/// spindle, machine time in s.
 pub(super) struct Feature {
     pub(super) name: &'static str,
     pub(super) program: &'static str,

@@ -1,5 +1,6 @@
-//! Controls killed and mains cut in everything that ties a tool to a spindle, with everything that drives do by themselves, over
-//! processes; what became of the tool, and whether what `recover` said of it was true.
+//! Controls killed and mains cut in everything that ties a tool to a spindle, with everything that
+//! drives do by themselves, over processes; what became of the tool, and whether what `recover`
+//! said of it was true.
 //!
 //! ```text
 //!   leadscrew simulator … --on-link-loss REACTION ◄── relay, which stops it at t ◄── leadscrew run: pecks, threads, gears, …
@@ -10,8 +11,9 @@
 //!   leadscrew recover, stopped itself at t₁, t₂, … ─► what it says  ◄── compared ──► what the simulated machine knows
 //! ```
 //!
-//! *Torn before* is a tool that was broken when the drives had come to rest: physics, and no control was there to act. *Torn after*
-//! is one that broke from then on, and *false* a statement that is not so: both are defects.
+//! *Torn before* is a tool that was broken when the drives had come to rest: physics, and no
+//! control was there to act. *Torn after* is one that broke from then on, and *false* a statement
+//! that is not so: both are defects.
 mod features;
 mod row;
 mod trial;
@@ -26,7 +28,8 @@ use trial::{Others, repeat, trial};
 /// What drives do that are left alone.
 const REACTIONS: [&str; 4] = ["coupled-stop", "quick-stop", "coast", "off"];
 
-/// Stop each feature with each reaction at `count` instants; whether nothing was torn afterwards and every statement was true.
+/// Stop each feature with each reaction at `count` instants; whether nothing was torn afterwards
+/// and every statement was true.
 pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
     println!("{HEAD}");
     let mut all = Row::default();

@@ -1,8 +1,8 @@
 //! What became of the cases of one row of the table, and whether what was said of each is true.
 use serde_json::Value;
 
-/// Furthest off the thread that was cut, on the way out of a tap that is said to be recovered, µm; after drives that were just
-/// switched off nothing is guaranteed.
+/// Furthest off the thread that was cut, on the way out of a tap that is said to be recovered, µm;
+/// after drives that were just switched off nothing is guaranteed.
 const OFF_THREAD_UM: f64 = 20.0;
 
 /// Counts of a feature and a reaction of the drives.
@@ -20,7 +20,8 @@ pub(super) struct Row {
     torn_before: u32,
     torn_after: u32,
     not_true: u32,
-    /// Largest distance of what was said from the truth over the bound that was said, and the largest bound, µm.
+    /// Largest distance of what was said from the truth over the bound that was said, and the
+    /// largest bound, µm.
     of_bound: f64,
     bound_um: f64,
     /// Furthest off its thread of a tap on its way out, µm.
@@ -78,8 +79,9 @@ impl Row {
         self.torn_after == 0 && self.not_true == 0 && self.problems.is_empty()
     }
 
-    /// A recovery that has ended: what the machine simulator knew before it and knows after it, and what it answered. `torn` is
-    /// whether the tool was broken when the drives came to rest after the first stop, when no control was there to act.
+    /// A recovery that has ended: what the machine simulator knew before it and knows after it, and
+    /// what it answered. `torn` is whether the tool was broken when the drives came to rest after
+    /// the first stop, when no control was there to act.
     pub(super) fn judge(
         &mut self,
         torn: bool,

@@ -1,4 +1,5 @@
-//! One case: a feature begun, stopped, looked at, and recovered until nothing stops the recovery any more.
+//! One case: a feature begun, stopped, looked at, and recovered until nothing stops the recovery
+//! any more.
 use super::features::{CHIP_BREAK, Feature, tools};
 use super::row::Row;
 use serde_json::Value;
@@ -28,7 +29,8 @@ const EPOCH: [&str; 2] = ["--epoch", "7"];
 const FOREIGN: [&str; 2] = ["--serial", "2"];
 
 impl Others {
-    /// As complete runs leave them: `old` on this very machine, as if restored from before, and `foreign` on another one.
+    /// As complete runs leave them: `old` on this very machine, as if restored from before, and
+    /// `foreign` on another one.
     pub(super) fn of(binary: &Path, feature: &Feature) -> Result<Self, String> {
         let kept = tempfile::tempdir().map_err(|e| e.to_string())?;
         for (name, number) in [("old", &[][..]), ("foreign", &FOREIGN)] {
@@ -143,8 +145,8 @@ impl<'a> Trial<'a> {
         [&recover[..], self.feature.options, more].concat()
     }
 
-    /// Recover, and be stopped again at random, until a recovery ends; how the machine was before that one, and its answer.
-    /// `stops` takes what stopped the others.
+    /// Recover, and be stopped again at random, until a recovery ends; how the machine was before
+    /// that one, and its answer. `stops` takes what stopped the others.
     fn recover(
         &self,
         relay: &Relay,
@@ -179,7 +181,8 @@ impl<'a> Trial<'a> {
     }
 }
 
-/// Stop `feature` by the first of `stops`, a kill or a power cut, and take its tool out; what stopped recoveries comes to it.
+/// Stop `feature` by the first of `stops`, a kill or a power cut, and take its tool out; what
+/// stopped recoveries comes to it.
 pub(super) fn trial(
     (binary, feature, others): (&Path, &Feature, &Others),
     reaction: &str,
@@ -207,7 +210,8 @@ pub(super) fn trial(
     row.judge(stopped["tool_broken"] == true, [&before, &after], &answer)
 }
 
-/// The same stops once more, with nothing looked at between them: what the machine simulator says after each.
+/// The same stops once more, with nothing looked at between them: what the machine simulator says
+/// after each.
 pub(super) fn repeat(
     binary: &Path,
     feature: &Feature,
@@ -238,8 +242,8 @@ pub(super) fn repeat(
     Ok(())
 }
 
-/// What only looks changes nothing and denies nothing: a rehearsal, a run that is refused, and both with a state folder that
-/// knows nothing, or something else.
+/// What only looks changes nothing and denies nothing: a rehearsal, a run that is refused, and both
+/// with a state folder that knows nothing, or something else.
 fn look(trial: &Trial<'_>, before: &Value, dice: &mut Dice) -> Result<(), String> {
     let kept = !before["tool_in_work"].is_null();
     match dice.draw() % 6 {

@@ -1,8 +1,9 @@
 //! One part of a tapping program with its two tools, drawn at random: holes of one size.
 //!
-//! Drawn: size, hand, depth, speed, holder, units, plane, cycle (G84 and G74, M29, G84.2 and G84.3, G33.1), where the lead
-//! comes from, pecks of both kinds, start angle, return speed and acceleration, dwell, preset. A clutch holder taps with
-//! plain G84 and G74 and computes its dwell; in G18 and G19 the tap would lie across the spindle.
+//! Drawn: size, hand, depth, speed, holder, units, plane, cycle (G84 and G74, M29, G84.2 and G84.3,
+//! G33.1), where the lead comes from, pecks of both kinds, start angle, return speed and
+//! acceleration, dwell, preset. A clutch holder taps with plain G84 and G74 and computes its dwell;
+//! in G18 and G19 the tap would lie across the spindle.
 
 use test_support::Dice;
 
@@ -117,7 +118,8 @@ impl Plane {
 }
 
 impl Case {
-    /// A part after this one, with what goes for the whole program. It has no mistake: one a program is enough.
+    /// A part after this one, with what goes for the whole program. It has no mistake: one a
+    /// program is enough.
     pub(super) fn after(&self, dice: &mut Dice) -> Self {
         loop {
             let next = Self::draw(dice);

@@ -8,12 +8,13 @@
 //!   broken    anything else: a thread out of class that nobody predicted, an alarm, a thread too few
 //! ```
 //!
-//! `leadscrew run` itself looks in every servo period for what may never happen (a tap driven against its way, moved
-//! sideways in its thread, beyond its bottom, a broken tool, a cut at the wrong speed); its certificate says how often.
+//! `leadscrew run` itself looks in every servo period for what may never happen (a tap driven
+//! against its way, moved sideways in its thread, beyond its bottom, a broken tool, a cut at the
+//! wrong speed); its certificate says how often.
 //!
-//! What is drawn stands in [`case`]; two programs in five have two or three parts, each with holes of a size of its own. One program in
-//! eight has a mistake, which must be refused by its own code. A tap in another
-//! plane than the spindle's own must be refused too.
+//! What is drawn stands in [`case`]; two programs in five have two or three parts, each with holes
+//! of a size of its own. One program in eight has a mistake, which must be refused by its own code.
+//! A tap in another plane than the spindle's own must be refused too.
 mod case;
 
 use case::Case;
@@ -102,7 +103,8 @@ impl Tally {
     }
 }
 
-/// Run `count` programs of a seed with the `leadscrew` at `binary`; `each` is told after every program.
+/// Run `count` programs of a seed with the `leadscrew` at `binary`; `each` is told after every
+/// program.
 pub(crate) fn trials(binary: &Path, count: u32, seed: u64, mut each: impl FnMut(u32)) -> Tally {
     let mut tally = Tally::default();
     for number in 0..count {

@@ -1,14 +1,17 @@
-//! Arguments that several commands take: where programs, machines and tools come from, and how answers are printed.
+//! Arguments that several commands take: where programs, machines and tools come from, and how
+//! answers are printed.
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// Where programs, machines, tools and parameters come from.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct ProgramArgs {
-    /// The machine: a name from `leadscrew machine list`, or a file [default: tapping-center; `check` looks for one that fits]
+    /// The machine: a name from `leadscrew machine list`, or a file
+    /// [default: tapping-center; `check` looks for one that fits]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) machine: Option<String>,
-    /// Tool table: TOML, or LinuxCNC's .tbl [default: tools.toml or tool.tbl beside the program, else the embedded one]
+    /// Tool table: TOML, or LinuxCNC's .tbl [default: tools.toml or tool.tbl beside the program,
+    /// else the embedded one]
     #[arg(long, value_name = "FILE")]
     pub(crate) tools: Option<PathBuf>,
     /// Unit of the lengths in a .tbl, which does not state it (a TOML table does)
@@ -17,8 +20,9 @@ pub(crate) struct ProgramArgs {
     /// Parameter file (.var) with work offsets [default: the machine's set-up]
     #[arg(long, value_name = "FILE")]
     pub(crate) parameters: Option<PathBuf>,
-    /// What stands on the inputs of a simulated machine, besides what the machine's file says: lines such as
-    /// `digital_3 = on at 2 s, off at 5 s` or `digital_1 = follows output 1 after 0.3 s`
+    /// What stands on the inputs of a simulated machine, besides what the machine's file says:
+    /// lines such as `digital_3 = on at 2 s, off at 5 s` or
+    /// `digital_1 = follows output 1 after 0.3 s`
     #[arg(long, value_name = "FILE")]
     pub(crate) inputs: Option<PathBuf>,
     /// What to do with tools that the table lacks
@@ -33,19 +37,20 @@ pub(crate) struct ProgramArgs {
     /// How programs are read [default: as the machine's file says]
     #[arg(long, value_enum)]
     pub(crate) dialect: Option<DialectChoice>,
-    /// What a number without a decimal point counts in Fanuc's dialects [default: as the machine's file says, else
-    /// increments]
+    /// What a number without a decimal point counts in Fanuc's dialects
+    /// [default: as the machine's file says, else increments]
     #[arg(long, value_enum)]
     pub(crate) decimal_point: Option<DecimalPoint>,
-    /// What is accepted of programs for other machines, as in --accept unknown-m-codes,no-end; the machine's file may say
-    /// it under [control.programs]
+    /// What is accepted of programs for other machines, as in --accept unknown-m-codes,no-end; the
+    /// machine's file may say it under [control.programs]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     pub(crate) accept: Vec<Accept>,
-    /// Leave out blocks that begin with `/` of these levels (1 is `/` alone), as in --block-skip 1,2
+    /// Leave out blocks that begin with `/` of these levels (1 is `/` alone), as in --block-skip
+    /// 1,2
     #[arg(long, value_delimiter = ',', value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(1..=9))]
     pub(crate) block_skip: Vec<u8>,
-    /// Folder in which subprogram files are looked for, besides the program's own and those of the machine's file;
-    /// may be given more than once
+    /// Folder in which subprogram files are looked for, besides the program's own and those of the
+    /// machine's file; may be given more than once
     #[arg(long, value_name = "DIR")]
     pub(crate) subprograms: Vec<PathBuf>,
     /// Cam library (TOML) [default: cams.toml beside the program]
@@ -63,8 +68,8 @@ pub(crate) struct ProgramArgs {
     /// How the work turns while a cam is ground [default: as the cam library says]
     #[arg(long, value_enum)]
     pub(crate) work_speed: Option<WorkSpeedChoice>,
-    /// Feed-forward of the axes, in a program that grinds cams of X alone, which follows the work (spindles keep
-    /// theirs): `off` shows the lag of their loops
+    /// Feed-forward of the axes, in a program that grinds cams of X alone, which follows the work
+    /// (spindles keep theirs): `off` shows the lag of their loops
     #[arg(long, value_enum)]
     pub(crate) feed_forward: Option<Switch>,
     /// How hard taps are driven [default: the machine's]
@@ -134,7 +139,8 @@ impl ValueEnum for DialectChoice {
 /// What is accepted of programs for other machines.
 #[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Accept {
-    /// M codes that neither the dialect nor the machine's file knows: they have no effect, with a remark for each
+    /// M codes that neither the dialect nor the machine's file knows: they have no effect, with a
+    /// remark for each
     UnknownMCodes,
     /// A program without M2 or M30: it ends where its text does
     NoEnd,
@@ -182,7 +188,8 @@ pub(crate) enum Estimator {
 pub(crate) enum WorkSpeedChoice {
     /// At the programmed speed
     Constant,
-    /// Slower where the contact runs fast along the contour: as even a removal as the axes allow, S is the mean
+    /// Slower where the contact runs fast along the contour: as even a removal as the axes allow, S
+    /// is the mean
     Even,
 }
 

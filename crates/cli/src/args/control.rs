@@ -11,17 +11,19 @@ pub(crate) struct ControlArgs {
     /// Take requests from a file, a line each; `-` is standard input [default: the terminal]
     #[arg(long, value_name = "FILE")]
     pub(crate) script: Option<PathBuf>,
-    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file names in [hal], instead of a machine
-    /// that is simulated
+    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file
+    /// names in [hal], instead of a machine that is simulated
     #[arg(long, conflicts_with_all = ["seed", "clamped"])]
     pub(crate) hal: bool,
-    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
+    /// Seed of the machine that is simulated: what its control does not know
+    /// (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
     /// Keep offsets, tools, alarms and the last program in this folder [default: nothing is kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
-    /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in X0.4,Y-0.3,Z1.2
+    /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in
+    /// X0.4,Y-0.3,Z1.2
     #[arg(long, value_name = "AXES")]
     pub(crate) clamped: Option<String>,
     /// By the clock, with kernel and machine in a servo thread of their own; in a script as well

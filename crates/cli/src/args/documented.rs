@@ -4,7 +4,8 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::path::Path;
 
-/// What stands behind `leadscrew` wherever a text shows a command: in `backticks`, or as a line of an indented or fenced block.
+/// What stands behind `leadscrew` wherever a text shows a command: in `backticks`, or as a line of
+/// an indented or fenced block.
 fn commands(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in text.lines() {
@@ -37,7 +38,8 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
-/// Why a command is none; `None`: it is one, or one that lacks only what the text leaves to the reader.
+/// Why a command is none; `None`: it is one, or one that lacks only what the text leaves to the
+/// reader.
 fn misread(command: &str) -> Option<String> {
     let words = words(command.split('|').next().unwrap_or(command).trim_end_matches('\\'));
     let parsed = |more: &[&str]| {

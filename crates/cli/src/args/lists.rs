@@ -8,11 +8,13 @@ use std::path::PathBuf;
 pub(crate) enum MachineCommand {
     /// The embedded machines
     List,
-    /// Print a machine's file: every value with its unit and source; and what the simulated machine may be instead
+    /// Print a machine's file: every value with its unit and source; and what the simulated machine
+    /// may be instead
     Show {
         /// A name from `list`, or a file
         machine: String,
-        /// Seed of the simulated machine that is shown beside what its control believes [default: the file's]
+        /// Seed of the simulated machine that is shown beside what its control believes
+        /// [default: the file's]
         #[arg(long, value_name = "N")]
         seed: Option<u64>,
         /// Number of its workpiece
@@ -24,7 +26,8 @@ pub(crate) enum MachineCommand {
         /// A name from `list`, or a file
         machine: String,
     },
-    /// Write a machine file from a LinuxCNC configuration; say what was taken, what was guessed, and what is missing
+    /// Write a machine file from a LinuxCNC configuration; say what was taken, what was guessed,
+    /// and what is missing
     Import {
         /// Its INI file; HAL files that it names are found beside it, and in LinuxCNC's library
         #[arg(value_name = "FILE.ini")]
@@ -32,7 +35,8 @@ pub(crate) enum MachineCommand {
         /// HAL files beside those that it names
         #[arg(value_name = "FILE.hal")]
         hal: Vec<PathBuf>,
-        /// Where the machine file goes, which is not there yet [default: standard output; the remarks go to standard error]
+        /// Where the machine file goes, which is not there yet
+        /// [default: standard output; the remarks go to standard error]
         #[arg(long, value_name = "FILE.toml")]
         out: Option<PathBuf>,
     },
@@ -41,14 +45,15 @@ pub(crate) enum MachineCommand {
 /// `leadscrew codes`.
 #[derive(Args, Debug)]
 pub(crate) struct CodesArgs {
-    /// Count those of these programs, or of the programs in these folders, instead: how often each code is used, in how
-    /// many of them, whether it is known, and where it comes first
+    /// Count those of these programs, or of the programs in these folders, instead: how often each
+    /// code is used, in how many of them, whether it is known, and where it comes first
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub(crate) of: Vec<PathBuf>,
     /// How the programs are read [default: the machine's, else as their words tell]
     #[arg(long, value_enum, requires = "of")]
     pub(crate) dialect: Option<DialectChoice>,
-    /// A machine whose own codes are known, as its file has them: a name from `machine list`, or a file
+    /// A machine whose own codes are known, as its file has them: a name from `machine list`, or a
+    /// file
     #[arg(long, requires = "of")]
     pub(crate) machine: Option<String>,
     /// How they are printed

@@ -42,8 +42,8 @@ pub(crate) use trace::{TraceCommand, TraceFormat};
   leadscrew canon part.ngc --format linuxcnc                 compare with LinuxCNC's rs274 by diff
   leadscrew machine show tapping-center                      the machine's values, with their sources")]
 pub(crate) struct Cli {
-    /// Say only what went wrong: no answer for people, no remarks, no progress; the exit code tells. Data that is
-    /// asked for (--format json, canon, --log, --out) comes all the same
+    /// Say only what went wrong: no answer for people, no remarks, no progress; the exit code
+    /// tells. Data that is asked for (--format json, canon, --log, --out) comes all the same
     #[arg(short, long, global = true)]
     pub(crate) quiet: bool,
     /// How progress is shown
@@ -97,7 +97,8 @@ Examples:
   leadscrew time part.ngc
   leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
     Time(TimeArgs),
-    /// Switch a control on and lead it: home, jog, touch off, load, start, hold, by a script or from the terminal
+    /// Switch a control on and lead it: home, jog, touch off, load, start, hold, by a script or
+    /// from the terminal
     #[command(
         after_help = "A request a line; `help` lists them; a line that begins with # is a remark. In a script machine
 time runs only while a line waits, so it is the same each time; from the terminal it runs as on the wall. The machine
@@ -179,14 +180,16 @@ Examples:
   leadscrew polygon --insert-angles 0,90 --across-flats 20 --actuator x --format json
   leadscrew polygon --sides 5 --ratio 2:5 --across-flats 17 --tip-radius 6.8   a pentagon")]
     Polygon(PolygonArgs),
-    /// From a cam's lift to the path of the grinding wheel: checks, highest speed, table, G-code, pictures
+    /// From a cam's lift to the path of the grinding wheel: checks, highest speed, table, G-code,
+    /// pictures
     #[command(after_help = "Examples:
   leadscrew cam --form automotive --base 34 --lift 9 --half-angle 65       an engine's cam for a flat follower
   leadscrew cam lift.csv --base 18 --follower roller --roller-radius 10    a table of angle and lift, degrees and mm
   leadscrew cam lift.csv --base 18 --wheel-wear 12.5 --format table        C, X and work speed for a worn wheel
   leadscrew cam --form lobes --lift 3 --lobes 3 --out lobes.html           lift, speed, acceleration, curvature drawn")]
     Cam(CamArgs),
-    /// Run a program over many cases and say how capable the process is: in Python, `pip install 'leadscrew[dask]'`
+    /// Run a program over many cases and say how capable the process is: in Python,
+    /// `pip install 'leadscrew[dask]'`
     #[command(after_help = "docs/python.md says what a study's file has.
 
 Example: leadscrew study plate.toml")]
@@ -218,7 +221,8 @@ Example: leadscrew study plate.toml")]
 subprograms, definitions, renaming and formatting. An editor starts it; see docs/editors.md."
     )]
     Lsp(ProgramArgs),
-    /// List every G and M code, with what it takes and whether it is executed; or those that programs use
+    /// List every G and M code, with what it takes and whether it is executed; or those that
+    /// programs use
     #[command(after_help = "Examples:
   leadscrew codes                                         what is known, by code
   leadscrew codes --of programs/ --machine mine.toml      what is used, how often, and is it known?")]

@@ -39,10 +39,12 @@ pub(crate) struct PolygonArgs {
     /// Harmonics of each oscillation [default: 4, and as many as it takes where a limit binds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
     pub(crate) harmonics: Option<u32>,
-    /// Table that G51.4 has written: what the loops really make of an oscillation is taken into account
+    /// Table that G51.4 has written: what the loops really make of an oscillation is taken into
+    /// account
     #[arg(long, value_name = "FILE")]
     pub(crate) phase_table: Option<PathBuf>,
-    /// Cut it on the simulated machine, from 100 to 1000 rpm, as computed and with an air cut's measurement compensated
+    /// Cut it on the simulated machine, from 100 to 1000 rpm, as computed and with an air cut's
+    /// measurement compensated
     #[arg(long)]
     pub(crate) simulate: bool,
     /// Length of the polygon, mm
@@ -51,7 +53,8 @@ pub(crate) struct PolygonArgs {
     /// Feed along Z, mm per turn of the work
     #[arg(long, value_name = "MM", default_value_t = 0.1)]
     pub(crate) feed: f64,
-    /// Number of the cutter in the tool table [default: the one that the form needs, else a number that is free]
+    /// Number of the cutter in the tool table [default: the one that the form needs, else a number
+    /// that is free]
     #[arg(long, value_name = "N")]
     pub(crate) tool: Option<u32>,
     /// The tool table [default: the embedded one]

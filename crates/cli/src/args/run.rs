@@ -17,13 +17,16 @@ pub(crate) struct RunArgs {
     /// The report alone, without a folder for the rest [default: report.html here]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "report.html")]
     pub(crate) report: Option<PathBuf>,
-    /// The machine that is simulated, where it is another one than the control believes: the control keeps to --machine
+    /// The machine that is simulated, where it is another one than the control believes: the
+    /// control keeps to --machine
     #[arg(long, value_name = "NAME|FILE", conflicts_with = "simulator")]
     pub(crate) plant: Option<String>,
-    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
+    /// Seed of the machine that is simulated: what its control does not know
+    /// (`machine show NAME --seed N`), and the cut's scatter
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
-    /// Number of the workpiece on that machine: what varies from part to part is drawn for each [default: 1]
+    /// Number of the workpiece on that machine: what varies from part to part is drawn for each
+    /// [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "simulator")]
     pub(crate) part: Option<u32>,
     /// Material of the workpiece [default: the machine's set-up]
@@ -38,7 +41,8 @@ pub(crate) struct RunArgs {
     /// Also say how fast the simulation and the kernel's tick were
     #[arg(long)]
     pub(crate) timings: bool,
-    /// By the clock: kernel and machine in a servo thread of their own, which says with --timings how well it kept its time
+    /// By the clock: kernel and machine in a servo thread of their own, which says with --timings
+    /// how well it kept its time
     #[arg(long, conflicts_with_all = ["fault", "recover"])]
     pub(crate) real_time: bool,
     /// Also print what happened, a line an event
@@ -50,8 +54,8 @@ pub(crate) struct RunArgs {
     /// Folder of the sync record [default with --simulator: see below; else none is kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
-    /// Begin at a line, as in 27, at a hole, as in "hole 5", or at a tool, as in "tool 3": tool, spindle and modes as they would be there; never
-    /// within a cycle
+    /// Begin at a line, as in 27, at a hole, as in "hole 5", or at a tool, as in "tool 3": tool,
+    /// spindle and modes as they would be there; never within a cycle
     #[arg(long, value_name = "LINE|hole N|tool N")]
     pub(crate) from: Option<control::job::restart::From>,
     /// Let the machine fail: WHAT at MOMENT; several separated by `;`, see below
@@ -60,13 +64,15 @@ pub(crate) struct RunArgs {
     /// What the operator orders: WHAT at MOMENT; several separated by `;`, see below
     #[arg(long, value_name = "WHAT at MOMENT")]
     pub(crate) operator: Vec<String>,
-    /// After a stop in a thread: take the tap out along it, and end there, or continue with the remaining holes
+    /// After a stop in a thread: take the tap out along it, and end there, or continue with the
+    /// remaining holes
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "out", conflicts_with = "simulator")]
     pub(crate) recover: Option<AfterStop>,
     /// Force the tapping ramp from rest to full speed into this time, against the power curve
     #[arg(long, value_name = "SECONDS")]
     pub(crate) force_ramp: Option<f64>,
-    /// Learn from tap to tap, and keep what was learnt in this file; `off`: do not [default: as the machine's file says]
+    /// Learn from tap to tap, and keep what was learnt in this file; `off`: do not
+    /// [default: as the machine's file says]
     #[arg(long, value_name = "FILE|off")]
     pub(crate) learning: Option<PathBuf>,
     /// How the feed is tied to the spindle [default: the machine's]

@@ -15,7 +15,8 @@ const LOGIN_HELP: &str = "User and password at the broker, the first two lines o
 pub(crate) struct ServeArgs {
     #[command(flatten)]
     pub(crate) source: ProgramArgs,
-    /// Address at which clients call; one that other computers reach takes --token-file and a certificate
+    /// Address at which clients call; one that other computers reach takes --token-file and a
+    /// certificate
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub(crate) listen: IpAddr,
     /// Port at which clients call; 0 takes one that is free
@@ -24,27 +25,31 @@ pub(crate) struct ServeArgs {
     /// Folder of programs: clients list, read, write and load what lies in it, and nothing else
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub(crate) programs: PathBuf,
-    /// Control the machine simulator that listens here, a Unix socket, instead of a machine within this process: it outlives the
-    /// control, and a tool that was left in its work is known when the control begins again
+    /// Control the machine simulator that listens here, a Unix socket, instead of a machine within
+    /// this process: it outlives the control, and a tool that was left in its work is known when
+    /// the control begins again
     #[arg(long, value_name = "PATH", requires = "state", conflicts_with_all = ["seed", "clamped"])]
     pub(crate) simulator: Option<PathBuf>,
-    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file names in [hal], instead of a machine
-    /// that is simulated
+    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file
+    /// names in [hal], instead of a machine that is simulated
     #[arg(long, conflicts_with_all = ["simulator", "seed", "clamped"])]
     pub(crate) hal: bool,
-    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
+    /// Seed of the machine that is simulated: what its control does not know
+    /// (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
     /// Keep offsets, tools, alarms and the last program in this folder [default: nothing is kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
-    /// Runs that are kept in the state folder, with report, certificate and trace; the oldest give way
+    /// Runs that are kept in the state folder, with report, certificate and trace; the oldest give
+    /// way
     #[arg(long, value_name = "N", default_value_t = 200, requires = "state")]
     pub(crate) runs: usize,
     /// Mebibytes that they take on the disk together at most
     #[arg(long, value_name = "N", default_value_t = 2048, requires = "state", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     pub(crate) runs_mb: u64,
-    /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in X0.4,Y-0.3,Z1.2
+    /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in
+    /// X0.4,Y-0.3,Z1.2
     #[arg(long, value_name = "AXES")]
     pub(crate) clamped: Option<String>,
     /// Kernel and machine in a servo thread of their own, by the clock

@@ -23,7 +23,8 @@ pub(crate) struct SimulatorArgs {
     pub(crate) quit: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) source: ProgramArgs,
-    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
+    /// Seed of the machine that is simulated: what its control does not know
+    /// (`machine show NAME --seed N`), and the cut's scatter
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
     /// Material of the workpiece [default: the machine's set-up]
@@ -32,7 +33,8 @@ pub(crate) struct SimulatorArgs {
     /// Let time pass as on the wall, instead of waiting for the control
     #[arg(long)]
     pub(crate) real_time: bool,
-    /// The mains fail at this machine time, seconds; several separated by commas. They come back for the next control
+    /// The mains fail at this machine time, seconds; several separated by commas. They come back
+    /// for the next control
     #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
     pub(crate) power_cut_at: Vec<f64>,
     /// What the drives do when the control falls silent [default: the machine's]
@@ -77,7 +79,8 @@ pub(crate) struct RecoverArgs {
     /// The machine: a name from `leadscrew machine list`, or a file [default: tapping-center]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) machine: Option<String>,
-    /// Folder of the sync record [default: $XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or below ~/.local/state]
+    /// Folder of the sync record [default: $XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or below
+    /// ~/.local/state]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
     /// Rehearse: say what would be done, and move nothing

@@ -11,8 +11,8 @@ pub(crate) struct CheckArgs {
     pub(crate) programs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) source: ProgramArgs,
-    /// A table alone: each program with its verdict, how and where it was read, and the first thing wrong; then what was wrong,
-    /// by how many programs have it
+    /// A table alone: each program with its verdict, how and where it was read, and the first thing
+    /// wrong; then what was wrong, by how many programs have it
     #[arg(long)]
     pub(crate) summary: bool,
     /// How findings are printed

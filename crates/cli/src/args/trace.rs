@@ -8,7 +8,8 @@ pub(crate) enum TraceCommand {
     /// Say what a recording holds: its columns with their ranges, and what the kernel was doing
     #[command(after_help = "Example: leadscrew trace show out/plate")]
     Show {
-        /// Folder of a run, or a recording in Parquet: a run's trace, or what the page's scope has saved
+        /// Folder of a run, or a recording in Parquet: a run's trace, or what the page's scope has
+        /// saved
         run: PathBuf,
     },
     /// Write a recording in another format, with the unit of each column
@@ -22,7 +23,8 @@ Examples:
   leadscrew trace convert scope-12.5s.parquet --to mcap"
     )]
     Convert {
-        /// Folder of a run, or a recording in Parquet: a run's trace, or what the page's scope has saved
+        /// Folder of a run, or a recording in Parquet: a run's trace, or what the page's scope has
+        /// saved
         run: PathBuf,
         /// The format
         #[arg(long, value_enum, value_name = "FORMAT")]

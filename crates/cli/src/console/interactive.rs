@@ -1,4 +1,5 @@
-//! A terminal before a control: machine time passes as on the wall, lines are edited, completed and remembered.
+//! A terminal before a control: machine time passes as on the wall, lines are edited, completed and
+//! remembered.
 //!
 //! ```text
 //!   this thread    reedline: a line ──► command ──► control::operation::hosted, which paces the control

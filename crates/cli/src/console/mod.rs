@@ -1,4 +1,5 @@
-//! `leadscrew control`: a control that stays on, led from a terminal or by a script, a request a line.
+//! `leadscrew control`: a control that stays on, led from a terminal or by a script, a request a
+//! line.
 //!
 //! ```text
 //!   line ─► command: a request, a wait, a question ─► session ─► control::Control

@@ -1,4 +1,5 @@
-//! A control and what is typed to it: requests are made, waits let machine time pass, what happens is said.
+//! A control and what is typed to it: requests are made, waits let machine time pass, what happens
+//! is said.
 use super::command::Command;
 use super::show;
 use crate::refusal;
@@ -51,7 +52,8 @@ pub(super) fn happened(event: &Event) -> String {
 
 /// A continuous jog is asked for again after this share of its lease.
 const RENEWED: f64 = 0.5;
-/// An alarm that stands for so long, with everything at rest, lets nothing happen that a line could wait for.
+/// An alarm that stands for so long, with everything at rest, lets nothing happen that a line could
+/// wait for.
 const STOPPED_FOR: Time = Time::s(1.0);
 /// How long moving things may take to come to rest at the end.
 const COMES_TO_REST: Time = Time::s(120.0);
@@ -115,7 +117,8 @@ impl Session {
         Ok(true)
     }
 
-    /// Why nothing changes any more unless it is asked for, once that is so for a while; since when it is.
+    /// Why nothing changes any more unless it is asked for, once that is so for a while; since when
+    /// it is.
     fn stopped_for_good(&self, since: &mut Option<Time>) -> Option<String> {
         let Some(why) = self.control.stopped_by() else {
             *since = None;
@@ -169,7 +172,8 @@ impl Session {
         }
     }
 
-    /// The last line was read: nothing goes on moving without anybody to lead it. What was left open.
+    /// The last line was read: nothing goes on moving without anybody to lead it. What was left
+    /// open.
     pub(crate) fn come_to_rest(&mut self) -> Option<String> {
         let moved = self.control.is_moving_manually();
         let execution = self.control.execution();

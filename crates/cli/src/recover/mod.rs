@@ -1,4 +1,5 @@
-//! `leadscrew recover`: what is known of a tool in the work after the control has died, and the way out.
+//! `leadscrew recover`: what is known of a tool in the work after the control has died, and the way
+//! out.
 pub(crate) mod advice;
 mod say;
 

@@ -3,7 +3,8 @@ use kernel::{HomingMethod, HomingOrder};
 use store::machine::{self, Axis, MachineFile};
 use units::Coordinate;
 
-/// A switch is let go of so much later than it is actuated, mm or ° (estimate: an inductive switch).
+/// A switch is let go of so much later than it is actuated, mm or ° (estimate: an inductive
+/// switch).
 const HYSTERESIS: Coordinate = Coordinate::new(0.05);
 
 /// One axis.
@@ -13,7 +14,8 @@ pub struct AxisHoming {
     pub axis: canon::Axis,
     /// Axes of lower numbers are homed first, those of equal numbers together.
     pub order: u32,
-    /// How; what the operator says of an axis that is homed by his word takes the place of its reference.
+    /// How; what the operator says of an axis that is homed by his word takes the place of its
+    /// reference.
     pub how: HomingOrder,
 }
 

@@ -5,7 +5,8 @@ use store::machine::{Follows, MachineFile, Material};
 use units::Length;
 use verify::{Bar, Config, Tolerances};
 
-/// Class 6H, the shop's usual tolerances on such a machine, and the stock clamped at the workpiece's zero.
+/// Class 6H, the shop's usual tolerances on such a machine, and the stock clamped at the
+/// workpiece's zero.
 pub fn judge(
     machine: &MachineFile,
     tools: &ToolLibrary,
@@ -39,8 +40,8 @@ fn bar(machine: &MachineFile, zero: &Position) -> Option<Bar> {
     })
 }
 
-/// The shop's usual tolerances. Where the spindle turns back by itself and the feed only follows it, a thread may
-/// run as much beyond its bottom as such a spindle repeats its stop.
+/// The shop's usual tolerances. Where the spindle turns back by itself and the feed only follows
+/// it, a thread may run as much beyond its bottom as such a spindle repeats its stop.
 pub fn tolerances(follows_encoder: bool) -> Tolerances {
     const TURNS_BACK_WITHIN: Length = Length::mm(0.05);
     let usual = Tolerances::default();

@@ -8,7 +8,8 @@ use store::machine::{self, MachineFile};
 pub struct MachineSource {
     /// Name of an embedded model, or of a file.
     pub name: String,
-    /// The text that stands for that file, such as one with values changed; `None` is as it is there.
+    /// The text that stands for that file, such as one with values changed; `None` is as it is
+    /// there.
     pub text: Option<String>,
 }
 
@@ -52,7 +53,8 @@ pub fn load(source: impl Into<MachineSource>) -> Result<MachineFile, Refused> {
     Ok(file)
 }
 
-/// What no section of the file can see alone: loops too fast for the servo period, physics too coarse for an axis.
+/// What no section of the file can see alone: loops too fast for the servo period, physics too
+/// coarse for an axis.
 fn can_be_run(name: &str, file: &MachineFile) -> Result<(), Refused> {
     let mut wrong = Vec::new();
     control(file, None, true).problems(|problem| wrong.push(problem.to_string()));
@@ -78,8 +80,8 @@ pub fn text(source: impl Into<MachineSource>) -> Result<String, Refused> {
     }
 }
 
-/// What the simulated machine may be other than its control believes, and what it may not: it has the same axes and spindles,
-/// the same servo period and work clamped at the same place.
+/// What the simulated machine may be other than its control believes, and what it may not: it has
+/// the same axes and spindles, the same servo period and work clamped at the same place.
 ///
 /// # Errors
 /// What it may not.

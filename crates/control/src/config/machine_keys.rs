@@ -1,5 +1,6 @@
-//! Every key of every embedded machine does something: changed, it changes what control, planner, simulated plant, judge or
-//! interpreter is told. A key that is read and then forgotten changes nothing.
+//! Every key of every embedded machine does something: changed, it changes what control, planner,
+//! simulated plant, judge or interpreter is told. A key that is read and then forgotten changes
+//! nothing.
 use crate::job::options::ProgramOptions;
 use crate::job::Session;
 use crate::config;

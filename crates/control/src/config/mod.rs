@@ -1,4 +1,5 @@
-//! From the machine file's one description to what each crate asks for: the only place that knows all of them.
+//! From the machine file's one description to what each crate asks for: the only place that knows
+//! all of them.
 //!
 //! ```text
 //!                      ┌─► simulator   sim::Config          the simulated machine

@@ -10,8 +10,8 @@ use units::{Force, Time};
 /// Share of an axis drive's force that plans may use: the rest is for the cut and for control.
 const PLANNED_SHARE: f64 = 0.9;
 
-/// Limits from the machine's file. An axis' acceleration is what its file says, but never more than the
-/// share of its drive's force that plans may use, less its weight, can give.
+/// Limits from the machine's file. An axis' acceleration is what its file says, but never more than
+/// the share of its drive's force that plans may use, less its weight, can give.
 pub fn planner(machine: &MachineFile) -> MachineLimits {
     let windows = machine.axes.iter().flatten().map(|axis| axis.windows.settle);
     MachineLimits {
@@ -50,8 +50,8 @@ fn joining(machine: &MachineFile) -> Joining {
     Joining { period, tolerance: path.tolerance, mode }
 }
 
-/// The preset in force, and what a peck does. A feed that only follows the spindle's encoder leaves the thread to
-/// find its phase again, so there a peck always comes out in full.
+/// The preset in force, and what a peck does. A feed that only follows the spindle's encoder leaves
+/// the thread to find its phase again, so there a peck always comes out in full.
 fn tapping(machine: &MachineFile) -> Tapping {
     let file = &machine.tapping;
     let standard = machine.spindles.first().map_or(1.0, |spindle| spindle.planned_share);
@@ -71,7 +71,8 @@ fn tapping(machine: &MachineFile) -> Tapping {
     }
 }
 
-/// When a spindle is left to coast. A DC bus pays for braking where there is one, unless the outputs are off.
+/// When a spindle is left to coast. A DC bus pays for braking where there is one, unless the
+/// outputs are off.
 pub(super) fn coasts(drives: &store::machine::Drives) -> plan::Coasts {
     use bus::DriveReaction;
     let coasts = |reaction| matches!(reaction, DriveReaction::Coast | DriveReaction::Off);

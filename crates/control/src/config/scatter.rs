@@ -1,7 +1,9 @@
-//! What the seed makes of tools and work, beside the machine: as they really are, which no table and no set-up says.
+//! What the seed makes of tools and work, beside the machine: as they really are, which no table
+//! and no set-up says.
 //!
-//! The judge measures what was cut, so that it goes by the tools as they are. It keeps to the lead that was asked: a tap of
-//! another lead cuts a thread of another lead, which its gauge feels over the length of engagement.
+//! The judge measures what was cut, so that it goes by the tools as they are. It keeps to the lead
+//! that was asked: a tap of another lead cuts a thread of another lead, which its gauge feels over
+//! the length of engagement.
 use canon::{Tool, ToolKind, ToolLibrary};
 use store::machine::MachineFile;
 use units::{Length, Spread};

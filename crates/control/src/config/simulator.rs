@@ -7,11 +7,12 @@ use store::machine::{
 };
 use units::{Angle, AxisKind, Coordinate, Inertia, Lead, Length, Spread};
 
-/// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
+/// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree
+/// by 10³.
 const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
 
-/// A simulated machine of this file at its first workpiece, with these tools in its magazine and nothing in its spindle; the
-/// stock is clamped at `zero`.
+/// A simulated machine of this file at its first workpiece, with these tools in its magazine and
+/// nothing in its spindle; the stock is clamped at `zero`.
 pub fn simulator(
     machine: &MachineFile,
     tools: &ToolLibrary,
@@ -185,7 +186,8 @@ fn axis(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisModel 
     }
 }
 
-/// How its screw grows; the fixed bearing is at the motor's end, which is taken to be that of machine zero.
+/// How its screw grows; the fixed bearing is at the motor's end, which is taken to be that of
+/// machine zero.
 fn growth(file: &Axis, machine: &MachineFile) -> Option<sim::ScrewGrowth> {
     let is_screw = matches!(file.drive.motor, Motor::BallScrew { .. });
     let stated = machine.simulation.screw_growth?;
@@ -197,7 +199,8 @@ fn growth(file: &Axis, machine: &MachineFile) -> Option<sim::ScrewGrowth> {
     })
 }
 
-/// Where an axis stands when the machine is switched on: at machine zero, or as near as its travel allows.
+/// Where an axis stands when the machine is switched on: at machine zero, or as near as its travel
+/// allows.
 pub fn start(file: &Axis) -> Coordinate {
     Coordinate::ZERO.max(file.travel.from).min(file.travel.to)
 }
@@ -231,8 +234,8 @@ fn spindle(file: &Spindle, machine: &MachineFile) -> sim::SpindleModel {
     }
 }
 
-/// The drive of the first spindle, if it makes its own ramps: as its file says, but for what the simulation knows
-/// better.
+/// The drive of the first spindle, if it makes its own ramps: as its file says, but for what the
+/// simulation knows better.
 pub fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
     let spindle = machine.spindles.first()?;
     let own = spindle.own_ramps?;
@@ -282,7 +285,8 @@ fn hole_of(hole: &Round, stands: [Length; 3]) -> sim::Hole {
     sim::Hole { bores: vec![bore], ..sim::Hole::at(at[0], at[1]) }
 }
 
-/// What can be touched besides: what stands on the work, wherever that is clamped, and a tool setter.
+/// What can be touched besides: what stands on the work, wherever that is clamped, and a tool
+/// setter.
 pub fn touched(
     machine: &MachineFile,
     config: &sim::Config,
@@ -337,7 +341,8 @@ pub fn bar(machine: &MachineFile, config: &sim::Config) -> Option<sim::Bar> {
     })
 }
 
-/// Kienzle's values of the material that is cut. A pressure that the machine's file states counts for turning by as much as for tapping.
+/// Kienzle's values of the material that is cut. A pressure that the machine's file states counts
+/// for turning by as much as for tapping.
 fn turning_force(machine: &MachineFile, tapping: f64) -> sim::Kienzle {
     let own = machine.setup.stock.material;
     let is = |material: &Material| material.cutting_force_n_per_mm2 == tapping;

@@ -1,4 +1,5 @@
-//! Tools that a program's comments name, as CAM posts write them: what stands in for tools that the table lacks.
+//! Tools that a program's comments name, as CAM posts write them: what stands in for tools that the
+//! table lacks.
 //!
 //! ```text
 //!   (T3  D=6. CR=0. - ZMIN=-12. - flat end mill)    Fusion 360, HSMWorks
@@ -7,8 +8,8 @@
 //!   (TOOL - 4 1/4-20 TAP)  (T12 5.MM DRILL)         by hand
 //! ```
 //!
-//! A number comes first, then what the table's own comments may say; a diameter behind `D`, `DIA` or as a fraction is in
-//! the program's unit.
+//! A number comes first, then what the table's own comments may say; a diameter behind `D`, `DIA`
+//! or as a fraction is in the program's unit.
 use canon::{Tool, ToolKind};
 use units::Length;
 
@@ -24,7 +25,8 @@ pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
         let Some(tool) = named(comment, unit) else { continue };
         match found.iter_mut().find(|known| known.number == tool.number) {
             None => found.push(tool),
-            // the list at the head of a program, and the line before the call: the one that says more
+            // the list at the head of a program, and the line before the call: the one that says
+            // more
             Some(known) if known.kind == ToolKind::Other && tool.kind != ToolKind::Other => {
                 *known = tool;
             }
@@ -138,7 +140,8 @@ fn is_mill(words: &[String]) -> bool {
         && !words.iter().any(|word| matches!(word.as_str(), "drill" | "tap"))
 }
 
-/// mm: behind `d`, `dia`, `dia.`, `diameter`; else a number with its unit; else a fraction, or a number in the first place.
+/// mm: behind `d`, `dia`, `dia.`, `diameter`; else a number with its unit; else a fraction, or a
+/// number in the first place.
 fn diameter(words: &[String], unit: f64) -> Option<f64> {
     let number = |word: &str| {
         let plain = word.trim_end_matches('.');

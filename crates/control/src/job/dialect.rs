@@ -1,4 +1,5 @@
-//! How a program is read: by the command line, else by the machine's file; and what the machine has set for cycles.
+//! How a program is read: by the command line, else by the machine's file; and what the machine has
+//! set for cycles.
 use store::machine::{self, BoringAside, Control, CycleDepth, MachineFile};
 
 /// The dialect asked for, or the machine's own.

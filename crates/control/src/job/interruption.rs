@@ -6,7 +6,8 @@ use std::sync::Arc;
 /// The code of the finding that stands for all that was not found out.
 const INTERRUPTED: &str = "A0108";
 
-/// Asked now and then while a program is planned: an editor that has cancelled its request, Ctrl-C in Python.
+/// Asked now and then while a program is planned: an editor that has cancelled its request, Ctrl-C
+/// in Python.
 #[derive(Clone, Default)]
 pub struct Interruption(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 

@@ -1,4 +1,5 @@
-//! A program whose text is interpreted while the machine executes it, because it asks the machine something.
+//! A program whose text is interpreted while the machine executes it, because it asks the machine
+//! something.
 //!
 //! ```text
 //!   text ─► interp::Live ─► Live ─► planner ─► kernel
@@ -6,8 +7,8 @@
 //!                 └───────────── answer ◄────────┘
 //! ```
 //!
-//! Before it runs, the whole program is interpreted with what is assumed of the machine's answers, as every program is: so it
-//! is checked, timed and begun in its middle like any other.
+//! Before it runs, the whole program is interpreted with what is assumed of the machine's answers,
+//! as every program is: so it is checked, timed and begun in its middle like any other.
 use super::operations::{Left, Operations, Source};
 use super::restart::Restart;
 use canon::{Answer, Await, Op, OpKind, ProgramFrame};

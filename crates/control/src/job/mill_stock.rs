@@ -1,5 +1,5 @@
-//! The stock that a program mills: what its comments state, what the machine's file says, or else as much as the program
-//! reaches over, which is said.
+//! The stock that a program mills: what its comments state, what the machine's file says, or else
+//! as much as the program reaches over, which is said.
 //!
 //! | comment | read as |
 //! |---|---|
@@ -7,8 +7,8 @@
 //! | `(STOCK/BLOCK, 100, 60, 20, 0, 0, 20)` | size, and where the program's zero lies above the lower corner (`CutViewer`) |
 //! | `(stockMin: 0, 0, -20)` and `(stockMax: 100, 60, 0)` | the corners (a post that writes both) |
 //!
-//! Numbers are in the program's unit and count from G54 as it is when the program begins. A size without a place
-//! (`STOCK DX 4IN DY 2IN DZ 1IN`) is not read: where it lies is not said.
+//! Numbers are in the program's unit and count from G54 as it is when the program begins. A size
+//! without a place (`STOCK DX 4IN DY 2IN DZ 1IN`) is not read: where it lies is not said.
 use super::described::{comments, unit_of};
 use crate::job::Session;
 use canon::{Op, OpKind, Plane, Position, Tool, ToolKind};
@@ -16,7 +16,8 @@ use diag::{Diagnostic, Span};
 use units::Length;
 use verify::{MillStock, Stock, StockSource};
 
-/// A mill may go so many of its diameters beside the stock, and so much below it, mm: leading in, cutting through.
+/// A mill may go so many of its diameters beside the stock, and so much below it, mm: leading in,
+/// cutting through.
 const BESIDE: f64 = 1.5;
 const BELOW: f64 = 2.0;
 /// No stock is larger, mm.

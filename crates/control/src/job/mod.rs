@@ -1,4 +1,5 @@
-//! A loaded program and all that it meets: text, machine, tools, parameters, cams; what is known before anything moves.
+//! A loaded program and all that it meets: text, machine, tools, parameters, cams; what is known
+//! before anything moves.
 //!
 //! ```text
 //!   options ─► session ─► operations ─► preflight ─► time, run

@@ -1,4 +1,5 @@
-//! A program's operations, numbered in the order in which they come; what G51.2 leaves to the control is filled in.
+//! A program's operations, numbered in the order in which they come; what G51.2 leaves to the
+//! control is filled in.
 //!
 //! ```text
 //!   text ─► interp ─┬─► Reading      one after the other, nothing is kept: check, time
@@ -18,14 +19,15 @@ use std::sync::Arc;
 /// Operations that are looked at ahead for where a polygon is cut.
 const LOOK_AHEAD: usize = 1000;
 
-/// Operations with their index, and how the program writes places and lengths where the one stands that came last.
+/// Operations with their index, and how the program writes places and lengths where the one stands
+/// that came last.
 pub trait Source: Iterator<Item = (u32, Op)> {
     /// Frame and units of the operation that came last.
     fn frame(&self) -> ProgramFrame;
     /// What the interpreter has found so far.
     fn findings(&self) -> Vec<Diagnostic>;
-    /// It is interpreted while the machine executes: when it ends, it may wait for an answer, and what it orders has not been
-    /// checked as it is.
+    /// It is interpreted while the machine executes: when it ends, it may wait for an answer, and
+    /// what it orders has not been checked as it is.
     fn is_live(&self) -> bool {
         false
     }
@@ -116,7 +118,8 @@ pub struct Operations {
     is_typed: bool,
 }
 
-/// A program that asks the machine something: its text, what it is read with, and what it finds in force.
+/// A program that asks the machine something: its text, what it is read with, and what it finds in
+/// force.
 type Asking = (Vec<u8>, interp::Setup, Option<OpsRest>);
 
 /// What a text finds in the control when it begins.
@@ -187,15 +190,16 @@ impl Operations {
         Self { ops, frames, codes, findings, stand_ins, left, live, is_typed }
     }
 
-    /// The codes in force at the operation with this number, counted from 0. None are known of a program that asks the machine
-    /// something: what it executes shows only then.
+    /// The codes in force at the operation with this number, counted from 0. None are known of a
+    /// program that asks the machine something: what it executes shows only then.
     pub fn codes_at(&self, op: usize) -> &[String] {
         let next = self.codes.partition_point(|(from, _)| *from <= op);
         let known = next.checked_sub(1).filter(|_| self.live.is_none());
         known.map_or(&[], |at| &self.codes[at].1)
     }
 
-    /// What a text leaves in the control when it is given up at the operation with this number, counted from 0.
+    /// What a text leaves in the control when it is given up at the operation with this number,
+    /// counted from 0.
     pub fn left_at(before: Before, source: &[u8], setup: &interp::Setup, op: usize) -> Left {
         let mut read = interp::Ops::of_piece(source, setup, before.rest, before.is_typed);
         for _ in read.by_ref().take(op + 1) {}
@@ -216,8 +220,8 @@ impl Operations {
         self.findings.extend_from_slice(auto.findings());
     }
 
-    /// For a run, from the program's beginning or from its middle: what asks the machine something is interpreted again while
-    /// the machine executes.
+    /// For a run, from the program's beginning or from its middle: what asks the machine something
+    /// is interpreted again while the machine executes.
     ///
     /// They are numbered from `first` on: those of what was done on the machine before come first.
     pub fn for_run(
@@ -239,7 +243,8 @@ impl Operations {
         }
     }
 
-    /// The first `count` of them, less what cannot have left anything in the work: nothing waits for an operator.
+    /// The first `count` of them, less what cannot have left anything in the work: nothing waits
+    /// for an operator.
     #[must_use]
     pub fn that_cut_before(&self, count: usize) -> Self {
         let mut before = Self::default();
@@ -311,7 +316,8 @@ impl Cursor {
         Self { operations, prelude, at, frame: ProgramFrame::default(), next: 0 }
     }
 
-    /// The same, its operations numbered from this one on: those of what was executed on the machine before come first.
+    /// The same, its operations numbered from this one on: those of what was executed on the
+    /// machine before come first.
     #[must_use]
     pub const fn numbered_from(mut self, first: u32) -> Self {
         self.next = first;

@@ -1,5 +1,6 @@
-//! What a program is loaded with, as plain values: which machine, which tools, how it is read. The command line makes it
-//! from its arguments; anything else that runs a program (a design helper, a test) writes it down.
+//! What a program is loaded with, as plain values: which machine, which tools, how it is read. The
+//! command line makes it from its arguments; anything else that runs a program (a design helper, a
+//! test) writes it down.
 use crate::config::machine_file::MachineSource;
 use std::path::PathBuf;
 use store::machine::Preset;
@@ -10,17 +11,20 @@ use store::tools::TableUnit;
 pub struct ProgramOptions {
     /// The machine: name of a built-in model, or a file.
     pub machine: MachineSource,
-    /// The machine that is simulated, where it is another one than the control believes; `None` is the same.
+    /// The machine that is simulated, where it is another one than the control believes; `None` is
+    /// the same.
     pub plant: Option<MachineSource>,
     /// Tool table; `None` is `tools.toml` or `tool.tbl` beside the program, else the built-in one.
     pub tools: Option<PathBuf>,
-    /// The built-in table is none of this program's: its tools are what its comments say, and stand-ins.
+    /// The built-in table is none of this program's: its tools are what its comments say, and
+    /// stand-ins.
     pub without_table: bool,
     /// Unit of the lengths in a `.tbl`, which does not state it.
     pub tool_unit: TableUnit,
     /// Parameter file with work offsets; `None` is the machine's set-up.
     pub parameters: Option<PathBuf>,
-    /// File with what stands on the inputs of a simulated machine, besides what the machine's file says.
+    /// File with what stands on the inputs of a simulated machine, besides what the machine's file
+    /// says.
     pub inputs: Option<PathBuf>,
     /// What to do with tools that the table lacks.
     pub missing_tools: interp::MissingTools,
@@ -30,13 +34,15 @@ pub struct ProgramOptions {
     pub clutch_dwell: plan::DwellCheck,
     /// How programs are read; `None` is as the machine's file says.
     pub dialect: Option<interp::Dialect>,
-    /// What a number without a decimal point counts in Fanuc's dialects; `None` is as the machine's file says.
+    /// What a number without a decimal point counts in Fanuc's dialects; `None` is as the machine's
+    /// file says.
     pub decimal_point: Option<DecimalPoint>,
     /// What a program may leave to the machine, besides what the machine's file lets it.
     pub leaves: interp::Leaves,
     /// Levels of `/` whose blocks are left out, 1 to 9.
     pub block_skip: Vec<u8>,
-    /// Folders in which subprogram files are looked for, besides the program's own and the machine file's.
+    /// Folders in which subprogram files are looked for, besides the program's own and the machine
+    /// file's.
     pub subprograms: Vec<PathBuf>,
     /// Cam library; `None` is `cams.toml` beside the program.
     pub cams: Option<PathBuf>,
@@ -48,7 +54,8 @@ pub struct ProgramOptions {
     pub estimator: Estimator,
     /// How the work turns while a cam is ground; `None` is as the cam library says.
     pub work_speed: Option<store::cams::WorkSpeed>,
-    /// Without the axes' feed-forward, in a program that grinds cams without that of X alone: shows the lag of their loops.
+    /// Without the axes' feed-forward, in a program that grinds cams without that of X alone: shows
+    /// the lag of their loops.
     pub without_feed_forward: bool,
     /// How hard taps are driven; `None` is as the machine's file says.
     pub tapping_preset: Option<Preset>,

@@ -1,8 +1,9 @@
 //! Everything that can be known before anything moves.
 //!
-//! The whole program is interpreted and planned once without moving: all findings of interpreter and planner, what is
-//! legal but hurts, and what is to be said of the tool table come out at once, with the planned time; tools that the
-//! table lacks get their stand-ins here if the user allows them.
+//! The whole program is interpreted and planned once without moving: all findings of interpreter
+//! and planner, what is legal but hurts, and what is to be said of the tool table come out at once,
+//! with the planned time; tools that the table lacks get their stand-ins here if the user allows
+//! them.
 //!
 //! ```text
 //!   check ─┐                      ┌─ interpreter   what blocks mean
@@ -47,12 +48,13 @@ pub struct Proved {
     pub known: Preflight,
 }
 
-/// Interpret a program, with all that has to be known of it before it is planned: stand-ins are added to the session's
-/// tools. Also what is to be said of them.
+/// Interpret a program, with all that has to be known of it before it is planned: stand-ins are
+/// added to the session's tools. Also what is to be said of them.
 pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<Diagnostic>) {
     if session.missing_tools == MissingTools::StandIn {
         for tool in super::described::tools(source) {
-            // the built-in table is an example: what the program says of its tools is nearer to the truth
+            // the built-in table is an example: what the program says of its tools is nearer to the
+            // truth
             if session.table.is_none() || session.tools.get(tool.number).is_none() {
                 session.tools.insert(tool);
             }
@@ -68,7 +70,8 @@ pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<
     (Arc::new(operations), assumed)
 }
 
-/// Interpret and plan a program without moving, and keep its operations for a run; with a look at every step.
+/// Interpret and plan a program without moving, and keep its operations for a run; with a look at
+/// every step.
 pub fn prove(
     session: &mut Session,
     source: &[u8],
@@ -82,8 +85,8 @@ pub fn prove(
     Proved { operations, known }
 }
 
-/// The same of a program that will not run, with a look at every step and every operation: nothing is kept of it where
-/// nothing has to be known ahead.
+/// The same of a program that will not run, with a look at every step and every operation: nothing
+/// is kept of it where nothing has to be known ahead.
 pub fn preflight_with(
     session: &mut Session,
     source: &[u8],
@@ -167,8 +170,9 @@ pub fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diag
     read(session, source, &mut reading, planner, Vec::new(), &mut |_| ()).findings
 }
 
-/// Planned time from start to end of a program that is not refused; `None`, if it is broken off on the way. Findings are shown
-/// to people as they write, and do not wait for it: what is judged alone is not timed.
+/// Planned time from start to end of a program that is not refused; `None`, if it is broken off on
+/// the way. Findings are shown to people as they write, and do not wait for it: what is judged
+/// alone is not timed.
 pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> {
     let setup = session.interp_setup();
     let mut planner = planner(session, options);
@@ -182,7 +186,8 @@ pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> 
     Some(planner.duration())
 }
 
-/// The same for a long program: what was found since the last time is told as it goes, with the furthest byte executed.
+/// The same for a long program: what was found since the last time is told as it goes, with the
+/// furthest byte executed.
 ///
 /// # Errors
 /// Whoever is told cannot be told any more.
@@ -240,8 +245,8 @@ fn telling(
 /// Operations between two tellings.
 const OFTEN: u32 = 1 << 14;
 
-/// Whether it is asked at this operation if the rest is still wanted: arcs under a limit of jerk are planned a few hundred in
-/// a second.
+/// Whether it is asked at this operation if the rest is still wanted: arcs under a limit of jerk
+/// are planned a few hundred in a second.
 const fn is_looked(index: u32) -> bool {
     index % 64 == 63
 }
@@ -291,8 +296,8 @@ pub fn add(found: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnosti
     found.sort_by_key(|f| (f.span.file, f.span.start, f.severity != Severity::Error));
 }
 
-/// What is to be said of the tool table, where a program calls a tool: that it is the built-in one, what was not
-/// understood in a tool's row, and that a tool is at the end of its life.
+/// What is to be said of the tool table, where a program calls a tool: that it is the built-in one,
+/// what was not understood in a tool's row, and that a tool is at the end of its life.
 #[derive(Default)]
 pub struct TableNotes {
     called: BTreeSet<u32>,
@@ -395,8 +400,8 @@ pub fn planner(session: &Session, options: Options) -> Planner {
     if session.machine.turned_bar().is_some() { planner.turning_work() } else { planner }
 }
 
-/// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle
-/// that drills, if the user allows it.
+/// Add a tool of no length for every number that the program calls and the table lacks, and for an
+/// empty spindle that drills, if the user allows it.
 fn stand_in(session: &mut Session, operations: &Operations) -> Vec<Diagnostic> {
     if session.missing_tools == MissingTools::Refuse {
         return Vec::new();

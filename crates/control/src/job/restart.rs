@@ -6,9 +6,10 @@
 //!   before it: lift, tool, spindle, coolant, path mode, over the place
 //! ```
 //!
-//! The program is interpreted from its beginning, so every modal state is what it would be; only what it
-//! orders is left out. It begins at a rapid, never within a cut or a synchronised cycle: where the line or hole
-//! asked for lies within one, at the rapids that lead to it. A turned thread is begun at its first pass, as it is judged whole.
+//! The program is interpreted from its beginning, so every modal state is what it would be; only
+//! what it orders is left out. It begins at a rapid, never within a cut or a synchronised cycle:
+//! where the line or hole asked for lies within one, at the rapids that lead to it. A turned thread
+//! is begun at its first pass, as it is judged whole.
 use canon::{Axis, CamOrder, Op, OpKind, Position, SpindleOrder, Threading};
 use diag::Span;
 use units::{Angle, Coordinate, Lead, Length, Spin};
@@ -108,7 +109,8 @@ struct Passes {
 }
 
 impl Passes {
-    /// Whether a pass is one of this thread: of its lead, and along the same way, less than a turn beside it.
+    /// Whether a pass is one of this thread: of its lead, and along the same way, less than a turn
+    /// beside it.
     fn has(&self, from: &Position, order: &Threading) -> bool {
         let near = |a: &Position, b: &Position| {
             (a.along(order.axis) - b.along(order.axis)).abs().of_linear()
@@ -134,7 +136,8 @@ const fn is_between_passes(kind: &OpKind) -> bool {
     )
 }
 
-/// Where a program's operations are begun for this wish, with Z lifted to `top` first and the machine standing at `at`.
+/// Where a program's operations are begun for this wish, with Z lifted to `top` first and the
+/// machine standing at `at`.
 ///
 /// # Errors
 /// A place that the program does not have, or where it cannot be begun.

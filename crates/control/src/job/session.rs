@@ -1,4 +1,5 @@
-//! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
+//! What a program meets: its text, the machine, the tools, the parameters; loaded once, from
+//! wherever they are.
 use crate::Refused;
 use crate::config::machine_file::MachineSource;
 use crate::job::cams::CamSetup;
@@ -154,7 +155,8 @@ impl Session {
         self.plant.as_ref().unwrap_or(&self.machine)
     }
 
-    /// What a program does must be known before it is planned: which cams it grinds, and which tools it lacks.
+    /// What a program does must be known before it is planned: which cams it grinds, and which
+    /// tools it lacks.
     pub fn depends_on_program(&self) -> bool {
         self.missing_tools == interp::MissingTools::StandIn || !self.cams.library.is_empty()
     }
@@ -168,7 +170,8 @@ impl Session {
         self.cams.assume(&self.machine);
     }
 
-    /// The axes lag as their loops alone make them: where cams are ground X, which follows the work, else all.
+    /// The axes lag as their loops alone make them: where cams are ground X, which follows the
+    /// work, else all.
     fn take_feed_forward(&mut self) {
         let of_all = !self.cams.is_wanted();
         let lags = |axis: &&mut store::machine::Axis| of_all || axis.letter == canon::Axis::X;
@@ -182,8 +185,8 @@ impl Session {
         }
     }
 
-    /// The machine stands where its encoders say. An axis that hangs at the end of its travel reads beyond it by what its screw
-    /// gives: the kernel smooths as much away.
+    /// The machine stands where its encoders say. An axis that hangs at the end of its travel reads
+    /// beyond it by what its screw gives: the kernel smooths as much away.
     pub fn stands(&mut self, feedback: &bus::Feedback) {
         const GIVES: Coordinate = Coordinate::new(0.05);
         let mut place = canon::Position::default();
@@ -196,8 +199,8 @@ impl Session {
         self.standing = Some((place, feedback.tool.unwrap_or(0)));
     }
 
-    /// On a control that is on: where the axes are told to be and the tool in the spindle, offsets and tools as they are by now,
-    /// and what is in force.
+    /// On a control that is on: where the axes are told to be and the tool in the spindle, offsets
+    /// and tools as they are by now, and what is in force.
     pub fn on_control(
         &mut self,
         (place, tool): (canon::Position, u32),
@@ -256,8 +259,8 @@ impl Session {
         }
     }
 
-    /// Zero of the workpiece in machine coordinates: the work offset G54 that is in force when the program begins.
-    /// The stock is clamped there.
+    /// Zero of the workpiece in machine coordinates: the work offset G54 that is in force when the
+    /// program begins. The stock is clamped there.
     pub fn work_zero(&self) -> canon::Position {
         let mut zero = canon::Position::default();
         for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
@@ -267,7 +270,8 @@ impl Session {
         zero
     }
 
-    /// What the workpiece is judged by that is clamped at this zero. Tools are as the table has them.
+    /// What the workpiece is judged by that is clamped at this zero. Tools are as the table has
+    /// them.
     pub fn judge(&self, material: Material, zero: &canon::Position) -> verify::Config {
         verify::Config {
             synchronised: self.taps.method == plan::TapMethod::Synchronised,
@@ -301,8 +305,8 @@ impl Session {
         crate::polygon::oscillation::Auto::new(&self.machine, &self.tools, phases, axis)
     }
 
-    /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter
-    /// file, and the axes at zero.
+    /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a
+    /// parameter file, and the axes at zero.
     pub fn bare_setup(&self) -> interp::Setup {
         let mut setup = self.interp_setup();
         setup.start = canon::Position::default();
@@ -379,7 +383,8 @@ pub fn tools(
     Ok((table.library.clone(), path.display().to_string(), Some(table), bytes))
 }
 
-/// Whether a file is one of subprograms, which ends without M2: it has the name of one that it defines.
+/// Whether a file is one of subprograms, which ends without M2: it has the name of one that it
+/// defines.
 fn is_subprogram(path: &Path, text: &[u8]) -> bool {
     let name = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase());
     name.is_some_and(|name| interp::defined_subprograms(text).contains(&name))
@@ -427,7 +432,8 @@ fn parameters(named: Option<&Path>, machine: &MachineFile) -> Result<interp::Par
     Ok(parameters)
 }
 
-/// The machine that is simulated, where its control believes another one: what stands on its inputs is the same.
+/// The machine that is simulated, where its control believes another one: what stands on its inputs
+/// is the same.
 fn plant_of(source: &MachineSource, believed: &MachineFile) -> Result<MachineFile, Refused> {
     let mut plant = crate::config::machine_file::load(source)?;
     crate::config::machine_file::fits(&plant, believed)?;

@@ -7,10 +7,11 @@
 //!   M98 <POCKET>     ─► POCKET.nc
 //! ```
 //!
-//! Fanuc's programs are looked for with several endings, and none; numbers with an O before them and without.
+//! Fanuc's programs are looked for with several endings, and none; numbers with an O before them
+//! and without.
 //!
-//! A name is a file's name and nothing else: it has no folders in it, and a link that leads out of its folder is not
-//! followed. So no program can read what lies elsewhere.
+//! A name is a file's name and nothing else: it has no folders in it, and a link that leads out of
+//! its folder is not followed. So no program can read what lies elsewhere.
 use crate::Refused;
 use crate::job::options::ProgramOptions;
 use gcode::Grammar;
@@ -100,7 +101,8 @@ fn named(folder: &Path, name: &str, grammar: Grammar) -> Option<PathBuf> {
     files.into_iter().find_map(|file| within(folder, &file))
 }
 
-/// The folders in which files are looked for, in order. One that is not there is refused: it is a slip of the pen.
+/// The folders in which files are looked for, in order. One that is not there is refused: it is a
+/// slip of the pen.
 fn search_path(
     options: &ProgramOptions,
     machine: &MachineFile,

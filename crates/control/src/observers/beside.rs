@@ -1,11 +1,13 @@
-//! Observers where there is time for them: in the thread that feeds the kernel, or beside it, in real time.
+//! Observers where there is time for them: in the thread that feeds the kernel, or beside it, in
+//! real time.
 //!
 //! ```text
 //!   run ── operations, samples, events, in their order ──► the observers' thread ──► features as they are judged
 //!    └──────────────── at the end: the observers themselves ◄──────┘
 //! ```
 //!
-//! The judge may think for a while about a feature that is finished; what is asked of the control meanwhile does not wait for it.
+//! The judge may think for a while about a feature that is finished; what is asked of the control
+//! meanwhile does not wait for it.
 use super::Observers;
 use bus::Sample;
 use canon::{Op, ProgramFrame};
@@ -16,7 +18,8 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 use verify::Feature;
 
-/// What the observers have not looked at yet: some seconds of samples; then the run waits for them, and the servo thread does not.
+/// What the observers have not looked at yet: some seconds of samples; then the run waits for them,
+/// and the servo thread does not.
 const WAITING: usize = 8192;
 
 /// See the module's header.

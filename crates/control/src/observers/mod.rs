@@ -1,4 +1,5 @@
-//! What looks on and changes nothing: the judge, the safety checks, the recorder of the report, the trace, the log.
+//! What looks on and changes nothing: the judge, the safety checks, the recorder of the report, the
+//! trace, the log.
 mod beside;
 mod tool_use;
 mod trace;
@@ -34,7 +35,8 @@ pub trait Observer: Send {
     fn sample(&mut self, sample: &Sample);
     /// What the kernel has said.
     fn event(&mut self, event: &Event);
-    /// What the program says in this line ((MSG,…), (PRINT,…)): when it is planned, a little before it is executed.
+    /// What the program says in this line ((MSG,…), (PRINT,…)): when it is planned, a little before
+    /// it is executed.
     fn message(&mut self, _line: u32, _text: &str) {}
 }
 
@@ -78,7 +80,8 @@ pub struct Observers {
     pub tool_use: Option<ToolUseCount>,
     /// Measures how long the run and its judge take.
     pub timings: Timings,
-    /// Periods in which drills and taps were at the spindle drive's limit, by the index of their operation.
+    /// Periods in which drills and taps were at the spindle drive's limit, by the index of their
+    /// operation.
     pub(super) saturated: BTreeMap<u32, u32>,
     /// Warnings at run time.
     pub(super) warnings: Vec<Event>,

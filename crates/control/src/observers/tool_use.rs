@@ -1,4 +1,5 @@
-//! What each tool cuts, counted by the operations that are executed: for its life in the tool table.
+//! What each tool cuts, counted by the operations that are executed: for its life in the tool
+//! table.
 //!
 //! ```text
 //!   op planned ─► which tool it uses once ─► its first cutting period: a use

@@ -5,8 +5,8 @@
 //!              ◄──empty batch──────  bounded channel ◄──
 //! ```
 //!
-//! Batches go round: nothing is allocated once the run is under way, and a slow disk makes the simulation
-//! wait instead of filling the memory.
+//! Batches go round: nothing is allocated once the run is under way, and a slow disk makes the
+//! simulation wait instead of filling the memory.
 use bus::Sample;
 use std::{
     sync::mpsc::{Receiver, SyncSender, sync_channel},
@@ -54,7 +54,8 @@ impl TraceThread {
         Ok(Self { batch: Vec::with_capacity(BATCH), full, empty, thread })
     }
 
-    /// Record a servo period. A writer that failed is not fed any more; [`TraceThread::finish`] says why.
+    /// Record a servo period. A writer that failed is not fed any more; [`TraceThread::finish`]
+    /// says why.
     pub fn push(&mut self, sample: &Sample) {
         self.batch.push(*sample);
         if self.batch.len() == BATCH {

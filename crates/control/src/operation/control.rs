@@ -1,8 +1,8 @@
 //! The control: one machine, what is loaded and set on it, and what it does now.
 //!
-//! In lock-step what paces the time calls [`Control::period`] once per servo period, and nothing moves while none is called.
-//! In real time the servo thread keeps the time, and [`Control::period`] looks at what it has done. A [`Request`] acts
-//! from the next period on.
+//! In lock-step what paces the time calls [`Control::period`] once per servo period, and nothing
+//! moves while none is called. In real time the servo thread keeps the time, and
+//! [`Control::period`] looks at what it has done. A [`Request`] acts from the next period on.
 use super::drives::InWork;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
@@ -37,9 +37,11 @@ pub struct ControlOptions {
     pub seed: Option<u64>,
     /// Folder in which offsets, tools, alarms and the last program are kept; `None`: nothing is.
     pub state: Option<PathBuf>,
-    /// Socket of a machine simulator in another process, which outlives the control; `None`: one is simulated within this one.
+    /// Socket of a machine simulator in another process, which outlives the control; `None`: one is
+    /// simulated within this one.
     pub simulator: Option<PathBuf>,
-    /// The drives of the HAL component that the machine's file names, instead of a simulated machine.
+    /// The drives of the HAL component that the machine's file names, instead of a simulated
+    /// machine.
     pub hal: bool,
     /// How far from where the machine's file says the simulated stock is clamped.
     pub clamped: Position,
@@ -213,10 +215,12 @@ impl Control {
         self.data.rest.clone_from(&operations.left().rest);
     }
 
-    /// Ask for something. Whether it is done now or in the periods to come, it is answered at once: accepted or refused.
+    /// Ask for something. Whether it is done now or in the periods to come, it is answered at once:
+    /// accepted or refused.
     ///
     /// # Errors
-    /// What the request needs and is not so, or what is wrong with it: nothing is changed, nothing moves.
+    /// What the request needs and is not so, or what is wrong with it: nothing is changed, nothing
+    /// moves.
     pub fn request(&mut self, request: &Request) -> Result<Accepted, Refusal> {
         for need in request.needs() {
             self.meets(need).map_err(Refusal::State)?;
@@ -319,7 +323,8 @@ impl Control {
         if is_met { Ok(()) } else { Err(need.clone()) }
     }
 
-    /// Periods that are over and were not looked at yet: so often [`Control::period`] answers at once. In lock-step there are none.
+    /// Periods that are over and were not looked at yet: so often [`Control::period`] answers at
+    /// once. In lock-step there are none.
     pub fn periods_waiting(&self) -> usize {
         self.executor.periods_waiting()
     }

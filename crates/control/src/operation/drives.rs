@@ -166,7 +166,8 @@ impl Control {
         self.order(Order::Retract)
     }
 
-    /// Drives, power or an encoder were gone: the tool is taken out from where the encoders show it.
+    /// Drives, power or an encoder were gone: the tool is taken out from where the encoders show
+    /// it.
     pub(super) fn recover(&mut self) -> Result<Accepted, Refusal> {
         if self.under_way.is_some() {
             return Err(Refusal::because("a program is under way: retract, or stop it first"));

@@ -1,4 +1,5 @@
-//! A program that has ended, with all that report, certificate and history are made from; and the folder in which it is recorded.
+//! A program that has ended, with all that report, certificate and history are made from; and the
+//! folder in which it is recorded.
 use super::control::Control;
 use super::event::{Alarm, Event};
 use crate::clock::unix_ms;
@@ -28,7 +29,8 @@ pub struct EndedProgram {
     pub session: Session,
     /// What was known of it.
     pub proved: Proved,
-    /// What came of it: features and violated safety checks are its own, not those of programs before it.
+    /// What came of it: features and violated safety checks are its own, not those of programs
+    /// before it.
     pub outcome: Outcome,
     /// What has stopped it.
     pub alarms: Vec<Alarm>,

@@ -1,4 +1,5 @@
-//! What has happened on a control, for a panel, a log or a client: in order, and never more than are kept.
+//! What has happened on a control, for a panel, a log or a client: in order, and never more than
+//! are kept.
 use super::state::{Execution, Mode};
 use kernel::Fault;
 use std::collections::VecDeque;

@@ -1,4 +1,5 @@
-//! What outlives the control: offsets, tools, the last program and how far it came, alarms, settings; in a state folder.
+//! What outlives the control: offsets, tools, the last program and how far it came, alarms,
+//! settings; in a state folder.
 //!
 //! A request that changes something is accepted when it is on the disk, not before.
 use super::control::Control;
@@ -127,7 +128,8 @@ impl Control {
         self.kept.save(|folder| folder.save_last_program(&last))
     }
 
-    /// What a program has changed; that it could not be kept is said, for nothing waits for an answer.
+    /// What a program has changed; that it could not be kept is said, for nothing waits for an
+    /// answer.
     pub(super) fn keep_all(&mut self) {
         let kept = [self.keep_parameters(), self.keep_tools(), self.keep_program()];
         for why in kept.into_iter().filter_map(Result::err) {
@@ -135,7 +137,8 @@ impl Control {
         }
     }
 
-    /// The reference of an axis whose encoder is absolute is on the disk: it holds as long as this machine's encoder does.
+    /// The reference of an axis whose encoder is absolute is on the disk: it holds as long as this
+    /// machine's encoder does.
     pub(super) fn keep_homed(&mut self, axis: Axis) {
         if !self.has_absolute_encoder(axis) || self.kept.folder.is_none() {
             return;
@@ -151,7 +154,8 @@ impl Control {
         }
     }
 
-    /// The drives have come up: axes whose absolute encoders were referenced on this machine know where they are.
+    /// The drives have come up: axes whose absolute encoders were referenced on this machine know
+    /// where they are.
     pub(super) fn take_homed(&mut self) {
         for homing in config::homing(&self.base.machine) {
             let axis = homing.axis;

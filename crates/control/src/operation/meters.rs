@@ -1,5 +1,5 @@
-//! What a panel's meters show, from what crossed the wire: speed and load of each spindle, speed of the path; a mean over
-//! [`SPAN`] each.
+//! What a panel's meters show, from what crossed the wire: speed and load of each spindle, speed of
+//! the path; a mean over [`SPAN`] each.
 //!
 //! ```text
 //!   speed   n = Δθ/Δt                           encoder of the spindle
@@ -79,8 +79,8 @@ impl Meters {
         self.spindles.get(spindle).map_or(Spin::ZERO, |meter| meter.speed)
     }
 
-    /// Share of the torque that a spindle's drive can hold for ever at its speed; `None`: its drive is told a speed, and does not
-    /// say its torque.
+    /// Share of the torque that a spindle's drive can hold for ever at its speed; `None`: its drive
+    /// is told a speed, and does not say its torque.
     pub(super) fn load(&self, machine: &MachineFile, spindle: usize) -> Option<f64> {
         let file = machine.spindles.get(spindle).filter(|file| file.own_ramps.is_none())?;
         let meter = self.spindles.get(spindle)?;

@@ -1,12 +1,14 @@
-//! A machine in another process, which outlives the control: the sync record that is kept of it, and a tool that a control before
-//! this one has left in its work. It is a machine simulator, or a component of LinuxCNC's HAL.
+//! A machine in another process, which outlives the control: the sync record that is kept of it,
+//! and a tool that a control before this one has left in its work. It is a machine simulator, or a
+//! component of LinuxCNC's HAL.
 //!
 //! ```text
 //!   switched on: machine keeps, record says, encoders show ──► nothing is in the work │ left: nothing but recovery moves
 //!   program:     record on the disk ──► machine is told of the tool ──► … ──► tool is out ──► machine is told ──► record says so
 //! ```
 //!
-//! Places in the record are those that the machine's encoders read: the axes of a control that begins are not homed.
+//! Places in the record are those that the machine's encoders read: the axes of a control that
+//! begins are not homed.
 use super::control::Control;
 use super::kept::Kept;
 use super::request::{Accepted, Refusal};
@@ -48,7 +50,8 @@ enum OutsideKind {
     Hal,
 }
 
-/// A tool that a control before this one has left in the work: what is known of it, and what is not.
+/// A tool that a control before this one has left in the work: what is known of it, and what is
+/// not.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct LeftInWork {
@@ -107,7 +110,8 @@ pub(super) fn connect(
     Ok((plant, outside, said.into_iter().collect()))
 }
 
-/// What is kept of a machine that a component of HAL leads, which has begun a session; what the operator should know of it.
+/// What is kept of a machine that a component of HAL leads, which has begun a session; what the
+/// operator should know of it.
 pub(super) fn on_hal(
     machine: &MachineFile,
     retained: &RetainedState,
@@ -159,7 +163,8 @@ impl Outside {
         }
     }
 
-    /// Whether a control before this one has left a tool in the work, by machine, record and encoders; what is said of it.
+    /// Whether a control before this one has left a tool in the work, by machine, record and
+    /// encoders; what is said of it.
     fn find(
         &mut self,
         folder: Option<&store::state::StateFolder>,
@@ -208,7 +213,8 @@ impl Outside {
 }
 
 impl Control {
-    /// A component of HAL has begun a session: what it, the sync record and its encoders say of a tool in the work.
+    /// A component of HAL has begun a session: what it, the sync record and its encoders say of a
+    /// tool in the work.
     pub(super) fn find_left_on_hal(&mut self) {
         if !self.options.hal {
             return;
@@ -227,7 +233,8 @@ impl Control {
     /// Of what was kept of the machine's encoders, this holds.
     pub(super) fn epoch(&self) -> u64 {
         let simulated = |outside: &&Outside| outside.kind == OutsideKind::Simulator;
-        // HAL's component does not know whether an axis has an encoder that keeps its count: the machine's file says so
+        // HAL's component does not know whether an axis has an encoder that keeps its count: the
+        // machine's file says so
         self.outside.as_ref().filter(simulated).map_or(self.seed, |outside| outside.identity.epoch)
     }
 
@@ -351,7 +358,8 @@ impl Control {
             .and_then(|_| self.executor.machine.lost())
     }
 
-    /// A period is over: machine and record hear that a tool is out, and the operator that the machine is gone.
+    /// A period is over: machine and record hear that a tool is out, and the operator that the
+    /// machine is gone.
     pub(super) fn follow_machine(&mut self) {
         let kernel = &self.executor.kernel;
         let stands = kernel.is_off() || kernel.is_standing();
@@ -428,7 +436,8 @@ impl Control {
         }
     }
 
-    /// The chain of a machine in another process is not within reach: what moves is brought to rest instead, and that is said.
+    /// The chain of a machine in another process is not within reach: what moves is brought to rest
+    /// instead, and that is said.
     pub(super) fn stop_instead(&mut self, pressed: bool) -> Result<Accepted, Refusal> {
         if !pressed {
             return Ok(Accepted::default());

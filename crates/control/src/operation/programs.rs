@@ -206,7 +206,8 @@ impl Control {
         Ok(())
     }
 
-    /// How far the program that is loaded has come: its operations count from `first`, and so many features are its own.
+    /// How far the program that is loaded has come: its operations count from `first`, and so many
+    /// features are its own.
     pub(super) fn note_progress(&mut self, first: u32, cut: u32, is_completed: bool) {
         let report = self.executor.kernel.report();
         if let Some(last) = &mut self.last_program {
@@ -248,7 +249,8 @@ impl Control {
         Ok(Accepted::default())
     }
 
-    /// A program is over: it has ended, was given up, or an alarm has stopped it. What it leaves stays in force.
+    /// A program is over: it has ended, was given up, or an alarm has stopped it. What it leaves
+    /// stays in force.
     pub(super) fn end_program(&mut self) {
         let Some(under_way) = self.under_way.take() else { return };
         let is_typed = under_way.proved.operations.is_typed();
@@ -342,8 +344,8 @@ impl UnderWay {
         self.proved.operations.codes_at(self.own(self.executed.0))
     }
 
-    /// Where the operation that is executed leads the axes; of a tap, its bottom. `None`: it moves nothing, or that shows only when
-    /// the machine has answered.
+    /// Where the operation that is executed leads the axes; of a tap, its bottom. `None`: it moves
+    /// nothing, or that shows only when the machine has answered.
     pub(super) fn goal(&self) -> Option<Position> {
         if self.running.is_live() {
             return None;
@@ -380,7 +382,8 @@ fn find(fit: &Fit, from: restart::From) -> Result<Restart, Refusal> {
     Ok(restart)
 }
 
-/// What is restored before a program that is begun in its middle makes its first move, a sentence each.
+/// What is restored before a program that is begun in its middle makes its first move, a sentence
+/// each.
 fn restored(session: &Session, restart: &Restart) -> Vec<String> {
     let mut said =
         vec![format!("begins at line {}, {} features are left out", restart.line, restart.holes)];

@@ -1,12 +1,13 @@
-//! Texts are interpreted and planned before anything moves, which takes long for long ones: apart from the control, so that it may
-//! be done in another thread while the control goes on.
+//! Texts are interpreted and planned before anything moves, which takes long for long ones: apart
+//! from the control, so that it may be done in another thread while the control goes on.
 //!
 //! ```text
 //!   Control::begin ──► Begun::Answered
 //!                  └─► Begun::Proving ── prove (anywhere, seconds) ──► Proven ──► Control::complete ──► answer
 //! ```
 //!
-//! A request that is completed is asked for its needs again, and what it was proved for must still be so.
+//! A request that is completed is asked for its needs again, and what it was proved for must still
+//! be so.
 use super::control::Control;
 use super::request::{Accepted, Refusal, Request};
 use super::timeline::Timeline;
@@ -45,7 +46,8 @@ struct Basis {
     tools: ToolLibrary,
 }
 
-/// What a program would meet that is read now: an editor shows what it makes of one that is written.
+/// What a program would meet that is read now: an editor shows what it makes of one that is
+/// written.
 pub struct Found {
     basis: Basis,
     before: Before,
@@ -116,7 +118,8 @@ impl Proving {
 }
 
 impl Control {
-    /// Ask for something; what takes long is left to be proved, and then to be completed. Until then nothing has changed.
+    /// Ask for something; what takes long is left to be proved, and then to be completed. Until
+    /// then nothing has changed.
     pub fn begin(&mut self, request: &Request) -> Begun {
         for need in request.needs() {
             if let Err(need) = self.meets(need) {

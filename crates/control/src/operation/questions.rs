@@ -1,5 +1,5 @@
-//! What a front end asks of a control between its requests: one question, one answer, nothing changes but the events that are
-//! taken.
+//! What a front end asks of a control between its requests: one question, one answer, nothing
+//! changes but the events that are taken.
 use super::control::Control;
 use super::event::{Alarm, Event};
 use super::state::{EmergencyStop, Execution, Need};
@@ -73,7 +73,8 @@ impl Control {
         !self.executor.kernel.faults().is_empty()
     }
 
-    /// Why nothing changes any more unless it is asked for: an alarm stands and everything has come to rest, or the machine is gone.
+    /// Why nothing changes any more unless it is asked for: an alarm stands and everything has come
+    /// to rest, or the machine is gone.
     pub fn stopped_by(&self) -> Option<String> {
         if let Some(why) = self.executor.machine.lost() {
             return Some(why);

@@ -38,14 +38,15 @@ pub enum Request {
     Jog(Axis, Jog),
     /// Bring every axis and spindle that is moved by hand to rest.
     JogStop,
-    /// Turn a spindle by hand at this speed, as long as it is asked for again within [`Jog::LEASE`].
+    /// Turn a spindle by hand at this speed, as long as it is asked for again within
+    /// [`Jog::LEASE`].
     TurnSpindle(usize, Spin),
     /// Bring a spindle to this angle within its turn, and hold it there.
     OrientSpindle(usize, Angle),
     /// Load a program.
     Load(PathBuf),
-    /// Find where the program would be begun at a line, a hole or a tool, and say all that is restored before; the next start
-    /// begins there.
+    /// Find where the program would be begun at a line, a hole or a tool, and say all that is
+    /// restored before; the next start begins there.
     Search(restart::From),
     /// Start the program that is loaded, from its beginning or from where the last search has led.
     Start,
@@ -111,7 +112,8 @@ pub struct Accepted {
     pub notes: Vec<String>,
 }
 
-/// Why a request was refused: the first of its needs that is not met, or what is wrong with the request.
+/// Why a request was refused: the first of its needs that is not met, or what is wrong with the
+/// request.
 #[derive(Debug)]
 pub enum Refusal {
     /// The control's state.

@@ -13,7 +13,8 @@
 //!           (from any of them)    └───────────────► WAIT ──────────────► ACTIVE
 //! ```
 //!
-//! Execution says what the program does; what the axes do is the kernel's activity. Words are those of `MTConnect`.
+//! Execution says what the program does; what the axes do is the kernel's activity. Words are those
+//! of `MTConnect`.
 use core::fmt;
 
 /// What the program does.
@@ -287,7 +288,8 @@ impl Need {
         }
     }
 
-    /// Why what needs it is refused without, and what would make it possible, where the reason does not say it.
+    /// Why what needs it is refused without, and what would make it possible, where the reason does
+    /// not say it.
     pub fn reason(&self) -> (String, Option<String>) {
         let sentence = self.to_string();
         match sentence.split_once(": ") {

@@ -17,7 +17,8 @@ pub struct AxisStatus {
     pub machine: f64,
     /// The tool's tip in the work offset in force.
     pub work: f64,
-    /// Way to where the operation that is executed leads it, of a tap to its bottom; `None`: no program moves it.
+    /// Way to where the operation that is executed leads it, of a tap to its bottom; `None`: no
+    /// program moves it.
     pub to_go: Option<f64>,
     /// It is homed.
     pub is_homed: bool,
@@ -33,8 +34,8 @@ pub struct SpindleStatus {
     pub ordered_rpm: f64,
     /// Speed by its encoder, rev/min, over 20 ms; positive is M3.
     pub measured_rpm: f64,
-    /// Torque that its drive is ordered to make, in percent of what it can hold for ever at this speed, over 20 ms; `None`: its
-    /// drive is told a speed, and does not say its torque.
+    /// Torque that its drive is ordered to make, in percent of what it can hold for ever at this
+    /// speed, over 20 ms; `None`: its drive is told a speed, and does not say its torque.
     pub load_percent: Option<f64>,
     /// Angle within its turn, degrees.
     pub angle_deg: f64,
@@ -104,7 +105,8 @@ pub struct ProgramStatus {
     pub elapsed_s: f64,
     /// Planned time, at overrides of 100 %, of what is still to be done, s.
     pub left_s: f64,
-    /// How long what is planned, and waits to be executed, will take, s; what has no planned time counts nothing.
+    /// How long what is planned, and waits to be executed, will take, s; what has no planned time
+    /// counts nothing.
     pub ahead_s: f64,
 }
 
@@ -148,7 +150,8 @@ pub struct Status {
     pub tool: Option<u32>,
     /// The work offset in force.
     pub work_offset: String,
-    /// Codes in force at the block that is executed; none are known of a program that asks the machine something.
+    /// Codes in force at the block that is executed; none are known of a program that asks the
+    /// machine something.
     pub codes: Vec<String>,
     /// Speed of the path of X, Y and Z as it is ordered, mm/min, over 20 ms.
     pub path_mm_per_min: f64,

@@ -1,4 +1,5 @@
-//! When each operation of a program ends, as it was planned: what is left of it is known to the operation that is executed.
+//! When each operation of a program ends, as it was planned: what is left of it is known to the
+//! operation that is executed.
 //!
 //! ```text
 //!   0 ──op 0──┤──op 1──┤────── op 2 ──────┤ … ┤ planned

@@ -1,4 +1,5 @@
-//! The way of the tool's tip through a program, as polylines: what a picture of the path is drawn from.
+//! The way of the tool's tip through a program, as polylines: what a picture of the path is drawn
+//! from.
 //!
 //! Operations have machine coordinates of the axes. Of them the tip in the work offset in force is
 //!
@@ -84,8 +85,8 @@ impl TipFrame<'_> {
 }
 
 impl ToolPath {
-    /// Of operations that begin where the axes stand, with this tool's length in the spindle; `length_of` is asked for that of
-    /// each tool that is changed to.
+    /// Of operations that begin where the axes stand, with this tool's length in the spindle;
+    /// `length_of` is asked for that of each tool that is changed to.
     pub fn of<'a>(
         ops: impl IntoIterator<Item = &'a Op>,
         start: Position,

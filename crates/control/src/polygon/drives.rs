@@ -14,11 +14,12 @@ pub const STIFFNESS: f64 = 0.15;
 pub const FRICTION: f64 = 0.20;
 /// Share of an axis' force that an oscillation may use: the rest is for the cut and for control.
 const PLANNED_SHARE: f64 = 0.9;
-/// Share of an axis' speed, acceleration and jerk that an oscillation may use: the rest is for fading it in and for moves
-/// of that axis meanwhile.
+/// Share of an axis' speed, acceleration and jerk that an oscillation may use: the rest is for
+/// fading it in and for moves of that axis meanwhile.
 const SWING_SHARE: f64 = 0.9;
-/// An actuator of this machine, swinging at this speed of the work; `None` if the machine lacks it. `measured`: what
-/// an air cut has shown of its loop, harmonic by harmonic; else what the machine's file says of it.
+/// An actuator of this machine, swinging at this speed of the work; `None` if the machine lacks it.
+/// `measured`: what an air cut has shown of its loop, harmonic by harmonic; else what the machine's
+/// file says of it.
 pub fn drive(
     machine: &MachineFile,
     actuator: Actuator,
@@ -75,7 +76,8 @@ impl Answer {
     }
 }
 
-/// A slide that swings, and how far its friction and play may take it off at a reversal, as far as they are not known.
+/// A slide that swings, and how far its friction and play may take it off at a reversal, as far as
+/// they are not known.
 pub struct Reversing {
     servo: Servo,
     slide: Slide,
@@ -94,7 +96,8 @@ impl Reversing {
         Some(Self { servo: Servo::of_axis(axis, &machine.control), slide, off_mm })
     }
 
-    /// What the machine's file says of the answer at a frequency, where a reversal explains how a swing of this size came.
+    /// What the machine's file says of the answer at a frequency, where a reversal explains how a
+    /// swing of this size came.
     pub fn explains(&self, hz: f64, came: Complex, swing: f64) -> Option<Complex> {
         let file = self.servo.sliding(hz, &self.slide, &self.slide);
         ((came - file).size() * swing <= self.off_mm).then_some(file)
@@ -115,7 +118,8 @@ fn slide_of<'m>(
     Some((axis, f64::from(most.per_turn) * repeats.abs().value(), size(&most)))
 }
 
-/// The screw of an axis that swings, which repeats so many times a second, where a motor's encoder does not see its far end.
+/// The screw of an axis that swings, which repeats so many times a second, where a motor's encoder
+/// does not see its far end.
 pub fn screw(machine: &MachineFile, swing: &Oscillation, repeats: Spin) -> Option<Slide> {
     let (axis, frequency, size) = slide_of(machine, swing, repeats)?;
     matches!(axis.position_from, PositionFrom::Motor { .. })

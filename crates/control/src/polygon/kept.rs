@@ -26,8 +26,8 @@ pub fn mark(harmonics: &[Harmonic]) -> String {
     form_mark(&numbers.collect::<Vec<_>>())
 }
 
-/// The harmonics to send so that `ordered`, which repeats after so many turns, comes out at a speed; `None`: that was
-/// not measured.
+/// The harmonics to send so that `ordered`, which repeats after so many turns, comes out at a
+/// speed; `None`: that was not measured.
 pub fn sent(
     phases: &Phases,
     ordered: &Oscillation,
@@ -53,7 +53,8 @@ pub fn sent(
     })
 }
 
-/// What the machine made of each harmonic of a base frequency, as far as that was measured, `harmonics` at most.
+/// What the machine made of each harmonic of a base frequency, as far as that was measured,
+/// `harmonics` at most.
 pub fn answers(
     phases: &Phases,
     on: Oscillating,

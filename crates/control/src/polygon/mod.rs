@@ -1,5 +1,5 @@
-//! What the control itself does of polygons: the oscillation that G51.2 leaves to it, the answers of the drives that
-//! swing, and what forbids a polygon before anything moves.
+//! What the control itself does of polygons: the oscillation that G51.2 leaves to it, the answers
+//! of the drives that swing, and what forbids a polygon before anything moves.
 //!
 //! ```text
 //!   G51.2 … D, E1 ─► oscillation: solve ─► refuse ─► planner
@@ -32,7 +32,8 @@ pub const HARMONICS: usize = 4;
 /// Harmonics of which the answer of a loop is asked.
 pub const FINE_HARMONICS: usize = 96;
 
-/// Who may swing, in the order of preference among equals: a spindle's phase costs a few newton metres.
+/// Who may swing, in the order of preference among equals: a spindle's phase costs a few newton
+/// metres.
 pub const CANDIDATES: [(&str, &[Actuator]); 6] = [
     ("tool phase", &[Actuator::ToolPhase]),
     ("Y", &[Actuator::Across]),
@@ -56,7 +57,8 @@ pub fn may_swing(order: canon::Actuator, who: &[Actuator]) -> bool {
     }
 }
 
-/// The first of these problems whose solution is as flat as the flattest, solved as finely as its limits ask for.
+/// The first of these problems whose solution is as flat as the flattest, solved as finely as its
+/// limits ask for.
 pub fn flattest<'f, T>(problems: impl Iterator<Item = (T, Problem<'f>)>) -> Option<(T, Solution)> {
     let mut found = Vec::new();
     for (name, problem) in problems {
@@ -79,7 +81,8 @@ pub fn flattest<'f, T>(problems: impl Iterator<Item = (T, Problem<'f>)>) -> Opti
     best
 }
 
-/// The fastest speed in rpm that passes, between one that may and one that does not; `None`: not even the slowest does.
+/// The fastest speed in rpm that passes, between one that may and one that does not; `None`: not
+/// even the slowest does.
 pub fn fastest([slow, fast]: [f64; 2], near: f64, passes: impl Fn(f64) -> bool) -> Option<f64> {
     let (mut good, mut bad) = ((fast / 2.0).max(slow), fast);
     while !passes(good) {

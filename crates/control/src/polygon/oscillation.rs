@@ -1,5 +1,5 @@
-//! What the control fills in of G51.2: with D the oscillation for the cut that follows, on this machine; with E1 what is
-//! sent of it, by what was measured before.
+//! What the control fills in of G51.2: with D the oscillation for the cut that follows, on this
+//! machine; with E1 what is sent of it, by what was measured before.
 use super::cuts::Cut;
 use super::{
     CANDIDATES, FINE_HARMONICS, HARMONICS, SLOWEST_RPM, drives, fastest, flattest, kept, may_swing,
@@ -114,7 +114,8 @@ impl<'a> Auto<'a> {
         self.findings.extend(wrong.into_iter().map(finding));
     }
 
-    /// The form that the cutter in the spindle cuts with the axes at this machine X; `None`: it is no polygon cutter.
+    /// The form that the cutter in the spindle cuts with the axes at this machine X; `None`: it is
+    /// no polygon cutter.
     fn form(&self, polygon: &Polygon, x: Length) -> Option<Form> {
         let ToolKind::PolygonCutter(cutter) = &self.tools.get(self.tool)?.kind else { return None };
         Some(Form {
@@ -195,7 +196,8 @@ impl<'a> Auto<'a> {
         })
     }
 
-    /// The optimum, if it is within what is allowed of a facet; else the speed at which it would be.
+    /// The optimum, if it is within what is allowed of a facet; else the speed at which it would
+    /// be.
     fn flat_enough(&self, asked: &Asked) -> Result<Solution, Refusal> {
         let best = self.optimum(asked)?;
         let allowed = tolerances(false).facet_flatness;

@@ -1,5 +1,5 @@
-//! What forbids a polygon that a program orders, before anything moves: its gearing and cutter, and what is written to
-//! swing against the axes' travel, speed, acceleration and jerk.
+//! What forbids a polygon that a program orders, before anything moves: its gearing and cutter, and
+//! what is written to swing against the axes' travel, speed, acceleration and jerk.
 use super::{drives, kept};
 use crate::services::polygon as measuring;
 use canon::{Oscillating, Oscillation, Polygon};
@@ -43,8 +43,8 @@ pub fn clear(form: &Form) -> Length {
     form.tip_radius + form.stock_radius + CLEARANCE
 }
 
-/// Whether X comes near enough for the cut, and far enough to take the cutter off the bar; `zero` is machine X of the
-/// work's axis.
+/// Whether X comes near enough for the cut, and far enough to take the cutter off the bar; `zero`
+/// is machine X of the work's axis.
 pub fn cutter(machine: &MachineFile, form: &Form, zero: Length) -> Vec<String> {
     let axis = machine.axes.iter().flatten().find(|axis| axis.letter == canon::Axis::X);
     let Some(axis) = axis else { return Vec::new() };
@@ -100,7 +100,8 @@ fn travel(
     }
 }
 
-/// Whether what swings can be that fast; the speed of the work that works follows from the power of each rate.
+/// Whether what swings can be that fast; the speed of the work that works follows from the power of
+/// each rate.
 fn rates(
     machine: &MachineFile,
     polygon: &Polygon,

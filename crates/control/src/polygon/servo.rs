@@ -1,4 +1,5 @@
-//! What the closed loops make of an oscillation: from what is ordered to where the tool side, or the tool spindle, is.
+//! What the closed loops make of an oscillation: from what is ordered to where the tool side, or
+//! the tool spindle, is.
 //!
 //! ```text
 //!   xc ──► lead by the believed stretch ──►(−)─ C'·(Kp + s) ─►(+)─► L ─► motor ──► screw, play, guide ──► xt
@@ -13,11 +14,12 @@
 //!   G = H·(A·(M·s² + N) + L·C'·(φ·s + Kp)·(1 + S))/(Z + L·C'·(Kp + s))      S = (mt·s² + Nb)/Kb, the stretch as it is believed
 //! ```
 //!
-//! K, N: of the screw behind its play, and of the guide ([`super::slide`]); with index b as the control believes them. A: L with
-//! the force taken ahead; for a slide by what its jerk says of the moment ahead, for a spindle by its table. A spindle is
-//! a motor alone: H = 1, Z = J·s².
+//! K, N: of the screw behind its play, and of the guide ([`super::slide`]); with index b as the
+//! control believes them. A: L with the force taken ahead; for a slide by what its jerk says of the
+//! moment ahead, for a spindle by its table. A spindle is a motor alone: H = 1, Z = J·s².
 //!
-//! Source: the loop is the one that `kernel::servo` and `kernel::axis` describe; here it is linear and continuous.
+//! Source: the loop is the one that `kernel::servo` and `kernel::axis` describe; here it is linear
+//! and continuous.
 use super::slide::Slide;
 use std::f64::consts::TAU;
 use store::machine::{Axis, Control, Loops, Spindle};
@@ -83,7 +85,8 @@ impl Servo {
         (forward + speed * ordered) / (s * s * self.inertia + speed * measured)
     }
 
-    /// What comes of an order at a frequency in Hz at the tool side of a slide, which the control believes to be another one.
+    /// What comes of an order at a frequency in Hz at the tool side of a slide, which the control
+    /// believes to be another one.
     pub fn sliding(&self, frequency: f64, slide: &Slide, believed: &Slide) -> Complex {
         let s = Complex { re: 0.0, im: TAU * frequency };
         let stretch = believed.stretch(frequency);

@@ -1,4 +1,5 @@
-//! What a slide makes of a small swing of its motor: a mass behind a screw's spring, held by the friction of its guides.
+//! What a slide makes of a small swing of its motor: a mass behind a screw's spring, held by the
+//! friction of its guides.
 //!
 //! ```text
 //!   motor A·cos ωt ──/\/\──┤b├── m ──▒▒▒ guide            G = K/(K + N − m·ω² + jω·c)
@@ -9,10 +10,11 @@
 //!      σ0/π·(θ − ½·sin 2θ) + j·(4·Fc/(π·A))·(1 − d/A)
 //! ```
 //!
-//! These are describing functions: gain and phase of what has the frequency of the swing. Far below a micrometre's play the
-//! slide does not go along at all; up to some micrometres its guides hold it like a second spring; only farther does it
-//! swing by itself near its natural frequency. How far the motor swings, R apart from the slide, is found by repetition.
-//! A motor's encoder sees nothing of this.
+//! These are describing functions: gain and phase of what has the frequency of the swing. Far below
+//! a micrometre's play the slide does not go along at all; up to some micrometres its guides hold
+//! it like a second spring; only farther does it swing by itself near its natural frequency. How
+//! far the motor swings, R apart from the slide, is found by repetition. A motor's encoder sees
+//! nothing of this.
 use std::f64::consts::{PI, TAU};
 use store::machine::Axis;
 use sync::Complex;
@@ -147,7 +149,8 @@ mod tests {
         machine.axes.iter().flatten().find(|axis| axis.letter == canon::Axis::X).unwrap().clone()
     }
 
-    /// The same motion in time: LuGre friction, play and spring in small steps, its fundamental after it has settled.
+    /// The same motion in time: LuGre friction, play and spring in small steps, its fundamental
+    /// after it has settled.
     fn in_time(axis: &Axis, frequency: f64, amplitude_mm: f64) -> Complex {
         const STEPS: usize = 40_000;
         let (k, m) = (axis.structure.stiffness.value() * 1e3, axis.moving_mass.value());

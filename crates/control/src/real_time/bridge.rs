@@ -1,11 +1,12 @@
-//! In place of the servo thread: a thread that hands on, between the control's rings and those of a servo thread in another process.
+//! In place of the servo thread: a thread that hands on, between the control's rings and those of a
+//! servo thread in another process.
 //!
 //! ```text
 //!   control's thread ◄─ rings ─► this one ◄─ shared memory ─► the component in HAL's servo thread: Seat, kernel
 //! ```
 //!
-//! Its looks are the control's sign of life. It is an ordinary thread: what it does late is late for the feeder and for observers, never
-//! for the kernel.
+//! Its looks are the control's sign of life. It is an ordinary thread: what it does late is late
+//! for the feeder and for observers, never for the kernel.
 use super::ServoMetrics;
 use super::servo::{Over, ServoRings};
 use crate::Plant;
@@ -21,8 +22,8 @@ use std::time::{Duration, Instant};
 
 /// Between two looks.
 const LOOK: Duration = Duration::from_micros(500);
-/// A component that has not counted a period for so long is not moved by HAL any more; a computer without a real-time kernel that is
-/// busy holds its threads up for less.
+/// A component that has not counted a period for so long is not moved by HAL any more; a computer
+/// without a real-time kernel that is busy holds its threads up for less.
 const STANDS_STILL: Duration = Duration::from_secs(2);
 /// For so long a session may take to begin: the one before comes to rest first.
 const BEGINS: Duration = Duration::from_secs(10);
@@ -141,7 +142,8 @@ impl Bridge {
         while let Some(request) = self.rings.next_request() {
             while self.send_step() {}
             if let Request::PutTable(_, table) = request {
-                // tables do not go to another process: it is answered here that there was no place for it
+                // tables do not go to another process: it is answered here that there was no place
+                // for it
                 let picture = self.side.picture().ok_or("no period has been heard of yet")?;
                 let (number, taken) = (picture.number, picture.taken);
                 let reply = Reply::Table(Err(table));

@@ -2,7 +2,8 @@
 use crate::clock::now;
 use std::time::{Duration, Instant};
 
-/// A servo thread that is further behind than this gives up the rest: a debugger, a computer that has slept.
+/// A servo thread that is further behind than this gives up the rest: a debugger, a computer that
+/// has slept.
 const MOST_BEHIND: Duration = Duration::from_millis(100);
 
 /// Periods by the clock.

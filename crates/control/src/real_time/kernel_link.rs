@@ -1,4 +1,5 @@
-//! A kernel that is in the servo thread, seen from the control's: its picture, and rings to and from it.
+//! A kernel that is in the servo thread, seen from the control's: its picture, and rings to and
+//! from it.
 use crate::clock::now;
 use bus::{Report, State};
 use kernel::{
@@ -17,7 +18,8 @@ use units::Time;
 const ANSWER: Duration = Duration::from_secs(2);
 /// Between two looks whether it has.
 const LOOK: Duration = Duration::from_micros(20);
-/// Nor is it gone before so many looks: where the computer itself has stood still, the clock says nothing of that thread.
+/// Nor is it gone before so many looks: where the computer itself has stood still, the clock says
+/// nothing of that thread.
 const LOOKS: u32 = 10_000;
 
 /// The rings' ends on this side.
@@ -33,7 +35,8 @@ pub(super) struct KernelRings {
 pub struct KernelLink {
     rings: KernelRings,
     is_over: Arc<AtomicBool>,
-    /// Requests that have no reply yet: that of one that was given up may still come, before those of the requests after it.
+    /// Requests that have no reply yet: that of one that was given up may still come, before those
+    /// of the requests after it.
     owed: usize,
     picture: Picture,
     /// Periods that were over when the picture was taken.

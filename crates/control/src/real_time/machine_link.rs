@@ -23,7 +23,8 @@ pub struct MachineLink {
     pub(super) feedback: Feedback,
     pub(super) truth: Option<Truth>,
     pub(super) period: Time,
-    /// What a component of HAL keeps of a tool in the work: written and read without the servo thread.
+    /// What a component of HAL keeps of a tool in the work: written and read without the servo
+    /// thread.
     pub(super) retained: Option<shm::RetainedMemory>,
     pub(super) lost: Option<String>,
 }

@@ -1,4 +1,5 @@
-//! The same engine by the clock: kernel and machine in a thread of their own, everything else beside it.
+//! The same engine by the clock: kernel and machine in a thread of their own, everything else
+//! beside it.
 //!
 //! ```text
 //!   control's thread                                        servo thread, one turn per servo period
@@ -10,9 +11,10 @@
 //!     services  ◄── events, answers, record requests ────
 //! ```
 //!
-//! Every arrow is a ring of fixed size for one writer and one reader; the servo thread waits for none of them, takes no lock, and its
-//! control part takes no memory between the start and the end of a program. What it cannot hand on is counted. The first tick comes
-//! when the feeder has filled its ring, and from then on a program whose course asks nothing of the other thread is executed
+//! Every arrow is a ring of fixed size for one writer and one reader; the servo thread waits for
+//! none of them, takes no lock, and its control part takes no memory between the start and the end
+//! of a program. What it cannot hand on is counted. The first tick comes when the feeder has filled
+//! its ring, and from then on a program whose course asks nothing of the other thread is executed
 //! as in lock-step, to the last bit.
 mod bridge;
 mod clock;
@@ -40,9 +42,11 @@ const REQUESTS: usize = 16;
 /// How the servo thread is run.
 #[derive(Clone, Copy, Debug)]
 pub struct RealTimeOptions {
-    /// Priority of the servo thread among those that the operating system runs by deadline (`SCHED_FIFO`), 1 to 99.
+    /// Priority of the servo thread among those that the operating system runs by deadline
+    /// (`SCHED_FIFO`), 1 to 99.
     pub priority: u8,
-    /// Called with the control's part of each period; it calls what it is given. Tests look here for what may not happen.
+    /// Called with the control's part of each period; it calls what it is given. Tests look here
+    /// for what may not happen.
     pub around: fn(&mut dyn FnMut()),
 }
 

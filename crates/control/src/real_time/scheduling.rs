@@ -1,4 +1,5 @@
-//! What the operating system is asked for the servo thread: to be run first, and to have its memory at hand.
+//! What the operating system is asked for the servo thread: to be run first, and to have its memory
+//! at hand.
 use rustix::mm::{MlockAllFlags, mlockall};
 use std::hint::black_box;
 use thread_priority::{

@@ -215,7 +215,8 @@ impl Rings for ServoRings {
         self.steps.slots()
     }
 
-    /// The memory of a step is released by the thread that took it. Its ring has room for all steps that there are at a time.
+    /// The memory of a step is released by the thread that took it. Its ring has room for all steps
+    /// that there are at a time.
     fn release(&mut self, step: Step) {
         if let Err(rtrb::PushError::Full(step)) = self.spent.push(step) {
             core::mem::forget(step); // rather lose its memory than release it here

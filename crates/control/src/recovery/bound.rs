@@ -5,9 +5,10 @@
 //!                     spring k, play              spring kh
 //! ```
 //!
-//! The encoders know motor and spindle. What lies between the motor and the tap they do not see: play, and the spring of the screw
-//! under whatever force is on it, when the tap first touched the work (which fixed the helix) and now. Nor do they know the helix
-//! itself better than the axis followed the spindle there. Every term is its largest value, and they are added:
+//! The encoders know motor and spindle. What lies between the motor and the tap they do not see:
+//! play, and the spring of the screw under whatever force is on it, when the tap first touched the
+//! work (which fixed the helix) and now. Nor do they know the helix itself better than the axis
+//! followed the spindle there. Every term is its largest value, and they are added:
 //!
 //! | term | | |
 //! |---|---|---|
@@ -20,18 +21,21 @@
 //! | helix | the largest sync error while the control lived | as the machine keeps it |
 //! | screw, encoders | 3 µm + 0.1 µm/mm of the stroke | lead error and eccentricity (estimate) |
 //!
-//! b, Fs, σ2 and kh are taken a fifth larger than the machine's file has them, k 15 % smaller: a machine is never quite as its file. A
-//! scale at the table sees the screw's spring and play: there those terms are nought.
+//! b, Fs, σ2 and kh are taken a fifth larger than the machine's file has them, k 15 % smaller: a
+//! machine is never quite as its file. A scale at the table sees the screw's spring and play: there
+//! those terms are nought.
 use store::machine::{Axis, PositionFrom, Spindle};
 use store::sync_record::Stroke;
 use units::{Force, Length};
 
-/// By how much a machine may have more play, friction and stiffness of a holder than its file, and less stiffness of its screw.
+/// By how much a machine may have more play, friction and stiffness of a holder than its file, and
+/// less stiffness of its screw.
 const MORE: f64 = 1.2;
 const SOFTER: f64 = 0.85;
 /// And what the control's model of friction and spring misses of what stretches the screw.
 const MISSED: f64 = 0.4;
-/// What screws and encoders are wrong by, and for each mm of a stroke (estimate: a rolled screw, an encoder off its centre).
+/// What screws and encoders are wrong by, and for each mm of a stroke (estimate: a rolled screw, an
+/// encoder off its centre).
 const ENCODERS: Length = Length::um(3.0);
 const SCREW_PER_MM: f64 = 1e-4;
 
@@ -41,8 +45,9 @@ pub(super) struct Unseen {
     pub(super) why: String,
 }
 
-/// Of a tap that the encoders show this far off its thread. `helix`: how far the axis was from its coupling at most while the control lived.
-/// `ground`: with how much force its tip may press on the ground of the hole.
+/// Of a tap that the encoders show this far off its thread. `helix`: how far the axis was from its
+/// coupling at most while the control lived. `ground`: with how much force its tip may press on the
+/// ground of the hole.
 pub(super) fn unseen(
     stroke: &Stroke,
     axis: &Axis,

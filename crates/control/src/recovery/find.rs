@@ -38,7 +38,8 @@ pub struct Findings {
     pub at: Point,
     /// Whole turns between the spindle's reading now and then.
     pub turn: Angle,
-    /// What the distance from the thread is certain to, and by what; or why the thread is not where the record has it.
+    /// What the distance from the thread is certain to, and by what; or why the thread is not where
+    /// the record has it.
     pub bound: Result<(Length, String), &'static str>,
     /// The way back onto the thread that is taken.
     pub projection: Projection,
@@ -67,11 +68,12 @@ impl Findings {
     }
 }
 
-/// A tap that also turns bears this share of the pull that tears it: √(1 − τ²) with two thirds of its torque.
+/// A tap that also turns bears this share of the pull that tears it: √(1 − τ²) with two thirds of
+/// its torque.
 const WHOLE: f64 = 0.75;
 
-/// Why a tap that stands so may be broken: beyond the end of its stroke by more than a lead, which a hole has in reserve; or so far off its
-/// thread that its holder may have torn it.
+/// Why a tap that stands so may be broken: beyond the end of its stroke by more than a lead, which
+/// a hole has in reserve; or so far off its thread that its holder may have torn it.
 fn not_known_whole(
     stroke: &Stroke,
     overrun: Length,
@@ -149,12 +151,14 @@ pub(super) fn find(
     let kept = welcome.evidence.in_work.unwrap_or_default();
     let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
     let error = stored.error(at).abs();
-    // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
+    // a tap that touched the work while the drives ran down by their ramps did so anywhere in
+    // between
     let helix = if kept.touches { kept.sync_error } else { error.max(kept.sync_error) };
     let stored = if kept.touches || apart {
         stored
     } else {
-        // so along the middle it is off its own thread by half of that at most; a recovery that was stopped may stand there already
+        // so along the middle it is off its own thread by half of that at most; a recovery that was
+        // stopped may stand there already
         let middle = helix.min(error * 2.0) / 2.0 * stored.error(at).value().signum();
         let coupling = Coupling::line(stroke.lead, stroke.theta0, stroke.z0 + middle);
         Stored::on(coupling, angle(stroke.start), angle(stroke.bottom), direction)
@@ -209,8 +213,8 @@ fn sense_in(stroke: &Stroke) -> f64 {
     if stroke.bottom > stroke.start { 1.0 } else { -1.0 }
 }
 
-/// The sense in which the tap went when the stop began. The machine keeps how the spindle turned last; where it had not turned, the
-/// record says whether the tap was about to turn back.
+/// The sense in which the tap went when the stop began. The machine keeps how the spindle turned
+/// last; where it had not turned, the record says whether the tap was about to turn back.
 fn direction(stroke: &Stroke, stage: Stage, welcome: &Welcome) -> Direction {
     let inward_is_positive = stroke.spin.value() >= 0.0;
     let turned = match welcome.evidence.sense {
@@ -222,8 +226,8 @@ fn direction(stroke: &Stroke, stage: Stage, welcome: &Welcome) -> Direction {
     if inward { Direction::Inward } else { Direction::Outward }
 }
 
-/// What the distance from the coupling is shown not to exceed: the monitor's window while everything was driven, and the
-/// turns that the spindle ran down alone.
+/// What the distance from the coupling is shown not to exceed: the monitor's window while
+/// everything was driven, and the turns that the spindle ran down alone.
 fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Length, String) {
     let omega = stroke.spin.in_rad_per_s().abs();
     let inertia = spindle.inertia.value();
@@ -301,8 +305,8 @@ mod tests {
     use store::sync_record::Identity;
     use units::{Lead, Spin, Stiffness};
 
-    /// Of an M8 from Z-100 to Z-125 into work that begins at Z-105: drives that stopped so, a place over the work, so many turns off
-    /// its thread, and what the machine keeps.
+    /// Of an M8 from Z-100 to Z-125 into work that begins at Z-105: drives that stopped so, a place
+    /// over the work, so many turns off its thread, and what the machine keeps.
     fn found(stop: Stop, over: Length, turns: f64, kept: Engagement) -> Findings {
         let identity = Identity { machine: "m".into(), serial: 1, epoch: 1 };
         let stroke = Stroke {
@@ -336,7 +340,8 @@ mod tests {
         found.bound.as_ref().expect("it is known how far off it is").0
     }
 
-    /// Drives that were off may have screwed it through its first turns: no encoder shows how far it is off that thread now.
+    /// Drives that were off may have screwed it through its first turns: no encoder shows how far
+    /// it is off that thread now.
     #[test]
     fn a_tap_that_left_its_thread_while_the_drives_were_off_is_not_said_to_be_so_far_off_it() {
         let over_the_work = |stop| found(stop, Length::mm(0.5), 1.0, touching());
@@ -346,7 +351,8 @@ mod tests {
         let driven = over_the_work(Stop::Coupled);
         assert!(driven.way == Way::Straight && driven.bound.is_ok());
     }
-    /// 0.75 mm off: it would hold that, but more than half a lead off, its tip near the surface, it may be in the next turn.
+    /// 0.75 mm off: it would hold that, but more than half a lead off, its tip near the surface, it
+    /// may be in the next turn.
     #[test]
     fn a_tap_that_may_have_come_back_into_another_turn_is_not_said_to_be_off_this_one() {
         let at_the_surface = |stop| found(stop, Length::mm(-0.05), 0.6, touching());
@@ -355,8 +361,8 @@ mod tests {
         assert!(at_the_surface(Stop::Coupled).bound.is_ok());
     }
 
-    /// It touched the work while the drives braked and went off its coupling; its thread may be off as far. In the middle it is
-    /// off its thread by half of that at most.
+    /// It touched the work while the drives braked and went off its coupling; its thread may be off
+    /// as far. In the middle it is off its thread by half of that at most.
     #[test]
     fn a_tap_that_touched_the_work_while_the_drives_braked_is_led_out_along_the_middle() {
         let kept = Engagement { touches: false, ..touching() };
@@ -367,7 +373,8 @@ mod tests {
         assert!(record.abs() > Length::um(30.0), "the weight on the screw takes some: {record}");
         let halved = first.stored.error(first.at) - record / 2.0;
         assert!(halved.abs() < Length::um(0.1), "{halved}");
-        // a recovery that was stopped there goes on along the same, and its thread may be off as far as before
+        // a recovery that was stopped there goes on along the same, and its thread may be off as
+        // far as before
         let kept = first.mark(Some(kept)).expect("it is kept");
         let turned_back = first.stored.phase_difference(first.at).value().abs();
         let again = found(Stop::QuickStop, depth, 0.06 / 1.25 - turned_back, kept);

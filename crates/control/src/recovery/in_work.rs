@@ -1,4 +1,5 @@
-//! Whether a tool is in the work: what the machine keeps by itself, what the sync record says, and what the encoders show.
+//! Whether a tool is in the work: what the machine keeps by itself, what the sync record says, and
+//! what the encoders show.
 //!
 //! | machine keeps | sync record | answer |
 //! |---|---|---|
@@ -9,8 +10,9 @@
 //! | nothing, the last was 9 | of number 7, in the work | they contradict one another: nothing moves |
 //! | nothing | that it is out, or none | nothing is in the work, on the machine's word |
 //!
-//! The control states the tool after its record is on the disk, and takes that back before the record says so: at every instant the
-//! record of a tool that the machine keeps is on the disk. Where it is not, the folder is not the one, or not as it was.
+//! The control states the tool after its record is on the disk, and takes that back before the
+//! record says so: at every instant the record of a tool that the machine keeps is on the disk.
+//! Where it is not, the folder is not the one, or not as it was.
 use crate::services::sync_record;
 use store::sync_record::SyncRecord;
 use wire::Welcome;

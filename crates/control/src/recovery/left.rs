@@ -1,4 +1,5 @@
-//! What a control that is switched on finds in the work of its machine, left there by a control before it, and the way out.
+//! What a control that is switched on finds in the work of its machine, left there by a control
+//! before it, and the way out.
 use super::in_work::{self, InWork};
 use super::{Findings, Leg, RecoveryWay, Withdrawal, find, not_by_recovery, withdraw};
 use kernel::{RecoveryPlan, WithdrawalPlan};
@@ -25,7 +26,8 @@ pub(crate) enum WayOut {
     Off(WithdrawalPlan),
 }
 
-/// What is in the work; `None`: nothing, as far as machine, record and encoders know. `folder`: where the record was looked for.
+/// What is in the work; `None`: nothing, as far as machine, record and encoders know. `folder`:
+/// where the record was looked for.
 pub(crate) fn left(
     record: Option<SyncRecord>,
     welcome: &Welcome,

@@ -7,9 +7,11 @@
 //!                         └► refused, with the reason                └► plan and picture
 //! ```
 //!
-//! A tool that is not screwed to the work (a pass over a thread, a cam, a polygon, a gear) needs no angle: [`withdraw`].
+//! A tool that is not screwed to the work (a pass over a thread, a cam, a polygon, a gear) needs no
+//! angle: [`withdraw`].
 //!
-//! Nothing is written before the tap is out: whoever is killed here can be begun again, as often as it takes.
+//! Nothing is written before the tap is out: whoever is killed here can be begun again, as often as
+//! it takes.
 mod bound;
 mod find;
 pub mod in_work;
@@ -134,13 +136,15 @@ pub enum Known<'a> {
     OffWork(&'a SyncRecord, &'a Feedback, &'a MachineFile),
 }
 
-/// Sees what is known before anything moves; answers with what else should be known, and may refuse.
+/// Sees what is known before anything moves; answers with what else should be known, and may
+/// refuse.
 pub type Look<'a> = &'a mut dyn FnMut(Known<'_>) -> Result<Option<String>, Refused>;
 
 /// Find out what is in the work, and take it out.
 ///
 /// # Errors
-/// The machine or the sync record cannot be reached; what could be reached and may not be moved is an [`Answer`].
+/// The machine or the sync record cannot be reached; what could be reached and may not be moved is
+/// an [`Answer`].
 pub fn recover(options: &RecoveryOptions, look: Look<'_>) -> Result<Answer, Refused> {
     answer(options, look)
 }
@@ -323,7 +327,8 @@ fn tell_machine(args: &RecoveryOptions) -> Result<(), Refused> {
     told.map(|_| ()).map_err(|e| gone(&args.socket, &e))
 }
 
-/// Where the tool side of an axis stands, at rest: an encoder at the motor does not see that a weight stretches its screw.
+/// Where the tool side of an axis stands, at rest: an encoder at the motor does not see that a
+/// weight stretches its screw.
 fn stands(file: &MachineFile, feedback: &Feedback, axis: u8) -> Length {
     let reading = feedback.axes[usize::from(axis)].position;
     let control = config::control(file, None, false);
@@ -335,7 +340,8 @@ fn stands(file: &MachineFile, feedback: &Feedback, axis: u8) -> Length {
 /// What lies in a state folder.
 type Looked = Result<(Slots<StateFolder>, Kept), Untrusted>;
 
-/// Look into the state folder; `None`: there has never been a record in it. Who only looks makes no folder.
+/// Look into the state folder; `None`: there has never been a record in it. Who only looks makes no
+/// folder.
 fn look(path: &Path, identity: &Identity) -> Result<Option<Looked>, Refused> {
     if !path.exists() {
         return Ok(None);

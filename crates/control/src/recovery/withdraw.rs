@@ -1,6 +1,7 @@
-//! The way out for a tool that is tied to a spindle without being screwed to the work: a pass over a thread, a cam, a
-//! polygon, a gear. The infeed axis takes it off the work first, whatever the spindles' angles are; then, of a thread, spindle and
-//! axis go back along its line, so that the space that the tool passes is that of the pass.
+//! The way out for a tool that is tied to a spindle without being screwed to the work: a pass over
+//! a thread, a cam, a polygon, a gear. The infeed axis takes it off the work first, whatever the
+//! spindles' angles are; then, of a thread, spindle and axis go back along its line, so that the
+//! space that the tool passes is that of the pass.
 use crate::Plant;
 use crate::config;
 use bus::{Feedback, Machine as _};
@@ -42,7 +43,8 @@ pub struct Withdrawal {
 pub struct Off {
     /// Along a thread; along the path of a cutter's tip; on the pitch circle of a gear.
     pub length: Length,
-    /// The same as a turn of the spindle: of the one that leads a thread, of the one that follows in a gear.
+    /// The same as a turn of the spindle: of the one that leads a thread, of the one that follows
+    /// in a gear.
     pub angle: Angle,
     /// For people: off what.
     pub of: &'static str,
@@ -100,7 +102,8 @@ pub(super) struct Drawn {
     pub(super) note: Option<String>,
 }
 
-/// Take it out. A thread's axis goes back along the thread with the spindle; where that cannot be, by itself: the tool is off the work.
+/// Take it out. A thread's axis goes back along the thread with the spindle; where that cannot be,
+/// by itself: the tool is off the work.
 pub(super) fn drive(
     plant: &mut Plant,
     file: &MachineFile,
@@ -148,7 +151,8 @@ fn straight(plant: &mut Plant, file: &MachineFile, leg: Leg) -> Result<Time, Str
     taken.ok_or_else(|| format!("it is not out after {}", super::LONGEST))
 }
 
-/// Back onto the thread's line by who overran, then along it to where the pass began: the tool is off the work.
+/// Back onto the thread's line by who overran, then along it to where the pass began: the tool is
+/// off the work.
 fn back_along(
     plant: &mut Plant,
     file: &MachineFile,
@@ -185,8 +189,8 @@ pub fn pass(stroke: &Stroke) -> Option<Pass> {
     })
 }
 
-/// The way back onto the line of a pass and along it, for a tool that is off the work; none where its lead grows, which is no
-/// line: its axis goes back by itself.
+/// The way back onto the line of a pass and along it, for a tool that is off the work; none where
+/// its lead grows, which is no line: its axis goes back by itself.
 pub fn along_pass(
     pass: &Pass,
     spindle: u8,

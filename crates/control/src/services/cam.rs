@@ -1,11 +1,13 @@
-//! Beside the machine while it grinds cams: takes the samples, looks at each turn that ends, measures, teaches.
+//! Beside the machine while it grinds cams: takes the samples, looks at each turn that ends,
+//! measures, teaches.
 //!
 //! ```text
 //!   samples of a turn ─► fold ─► measured profile ─┬─► G55: phase error, answer ─► table, planner
 //!                                                  └─► learning: next table ─► kernel, faded over, settled
 //! ```
 //!
-//! The kernel waits at the end of a turn with everything coupled and turning, so nothing here hurries.
+//! The kernel waits at the end of a turn with everything coupled and turning, so nothing here
+//! hurries.
 use crate::KernelHandle;
 use crate::clock::now;
 use crate::job::cams::CamSetup;
@@ -62,7 +64,8 @@ pub struct CamHost {
     /// What was found, for people.
     pub said: Vec<String>,
     changed: bool,
-    /// How far the wheel's edge stood back from its axis in the last period: in the end, what it has lost.
+    /// How far the wheel's edge stood back from its axis in the last period: in the end, what it
+    /// has lost.
     back: Length,
     /// What looking at turns has cost here, and how many there were.
     cost: (Duration, u32),
@@ -145,7 +148,8 @@ impl CamHost {
         now.order = Some(order);
     }
 
-    /// The kernel asks: look at the turn that has ended, and let it go on when nothing is to be waited for.
+    /// The kernel asks: look at the turn that has ended, and let it go on when nothing is to be
+    /// waited for.
     pub fn consult(&mut self, kernel: &mut KernelHandle, planner: &mut Planner) {
         if kernel.consulted() != Some(TURN_ENDED) {
             return;
@@ -234,7 +238,8 @@ impl CamHost {
         self.setup.course(number, spin).map(|course| course.nodes.clone())
     }
 
-    /// The measured profile of the last turn, with the mean of the ideal one: where X is zero is not its matter.
+    /// The measured profile of the last turn, with the mean of the ideal one: where X is zero is
+    /// not its matter.
     fn last_turn(&mut self, ideal: &[f64]) -> Option<Vec<f64>> {
         let samples = &self.now.samples;
         let end = samples.last()?.angle;
@@ -317,8 +322,8 @@ impl CamHost {
         *planner.cams() = self.setup.for_planner();
     }
 
-    /// The program is over.
-    /// The program is over; `allowed`: the planner sent the wheel so much farther for what it would lose.
+    /// The program is over. The program is over; `allowed`: the planner sent the wheel so much
+    /// farther for what it would lose.
     pub fn end(&mut self, allowed: Length) {
         if self.setup.grinds() && self.back > Length::ZERO {
             let (lost, allowed) = (self.back.in_um(), allowed.in_um());
@@ -357,7 +362,8 @@ impl CamHost {
     }
 }
 
-/// φ of φ + lead(φ) = ψ, by Newton's steps from ψ; the work never turns back, so it is the only one.
+/// φ of φ + lead(φ) = ψ, by Newton's steps from ψ; the work never turns back, so it is the only
+/// one.
 fn even_turn(lead: &sync::Periodic, psi: Angle) -> Angle {
     let mut phi = psi.value();
     for _ in 0..8 {

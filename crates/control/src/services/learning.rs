@@ -10,7 +10,8 @@ use store::machine::MachineFile;
 use sync::{CELLS, Learning, LearningRecord, StrokeKey};
 use units::{Angle, Lead, Length, Spin, Time};
 
-/// Gain and bandwidth where the machine's file does not state them: half the usual resonance of a screw.
+/// Gain and bandwidth where the machine's file does not state them: half the usual resonance of a
+/// screw.
 const USUAL: Learning = Learning { gain: 0.7, bandwidth_hz: 70.0 };
 
 /// Nanometres in a millimetre.

@@ -1,5 +1,5 @@
-//! What answers the kernel beside the loop: the sync record, measuring and teaching of cams and polygons, and what comes
-//! from outside to stop the run.
+//! What answers the kernel beside the loop: the sync record, measuring and teaching of cams and
+//! polygons, and what comes from outside to stop the run.
 pub mod cam;
 pub mod learning;
 pub mod polygon;

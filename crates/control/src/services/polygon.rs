@@ -1,5 +1,5 @@
-//! Beside the machine while a polygon's oscillation is measured in the air (G51.4): takes the samples, compares what
-//! came with what was ordered, corrects.
+//! Beside the machine while a polygon's oscillation is measured in the air (G51.4): takes the
+//! samples, compares what came with what was ordered, corrects.
 //!
 //! ```text
 //!   samples of a few turns ─► fold over the work's angle ─► sync::Repetition, harmonic by harmonic
@@ -8,10 +8,11 @@
 //!   kernel ◄─ next table, faded over, settled ◄─ within the limits of the actuator
 //! ```
 //!
-//! What is compared is what the encoders say in the air (of a slide less the stretch that the control knows of its screw:
-//! its motor goes farther on purpose), with the work's own angle as it really is: gain and phase of each harmonic, and of
-//! the tool spindle also the constant lag behind its gear, which would turn all facets a little.
-//! The last look measures what will cut. No correction may ask more of an actuator than its limits, or than was ordered.
+//! What is compared is what the encoders say in the air (of a slide less the stretch that the
+//! control knows of its screw: its motor goes farther on purpose), with the work's own angle as it
+//! really is: gain and phase of each harmonic, and of the tool spindle also the constant lag behind
+//! its gear, which would turn all facets a little. The last look measures what will cut. No
+//! correction may ask more of an actuator than its limits, or than was ordered.
 use crate::KernelHandle;
 use crate::polygon::drives::{self, Reversing};
 use crate::polygon::{Slide, kept};
@@ -34,7 +35,8 @@ const SETTLE: Angle = Angle::rev(2.0);
 const LOOK: Angle = Angle::rev(4.0);
 /// Names of the tables that are made here; the planner counts up from 1, the cams' from 0xC000.
 const FIRST_TABLE: u16 = 0xE000;
-/// A follower whose rms error is below this share of a count of its encoder is as good as can be told.
+/// A follower whose rms error is below this share of a count of its encoder is as good as can be
+/// told.
 const FLOOR_COUNTS: f64 = 0.05;
 /// Steps by which a correction that asks too much is taken back.
 const BISECTIONS: u32 = 20;
@@ -339,8 +341,9 @@ impl Follower {
         Ok(self.at_the_tool(measured, repeats))
     }
 
-    /// What came at the tool side of what came by the motor less the stretch that the control believes: the motor is told that
-    /// stretch, and where it cannot follow it the tool side goes farther.
+    /// What came at the tool side of what came by the motor less the stretch that the control
+    /// believes: the motor is told that stretch, and where it cannot follow it the tool side goes
+    /// farther.
     fn at_the_tool(&self, measured: Vec<f64>, repeats: Spin) -> Vec<f64> {
         let Some(slide) = &self.through else { return measured };
         let highest = self.ordered.iter().map(|h| h.per_turn).max().unwrap_or(0) as usize;

@@ -5,9 +5,9 @@
 //!          ◄──acknowledged──── record_writer ◄──done, or why not──┘
 //! ```
 //!
-//! In lock-step simulated time stands while the disk works, so a fast disk and a slow one would differ: there an
-//! acknowledgement comes [`ALLOWANCE`] after the request, by the machine's time, whenever the disk is done before. In real
-//! time it comes when it comes.
+//! In lock-step simulated time stands while the disk works, so a fast disk and a slow one would
+//! differ: there an acknowledgement comes [`ALLOWANCE`] after the request, by the machine's time,
+//! whenever the disk is done before. In real time it comes when it comes.
 use crate::Refused;
 use crate::{KernelHandle, MachineHandle};
 use bus::{Feedback, State};
@@ -23,7 +23,8 @@ use store::sync_record::{Cut, Geared, Identity, Place, Retreat, Stage, Stroke, S
 use units::{Angle, Length, Stiffness, Time};
 use wire::Engagement;
 
-/// What a record may take to be on the disk: four times the median of an fsync'ed write on a solid-state disk.
+/// What a record may take to be on the disk: four times the median of an fsync'ed write on a
+/// solid-state disk.
 const ALLOWANCE: Time = Time::s(0.020);
 
 /// The folder of a machine's state.
@@ -65,7 +66,8 @@ pub fn open(
 pub fn in_work(record: &SyncRecord, feedback: &bus::Feedback) -> bool {
     /// An axis that stands at PS within this is out.
     const AT_START: Length = Length::um(20.0);
-    /// A tap whose tip stands higher over the surface than its holder gives is in the air: there its angle does not matter.
+    /// A tap whose tip stands higher over the surface than its holder gives is in the air: there
+    /// its angle does not matter.
     const CLEAR: Length = Length::mm(1.0);
     let stroke = &record.stroke;
     if let Some(retreat) = stroke.retreat {
@@ -104,12 +106,14 @@ pub struct RecordWriter {
     gears: BTreeMap<u32, Geared>,
     /// What was typed.
     command: Vec<String>,
-    /// The hole whose tap a recovery has taken out, and its operation once the program has come to it.
+    /// The hole whose tap a recovery has taken out, and its operation once the program has come to
+    /// it.
     recovered: (Option<u32>, Option<u32>),
     /// Requests on their way: number, when they may be acknowledged, what is written.
     underway: VecDeque<(u32, Time, SyncRecord)>,
     last: Option<SyncRecord>,
-    /// Number of the machine's last engagement, and the tool that the machine is told to be in its work.
+    /// Number of the machine's last engagement, and the tool that the machine is told to be in its
+    /// work.
     engaged: u64,
     engagement: Option<Engagement>,
     /// Where the workpiece begins, by the machine's set-up.
@@ -118,8 +122,9 @@ pub struct RecordWriter {
 }
 
 impl RecordWriter {
-    /// Start the thread. `before`: holes that the program made before it was begun in its middle. `recovered`: the hole
-    /// whose tap a recovery took out. `engaged`: number of the machine's last engagement. `top`: where the workpiece begins.
+    /// Start the thread. `before`: holes that the program made before it was begun in its middle.
+    /// `recovered`: the hole whose tap a recovery took out. `engaged`: number of the machine's last
+    /// engagement. `top`: where the workpiece begins.
     ///
     /// # Errors
     /// No thread can be started.
@@ -188,8 +193,9 @@ impl RecordWriter {
         self.recovered.1
     }
 
-    /// Take the kernel's requests, hand it its acknowledgements. The machine is told of the tool that is in the work from now on: from
-    /// when the record is on the disk until the tool is out, and before the kernel may go in.
+    /// Take the kernel's requests, hand it its acknowledgements. The machine is told of the tool
+    /// that is in the work from now on: from when the record is on the disk until the tool is out,
+    /// and before the kernel may go in.
     pub fn serve(
         &mut self,
         kernel: &mut KernelHandle,
@@ -288,7 +294,8 @@ impl RecordWriter {
         {
             geared.radius = cutter.radius;
         }
-        // pecks of one tap are one engagement, and so is what is asked for anew before the tool has gone in
+        // pecks of one tap are one engagement, and so is what is asked for anew before the tool has
+        // gone in
         let goes_on = self.last.as_ref().filter(|l| l.place.op == tap.op && l.stage.is_in_work());
         let engagement = goes_on.map_or(self.engaged + 1, |last| last.engagement);
         SyncRecord {
@@ -337,7 +344,8 @@ impl RecordWriter {
         }
     }
 
-    /// Number of the machine's last engagement, and the tool that the machine is told to be in its work.
+    /// Number of the machine's last engagement, and the tool that the machine is told to be in its
+    /// work.
     pub const fn engaged(&self) -> (u64, Option<Engagement>) {
         (self.engaged, self.engagement)
     }
@@ -358,7 +366,8 @@ impl RecordWriter {
     }
 }
 
-/// Places as the machine's own encoders read them: a control after this one knows them before anything is homed.
+/// Places as the machine's own encoders read them: a control after this one knows them before
+/// anything is homed.
 fn as_encoders_read(mut record: SyncRecord, zeros: &[Length; bus::AXES]) -> SyncRecord {
     let stroke = &mut record.stroke;
     let zero = zeros[usize::from(stroke.axis)];
@@ -417,8 +426,8 @@ const fn holder(kind: &ToolKind) -> Option<Holder> {
     }
 }
 
-/// The tip of a tap along Z is certainly in the workpiece: below where the program and the set-up have it begin, by more than an axis'
-/// reading is off.
+/// The tip of a tap along Z is certainly in the workpiece: below where the program and the set-up
+/// have it begin, by more than an axis' reading is off.
 fn is_inside(record: &SyncRecord, tools: &ToolLibrary, top: Length, feedback: &Feedback) -> bool {
     const CERTAIN: Length = Length::mm(0.1);
     let stroke = &record.stroke;

@@ -130,8 +130,8 @@ impl Stops {
         }
     }
 
-    /// The run is over after so long: faults that were to happen in it and have not. An operator's orders that were never
-    /// given are only said: what they are for may be over before.
+    /// The run is over after so long: faults that were to happen in it and have not. An operator's
+    /// orders that were never given are only said: what they are for may be over before.
     pub fn not_triggered(&mut self, after: Time) -> Vec<String> {
         let sentence = |what: &str, text: &str| {
             let seconds = after.value();
@@ -144,7 +144,8 @@ impl Stops {
         self.faults.left().map(|text| sentence("fault", text)).collect()
     }
 
-    /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the program goes on.
+    /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the
+    /// program goes on.
     ///
     /// # Errors
     /// A connection to the machine that is gone.
@@ -292,7 +293,8 @@ struct Track {
     force_n: f64,
 }
 
-/// Take the tap out along its thread: by the control that stopped coupled and still has its drives, or by a recovery.
+/// Take the tap out along its thread: by the control that stopped coupled and still has its drives,
+/// or by a recovery.
 fn drive_out(
     kernel: &mut Kernel,
     plant: &mut Plant,

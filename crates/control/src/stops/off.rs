@@ -1,7 +1,8 @@
-//! A stop while a tool is in work that it is not screwed to: a thread that is turned, a cam, a polygon, a gear.
+//! A stop while a tool is in work that it is not screwed to: a thread that is turned, a cam, a
+//! polygon, a gear.
 //!
-//! With the drives alive the kernel itself takes the tool off the work; else, when drives and control are back, its infeed
-//! axis does.
+//! With the drives alive the kernel itself takes the tool off the work; else, when drives and
+//! control are back, its infeed axis does.
 use super::{Ears, RUN_DOWN, one_period, run_down};
 use crate::Plant;
 use crate::recovery;
@@ -45,8 +46,9 @@ pub(super) fn left_in(line: u32, way_out: &WayOut, by: &str) -> String {
     format!("line {line}: the tool was left in {cut}; {by} takes it off the work along {axis}")
 }
 
-/// Let everything come to rest, and take the tool off the work if that is asked for. What has come of it; or, as an
-/// error, what is said where it is left. `recovers`: speed and acceleration of an axis that goes back onto a thread.
+/// Let everything come to rest, and take the tool off the work if that is asked for. What has come
+/// of it; or, as an error, what is said where it is left. `recovers`: speed and acceleration of an
+/// axis that goes back onto a thread.
 pub(super) fn deal_with(
     kernel: &mut Kernel,
     plant: &mut Plant,

@@ -65,7 +65,8 @@ pub enum Problem {
     Undercut {
         /// At this angle of the follower.
         at: Angle,
-        /// The smallest base radius that works with a flat follower, or the largest roller that does.
+        /// The smallest base radius that works with a flat follower, or the largest roller that
+        /// does.
         works: Undercut,
     },
     /// The wheel does not fit into a hollow.

@@ -7,7 +7,8 @@ use units::{Angle, Length};
 pub(crate) const FEWEST_ROWS: usize = 36;
 /// More rows than this are refused: a row each 20 seconds of arc.
 pub const MOST_ROWS: usize = 65_536;
-/// A step of the angle may differ from the others by this share: tables are printed with few decimals.
+/// A step of the angle may differ from the others by this share: tables are printed with few
+/// decimals.
 const UNEVEN: f64 = 0.02;
 /// Lifts of two rows at the same angle agree within this, mm.
 const SAME_LIFT: f64 = 1e-4;
@@ -45,7 +46,8 @@ pub struct Cam {
 }
 
 impl Cam {
-    /// From a table over one turn in equal steps. A last row at the angle of the first one, a turn later, is allowed.
+    /// From a table over one turn in equal steps. A last row at the angle of the first one, a turn
+    /// later, is allowed.
     ///
     /// # Errors
     /// What is wrong with the table, with its row.

@@ -148,8 +148,8 @@ impl Cam {
         self.path_unchecked(wheel, nodes)
     }
 
-    /// The same without asking whether the contour is what the follower asks for: where it is undercut, the wheel
-    /// takes away what it should have left.
+    /// The same without asking whether the contour is what the follower asks for: where it is
+    /// undercut, the wheel takes away what it should have left.
     ///
     /// # Errors
     /// `nodes` are no table.
@@ -273,7 +273,8 @@ mod tests {
 
     #[test]
     fn a_flat_follower_on_too_small_a_base_is_refused_with_the_base_that_works() {
-        // 9(1 − u²)³ over ±65°: s″(180°) = −6·9/1.1345² = −41.96, so the base must be 32.96 at least
+        // 9(1 − u²)³ over ±65°: s″(180°) = −6·9/1.1345² = −41.96, so the base must be 32.96 at
+        // least
         let of = |base: f64| ClosedForm::Automotive {
             base: Length::mm(base),
             lift: Length::mm(9.0),

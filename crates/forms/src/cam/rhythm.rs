@@ -1,4 +1,5 @@
-//! A work speed that varies, as a function that a control can superpose: by how much the work is ahead of its even turn.
+//! A work speed that varies, as a function that a control can superpose: by how much the work is
+//! ahead of its even turn.
 //!
 //! ```text
 //!   n(ψ) of even removal ─► time t(ψ) = ∫dψ/n ─► even turn φ = t/T ─► lead g(φ) = ψ − φ, smoothed ─► X(φ) = D(φ + g(φ))
@@ -6,9 +7,10 @@
 //!   C = φ + g(φ),  X = D(φ + g(φ)):   both follow the even turn φ, so they keep step with each other at any speed
 //! ```
 //!
-//! The planned speed has corners where one limit takes over from another; a drive cannot follow those. Harmonic k of g is
-//! taken times exp(−(k·n/f)²), f the frequency up to which the work's drive answers. If smoothing has brought a limit to
-//! be exceeded, or the work to turn back, the whole swing is made smaller.
+//! The planned speed has corners where one limit takes over from another; a drive cannot follow
+//! those. Harmonic k of g is taken times exp(−(k·n/f)²), f the frequency up to which the work's
+//! drive answers. If smoothing has brought a limit to be exceeded, or the work to turn back, the
+//! whole swing is made smaller.
 use super::path::WheelPath;
 use super::speed::AxisBounds;
 use sync::{Periodic, Spectrum};
@@ -51,7 +53,8 @@ impl Rhythm {
 }
 
 impl WheelPath {
-    /// The swing that removes as evenly as the axes and a drive that answers up to `highest_hz` allow, at a mean speed.
+    /// The swing that removes as evenly as the axes and a drive that answers up to `highest_hz`
+    /// allow, at a mean speed.
     pub fn rhythm(&self, mean: Spin, bounds: &AxisBounds, highest_hz: f64) -> Rhythm {
         let n = self.centre.len();
         let even = self.even_removal(mean, bounds);

@@ -1,4 +1,5 @@
-//! How fast a cam can turn: slope, acceleration and jerk of the wheel's path, and a work speed that varies over the turn.
+//! How fast a cam can turn: slope, acceleration and jerk of the wheel's path, and a work speed that
+//! varies over the turn.
 //!
 //! ```text
 //!   ẋ = X′·n      ẍ = X″·n² + X′·ṅ      x⃛ = X‴·n³ + …            n: turns of C per second
@@ -6,10 +7,11 @@
 //!   removal rate per width  Q′ = aₑ·(ds/dψ)·n          s: along the contour
 //! ```
 //!
-//! At a constant speed Q′ is many times larger on the flanks than on the base circle: burn there, idling here. A speed
-//! n(ψ) ∝ 1/(ds/dψ) makes it constant. What the axes cannot follow is cut off: n ≤ the spindle's highest speed, ẋ and ẍ
-//! within X's limits, ṅ within the spindle's. The square of the speed as a function of angle has the acceleration as half
-//! its slope, so the last limit is one pass forwards and one backwards over the turn.
+//! At a constant speed Q′ is many times larger on the flanks than on the base circle: burn there,
+//! idling here. A speed n(ψ) ∝ 1/(ds/dψ) makes it constant. What the axes cannot follow is cut off:
+//! n ≤ the spindle's highest speed, ẋ and ẍ within X's limits, ṅ within the spindle's. The square
+//! of the speed as a function of angle has the acceleration as half its slope, so the last limit is
+//! one pass forwards and one backwards over the turn.
 use super::path::WheelPath;
 use units::{Accel, Angle, Jerk, Length, Speed, Spin, SpinAccel, Time};
 
@@ -136,7 +138,8 @@ impl WheelPath {
             let by_x = (1.0 - FOR_BEND) * bounds.accel.value() / slopes[k];
             bounds.spin_accel.value().min(by_x)
         };
-        // the constant that the mean speed asks for is found by halving: the turn's time falls with it
+        // the constant that the mean speed asks for is found by halving: the turn's time falls with
+        // it
         let (mut low, mut high) = (0.0_f64, f64::MAX.sqrt());
         let mut spin = vec![mean.abs().value(); n];
         for _ in 0..200 {

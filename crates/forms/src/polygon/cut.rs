@@ -7,8 +7,9 @@
 //!          ●  ╲___ of another one            flatness: least width of two parallel lines that hold it between them
 //! ```
 //!
-//! It asks nothing of how the oscillation was found: no contact that is looked for, no straight lines about it. What is
-//! claimed of a block is what comes of the block's own numbers here. A tip that cuts into another one's facet is seen.
+//! It asks nothing of how the oscillation was found: no contact that is looked for, no straight
+//! lines about it. What is claimed of a block is what comes of the block's own numbers here. A tip
+//! that cuts into another one's facet is seen.
 use super::form::{Facet, Form};
 use super::series::Swings;
 use std::f64::consts::TAU;
@@ -94,8 +95,8 @@ impl Path<'_> {
 }
 
 impl Form {
-    /// What is left under these swings about this form's distance of the axes; `None`: a facet is not cut from corner to
-    /// corner.
+    /// What is left under these swings about this form's distance of the axes; `None`: a facet is
+    /// not cut from corner to corner.
     pub fn cut(&self, swings: &Swings) -> Option<Cut> {
         let paths: Vec<Path<'_>> =
             self.inserts.iter().map(|insert| self.path(*insert, swings)).collect();
@@ -146,8 +147,9 @@ impl Form {
     }
 }
 
-/// Two parallel lines that hold points between them, as near to each other as may be: their distance, how far out their
-/// middle is, and how far its normal is turned (rev). The distance is convex in the inclination.
+/// Two parallel lines that hold points between them, as near to each other as may be: their
+/// distance, how far out their middle is, and how far its normal is turned (rev). The distance is
+/// convex in the inclination.
 fn zone(points: &[[f64; 2]]) -> [f64; 3] {
     let ends = |slope: f64| {
         let above = points.iter().map(|p| p[1] - slope * p[0]);

@@ -36,7 +36,8 @@ pub struct Drive {
     pub actuator: Actuator,
     /// What it can do.
     pub limits: Limits,
-    /// What its closed loop makes of each harmonic, real and imaginary part; empty: 1, it is compensated.
+    /// What its closed loop makes of each harmonic, real and imaginary part; empty: 1, it is
+    /// compensated.
     pub response: Vec<[f64; 2]>,
 }
 

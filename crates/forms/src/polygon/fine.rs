@@ -1,17 +1,18 @@
 //! The flattest facet where a limit binds: the oscillation as a spline, not as a few harmonics.
 //!
-//! At a limit the best motion has corners in its jerk, which harmonics reach slowly: with 64 of them the facet is still
-//! three percent less flat than it could be. A uniform quintic B-spline over one period of the form has them almost
-//! exactly, and its limits cost one row each:
+//! At a limit the best motion has corners in its jerk, which harmonics reach slowly: with 64 of
+//! them the facet is still three percent less flat than it could be. A uniform quintic B-spline
+//! over one period of the form has them almost exactly, and its limits cost one row each:
 //!
 //! ```text
 //!   x(ψ) = Σ c_i·β⁵(K·ψ − i)      x⁽ⁿ⁾ = (K·M·n)ⁿ · Σ (Δⁿc)_i·β⁵⁻ⁿ      |Δⁿc| within a limit ⇒ |x⁽ⁿ⁾| within it
 //! ```
 //!
-//! since a spline stays within its coefficients. A limit of which a few
-//! harmonics used little is looked at only if the spline exceeds it. What comes out is handed on as harmonics: those of
-//! the spline are the transform of its coefficients times sinc⁶(m/K), and beyond 2K they are too small to matter; should
-//! what is left out lift a peak over its limit, everything is made so much smaller.
+//! since a spline stays within its coefficients. A limit of which a few harmonics used little is
+//! looked at only if the spline exceeds it. What comes out is handed on as harmonics: those of the
+//! spline are the transform of its coefficients times sinc⁶(m/K), and beyond 2K they are too small
+//! to matter; should what is left out lift a peak over its limit, everything is made so much
+//! smaller.
 use super::drive::Drive;
 use super::lp::{Lp, Row};
 use super::optimise::{Best, Detail, Problem, Solution, flat};
@@ -25,11 +26,13 @@ const KNOTS: [usize; 2] = [120, 36];
 const HIGHEST: f64 = 2000.0;
 /// Places along a facet at which it shall be flat: as it is to be cut, and to be drawn.
 const CONTACTS: [usize; 2] = [61, 25];
-/// Corrections of what is not linear, beginning with what a few harmonics made of it, likewise: at least, and at most.
+/// Corrections of what is not linear, beginning with what a few harmonics made of it, likewise: at
+/// least, and at most.
 const CORRECTIONS: [[usize; 2]; 2] = [[2, 5], [1, 1]];
 /// A limit of which a few harmonics use less than this is not looked at beforehand.
 const MATTERS: f64 = 0.6;
-/// A limit may be exceeded by this before it is looked at: everything is made so much smaller at last.
+/// A limit may be exceeded by this before it is looked at: everything is made so much smaller at
+/// last.
 const EXCEEDED: f64 = 1.001;
 /// Left to what samples of a drive's effort do not see.
 const EFFORT_SHARE: f64 = 0.995;
@@ -37,8 +40,8 @@ const EFFORT_SHARE: f64 = 0.995;
 /// Which of a drive's limits are in the problem: travel, speed, acceleration, jerk, effort.
 type Looked = [bool; 5];
 
-/// The linear problem. Unknowns: each drive's coefficients, t, x₀, s, the share of the limits that is used, and e at
-/// each contact, so that a row has either many entries or both bounds, not both.
+/// The linear problem. Unknowns: each drive's coefficients, t, x₀, s, the share of the limits that
+/// is used, and e at each contact, so that a row has either many entries or both bounds, not both.
 struct Spline<'p> {
     problem: &'p Problem<'p>,
     knots: usize,
@@ -50,8 +53,8 @@ struct Spline<'p> {
 }
 
 impl Problem<'_> {
-    /// Solve it with as much detail as the limits make use of, from what a few harmonics made of it; `None` if the
-    /// solver fails.
+    /// Solve it with as much detail as the limits make use of, from what a few harmonics made of
+    /// it; `None` if the solver fails.
     pub(crate) fn solve_finely(&self, few: &Solution, detail: Detail) -> Option<Solution> {
         let spline = Spline::new(self, detail);
         let n = spline.unknowns();
@@ -249,7 +252,8 @@ fn answer(drive: &Drive, turns: &[[f64; 2]]) -> Option<Vec<f64>> {
     Some((0..knots).map(at).collect())
 }
 
-/// A row for a place near knot i of drive k: the weight of each coefficient by how far the knot lies from its own.
+/// A row for a place near knot i of drive k: the weight of each coefficient by how far the knot
+/// lies from its own.
 fn around(k: usize, knots: usize, i: usize, weight: impl Fn(f64) -> f64) -> Vec<(usize, f64)> {
     let row = (-3..=3).map(|j: i64| {
         let knot = (i.cast_signed() as i64 + j).rem_euclid(knots.cast_signed() as i64) as usize;
@@ -258,7 +262,8 @@ fn around(k: usize, knots: usize, i: usize, weight: impl Fn(f64) -> f64) -> Vec<
     row.filter(|(_, weight)| *weight != 0.0).collect()
 }
 
-/// Derivatives of β⁵, the uniform quintic B-spline about zero, by knots: differences of splines of a lower degree.
+/// Derivatives of β⁵, the uniform quintic B-spline about zero, by knots: differences of splines of
+/// a lower degree.
 fn derivative(order: u32, x: f64) -> f64 {
     let half = f64::from(order) / 2.0;
     let (mut sum, mut binomial) = (0.0, 1.0);

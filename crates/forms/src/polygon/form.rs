@@ -77,8 +77,8 @@ impl Form {
         self.inserts.iter().enumerate().all(even)
     }
 
-    /// Periods of an oscillation in one turn of the work: one for each pass of an insert, or of the whole cutter
-    /// where its inserts are not equally spaced.
+    /// Periods of an oscillation in one turn of the work: one for each pass of an insert, or of the
+    /// whole cutter where its inserts are not equally spaced.
     pub fn base(&self) -> f64 {
         if self.is_regular() { self.ratio() * self.inserts.len() as f64 } else { self.ratio() }
     }
@@ -237,7 +237,8 @@ impl Form {
         }
     }
 
-    /// The gear next to this one that begins anew after few turns and cuts few facets; of equals the one of fewest turns.
+    /// The gear next to this one that begins anew after few turns and cuts few facets; of equals
+    /// the one of fewest turns.
     fn nearest_gear(&self) -> [i32; 2] {
         let ratio = self.ratio();
         let most = (MOST_FACETS / self.inserts.len().max(1)).max(2) as f64;

@@ -1,6 +1,7 @@
 //! Where a tip is, seen from the workpiece, and how far that is from the flat.
 //!
-//! With u the work's angle from the middle of a facet's cut, in the facet's own frame (x along its normal):
+//! With u the work's angle from the middle of a facet's cut, in the facet's own frame (x along its
+//! normal):
 //!
 //! ```text
 //!   x(u) = (l+dx)·cos u + dy·sin u − r·cos((R−1)u + ε)        flat: x = l − r
@@ -43,7 +44,8 @@ pub struct Tip {
 }
 
 impl Cutter {
-    /// Tip of the insert at `insert` in the cutter, in the work's own frame, when the work stands at `work`.
+    /// Tip of the insert at `insert` in the cutter, in the work's own frame, when the work stands
+    /// at `work`.
     pub fn tip(&self, work: Angle, insert: Angle, swing: Swing) -> Tip {
         let phi = work.in_rad();
         let turned = (self.ratio - 1.0) * phi + insert.in_rad() + swing.phase.in_rad();
@@ -56,12 +58,14 @@ impl Cutter {
         }
     }
 
-    /// Tip in the facet's frame, when the work stands at `from_middle` after the middle of that facet's cut.
+    /// Tip in the facet's frame, when the work stands at `from_middle` after the middle of that
+    /// facet's cut.
     pub fn tip_at_facet(&self, from_middle: Angle, swing: Swing) -> Tip {
         self.tip(from_middle, Angle::ZERO, swing)
     }
 
-    /// How far the tip moves along the facet's normal with a swing of one, mm or rev, about a swing that is there.
+    /// How far the tip moves along the facet's normal with a swing of one, mm or rev, about a swing
+    /// that is there.
     pub(super) fn slope(&self, from_middle: Angle, about: Swing, actuator: Actuator) -> f64 {
         let (sine, cosine) = from_middle.in_rad().sin_cos();
         let turned = (self.ratio - 1.0) * from_middle.in_rad() + about.phase.in_rad();
@@ -77,15 +81,15 @@ impl Cutter {
         self.centres - self.radius
     }
 
-    /// The swing along the line of centres that cuts exactly flat: dx = (l−r+r·cos((R−1)u))/cos u − l,
-    /// for R = 2 (l−r)(sec u − 1).
+    /// The swing along the line of centres that cuts exactly flat: dx = (l−r+r·cos((R−1)u))/cos u −
+    /// l, for R = 2 (l−r)(sec u − 1).
     pub fn flat_by_dx(&self, from_middle: Angle) -> Length {
         let (u, l, r) = self.in_rad_mm(from_middle);
         Length::mm((l - r + r * ((self.ratio - 1.0) * u).cos()) / u.cos() - l)
     }
 
-    /// The swing across the line of centres that cuts exactly flat: dy = (l−r+r·cos((R−1)u) − l·cos u)/sin u,
-    /// for R = 2 (l−r)·tan(u/2).
+    /// The swing across the line of centres that cuts exactly flat: dy = (l−r+r·cos((R−1)u) − l·cos
+    /// u)/sin u, for R = 2 (l−r)·tan(u/2).
     pub fn flat_by_dy(&self, from_middle: Angle) -> Length {
         let (u, l, r) = self.in_rad_mm(from_middle);
         if u.abs() < 1e-6 {
@@ -95,11 +99,12 @@ impl Cutter {
         Length::mm((l - r + r * ((self.ratio - 1.0) * u).cos() - l * u.cos()) / u.sin())
     }
 
-    /// The swing of the tool spindle's phase that cuts exactly flat: cos((R−1)u + ε) = (l·cos u − (l−r))/r.
-    /// `None` beyond the angle up to which a tip can be on the flat at all.
+    /// The swing of the tool spindle's phase that cuts exactly flat: cos((R−1)u + ε) = (l·cos u −
+    /// (l−r))/r. `None` beyond the angle up to which a tip can be on the flat at all.
     pub fn flat_by_phase(&self, from_middle: Angle) -> Option<Angle> {
         let (u, l, r) = self.in_rad_mm(from_middle);
-        // 1 − cos is taken as 2·sin²(·/2) on both sides, or half the digits are lost near the middle
+        // 1 − cos is taken as 2·sin²(·/2) on both sides, or half the digits are lost near the
+        // middle
         let half = (l / r).sqrt() * (u / 2.0).sin();
         (half.abs() <= 1.0).then(|| {
             let turned = 2.0 * half.asin();

@@ -6,8 +6,9 @@
 //!                                                                       the worst broken of each run of neighbours, …
 //! ```
 //!
-//! A limit that holds at every instant of a period is a row for each instant, and binds at a few of them. Those that wait
-//! are brought in where the last solution broke them, until none is broken: the optimum of all rows, at the price of some.
+//! A limit that holds at every instant of a period is a row for each instant, and binds at a few of
+//! them. Those that wait are brought in where the last solution broke them, until none is broken:
+//! the optimum of all rows, at the price of some.
 //!
 //! Solver: Clarabel (interior point, convex cones; P. J. Goulart, Y. Chen, 2024).
 use clarabel::algebra::CscMatrix;
@@ -18,10 +19,11 @@ use clarabel::solver::{
 
 /// A row that waits is broken beyond this.
 const BROKEN: f64 = 1e-6;
-/// Of solutions that are as good the one of smaller unknowns is taken: so little counts their square, and the solver
-/// is never without a direction.
+/// Of solutions that are as good the one of smaller unknowns is taken: so little counts their
+/// square, and the solver is never without a direction.
 const TIE: f64 = 1e-7;
-/// The same of the way from a solution that is to be bettered: what is not linear holds in its neighbourhood.
+/// The same of the way from a solution that is to be bettered: what is not linear holds in its
+/// neighbourhood.
 const NEAR: f64 = 1e-4;
 /// Solutions until what is still broken is left as it is.
 const EXCHANGES: usize = 12;
@@ -145,7 +147,8 @@ impl Lp {
 mod tests {
     use super::*;
 
-    /// Least t with |x − sin| ≤ t … of one unknown x: the farthest sine decides, whether its row waits or not.
+    /// Least t with |x − sin| ≤ t … of one unknown x: the farthest sine decides, whether its row
+    /// waits or not.
     #[test]
     fn rows_that_wait_come_in_where_they_are_broken() {
         let row = |i: usize, sign: f64| {

@@ -1,7 +1,7 @@
 //! The flattest facet that the axes can follow: a convex problem.
 //!
-//! The tip's distance from the flat is linear in the harmonics of dx and dy, and nearly so in those of the tool's
-//! phase (a few corrections make it exact):
+//! The tip's distance from the flat is linear in the harmonics of dx and dy, and nearly so in those
+//! of the tool's phase (a few corrections make it exact):
 //!
 //! ```text
 //!   minimise t      subject to   |e(u)| ≤ t                               wherever a tip touches a facet
@@ -10,13 +10,15 @@
 //!   dx = Σ G(m)·(a·cos mφ + b·sin mφ)       G: answer of the closed loop; 1 where it is compensated
 //! ```
 //!
-//! The size is part of the problem: what swings has no mean, and x₀, by which the axes stand nearer, is an unknown. It moves
-//! the facet by x₀·cos u, not by x₀: a facet that is flat somewhere else is not flat here.
+//! The size is part of the problem: what swings has no mean, and x₀, by which the axes stand
+//! nearer, is an unknown. It moves the facet by x₀·cos u, not by x₀: a facet that is flat somewhere
+//! else is not flat here.
 //!
-//! A first solution finds the least t; a second one, of all that are as flat, the one that asks least of the drives.
-//! Limits between two samples: a trigonometric polynomial of degree H sampled n times exceeds its samples by no more
-//! than 1/cos(πH/n), which is taken off the limits beforehand; what rounding still leaves over one makes all of it so
-//! much smaller, so the result never exceeds a limit.
+//! A first solution finds the least t; a second one, of all that are as flat, the one that asks
+//! least of the drives. Limits between two samples: a trigonometric polynomial of degree H sampled
+//! n times exceeds its samples by no more than 1/cos(πH/n), which is taken off the limits
+//! beforehand; what rounding still leaves over one makes all of it so much smaller, so the result
+//! never exceeds a limit.
 use super::drive::Drive;
 use super::form::Form;
 use super::lp::{Lp, Row};
@@ -30,8 +32,8 @@ const CONTACTS: usize = 61;
 /// Samples of a period for each harmonic, and one of how many does not wait.
 const SAMPLES: usize = 40;
 const AT_ONCE: usize = 10;
-/// Corrections of what is not linear: without regard to what is asked of the drives (where a phase swings, where only
-/// slides do), and at most in all.
+/// Corrections of what is not linear: without regard to what is asked of the drives (where a phase
+/// swings, where only slides do), and at most in all.
 const PLAIN_CORRECTIONS: [usize; 2] = [2, 1];
 const CORRECTIONS: usize = 12;
 /// Shares of the way to what asks least of the drives.
@@ -68,7 +70,8 @@ pub enum Detail {
 /// An answer.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// What to command about the distance of the axes that the size asks for, the constant part of X included.
+    /// What to command about the distance of the axes that the size asks for, the constant part of
+    /// X included.
     pub command: Swings,
     /// What the loops make of it.
     pub actual: Swings,
@@ -81,7 +84,8 @@ pub struct Solution {
 }
 
 impl Problem<'_> {
-    /// Solve it. `None` if the solver fails, which a feasible problem (nothing swings) does not make it do.
+    /// Solve it. `None` if the solver fails, which a feasible problem (nothing swings) does not
+    /// make it do.
     pub fn solve(&self) -> Option<Solution> {
         self.solve_few(Detail::Full)
     }
@@ -213,8 +217,9 @@ impl Problem<'_> {
         shares.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// e at places along every facet, as the weights of the unknowns that move it and a constant; `at` says with which
-    /// weights a drive's unknowns do so at an angle of the work, the unknown `standing` is x₀.
+    /// e at places along every facet, as the weights of the unknowns that move it and a constant;
+    /// `at` says with which weights a drive's unknowns do so at an angle of the work, the unknown
+    /// `standing` is x₀.
     pub(super) fn errors(
         &self,
         before: &Swings,
@@ -247,7 +252,8 @@ impl Problem<'_> {
         all
     }
 
-    /// The linear problem about a swing. Unknowns: coefficients, t, x₀, and s, the share of the limits that is used.
+    /// The linear problem about a swing. Unknowns: coefficients, t, x₀, and s, the share of the
+    /// limits that is used.
     fn linear(&self, before: &Swings) -> Lp {
         let n = self.unknowns();
         let unit = |column: usize| {
@@ -334,7 +340,8 @@ fn between(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
 pub(super) struct Best(pub(super) Option<(Length, Vec<f64>)>);
 
 impl Best {
-    /// Keep a solution if it is flatter; whether it is as flat as promised by its unknown n, half the flatness in mm.
+    /// Keep a solution if it is flatter; whether it is as flat as promised by its unknown n, half
+    /// the flatness in mm.
     pub(super) fn is_as_promised(&mut self, flatness: Length, x: &[f64], n: usize) -> bool {
         let promised = 2.0 * x[n] * AS_PROMISED.0 + AS_PROMISED.1;
         if self.0.as_ref().is_none_or(|(least, _)| flatness < *least) {
@@ -345,7 +352,8 @@ impl Best {
 }
 
 impl Lp {
-    /// Of all that are as flat as a solution, half its flatness being the unknown n, the one that asks least of the drives.
+    /// Of all that are as flat as a solution, half its flatness being the unknown n, the one that
+    /// asks least of the drives.
     pub(super) fn least_effort(&mut self, n: usize, flattest: &[f64]) -> Vec<f64> {
         let bound = flattest[n].max(0.0) * AS_FLAT.0 + AS_FLAT.1;
         self.within.push(Row { weights: vec![(n, 1.0)], bound });

@@ -62,7 +62,8 @@ fn slope(points: &[[f64; 2]]) -> f64 {
     top / bottom
 }
 
-/// How far after the middle (rev) the tip is at this place along the facet, by bisection: y falls with u.
+/// How far after the middle (rev) the tip is at this place along the facet, by bisection: y falls
+/// with u.
 pub(super) fn contact(cutter: &Cutter, facet: &Facet, swings: &Swings, place: Length) -> f64 {
     let y = |u: f64| {
         let swing: Swing = swings.at(facet.centre + Angle::rev(u));

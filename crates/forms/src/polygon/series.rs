@@ -92,7 +92,8 @@ impl Series {
         sum
     }
 
-    /// The same at `count` equal steps of the work's angle over a period, which is repeated `base` times a turn.
+    /// The same at `count` equal steps of the work's angle over a period, which is repeated `base`
+    /// times a turn.
     pub fn over_a_period(&self, base: f64, count: usize) -> Vec<[f64; 4]> {
         /// Steps after which rounding is not carried on.
         const FRESH: usize = 256;
@@ -170,8 +171,9 @@ impl Swings {
 }
 
 impl Form {
-    /// Largest a of the oscillation along the centres that leaves no facet concave: the bulge's curvature in the
-    /// middle is just taken away, aX* = (l−r)/(l·M²) at R = 2; generally from d²x/du² = 0.
+    /// Largest a of the oscillation along the centres that leaves no facet concave: the bulge's
+    /// curvature in the middle is just taken away, aX* = (l−r)/(l·M²) at R = 2; generally from
+    /// d²x/du² = 0.
     pub fn largest_convex_along(&self) -> f64 {
         let cutter = self.cutter();
         let (l, r, q) = (cutter.centres.value(), cutter.radius.value(), cutter.ratio - 1.0);
@@ -185,7 +187,8 @@ impl Form {
         (l - r * q * q) / (2.0 * l * self.base())
     }
 
-    /// The a that is flattest, by golden section between nothing and four times the largest convex one, and how flat it is.
+    /// The a that is flattest, by golden section between nothing and four times the largest convex
+    /// one, and how flat it is.
     pub fn flattest(&self, swings: impl Fn(&Self, f64) -> Swings, convex: f64) -> (f64, Length) {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let flat = |a: f64| self.flatness(&swings(self, a));

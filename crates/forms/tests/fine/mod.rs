@@ -1,5 +1,6 @@
-//! The same problem without harmonics: jerk is free in each of many steps of a period, speed and place follow from it
-//! exactly. A fine convex optimum that shares nothing with the series; the kinematics are written out for R = 2:
+//! The same problem without harmonics: jerk is free in each of many steps of a period, speed and
+//! place follow from it exactly. A fine convex optimum that shares nothing with the series; the
+//! kinematics are written out for R = 2:
 //!
 //! ```text
 //!   e(u) = (l + dx)·cos u + dy·sin u − r·cos(u + ε) − (l − r)          ε by corrections: e ≈ e₀ + r·sin(u + ε₀)·(ε − ε₀)
@@ -152,7 +153,8 @@ impl Fine<'_> {
     }
 }
 
-/// A drive's place and derivatives from step to step, about a middle: where the axes stand is an unknown of its own.
+/// A drive's place and derivatives from step to step, about a middle: where the axes stand is an
+/// unknown of its own.
 fn motion(k: usize, rows: &mut Vec<Row>) {
     for i in 0..N {
         for order in 0..3 {

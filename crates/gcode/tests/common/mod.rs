@@ -1,8 +1,9 @@
 //! What tests of reading and printing compare.
 use gcode::Block;
 
-/// All that a block says, and not where it stands: its data without their spans, each expression and each text where it
-/// belongs. In which order a block keeps them depends on the order in which words and settings were written.
+/// All that a block says, and not where it stands: its data without their spans, each expression
+/// and each text where it belongs. In which order a block keeps them depends on the order in which
+/// words and settings were written.
 pub(crate) fn content(block: &Block) -> String {
     let said = without_spans(&format!("{block:?}"));
     let Some((head, tail)) = said.split_once(", nodes: [") else { return said };

@@ -5,12 +5,12 @@
 //!   M72  restore them                        M73  keep them, and restore them where the subprogram ends
 //! ```
 //!
-//! Kept are units, plane, G90/G91 and their kin, feed and spindle with their modes, tool length offset,
-//! work offset, G92 offset, path control, coolant and overrides; not the motion, and not where the axes
-//! stand. Each subprogram has modes of its own to restore.
+//! Kept are units, plane, G90/G91 and their kin, feed and spindle with their modes, tool length
+//! offset, work offset, G92 offset, path control, coolant and overrides; not the motion, and not
+//! where the axes stand. Each subprogram has modes of its own to restore.
 //!
-//! Source: LinuxCNC 2.9 manual, "M70 Save Modal State" to "M73"; the order of restoring was measured on
-//! its stand-alone interpreter.
+//! Source: LinuxCNC 2.9 manual, "M70 Save Modal State" to "M73"; the order of restoring was
+//! measured on its stand-alone interpreter.
 use crate::{
     auxiliary::switch::{self, NO_SPEED_LIMIT},
     call::{Call, Corners, Sink, out::Out},

@@ -8,9 +8,10 @@
 //!   M100 … M199   what the machine's file says they do, with P and Q
 //! ```
 //!
-//! `#5399` is what M66 has read, −1 if the wait ran out of its time. While a program is run [`Live`](crate::Live) is told.
-//! In a check, where there is no machine, a rule stands for it: **what is waited for comes at once**, so `#5399` is 1 after
-//! L1 and L3; inputs that are only read are 0.
+//! `#5399` is what M66 has read, −1 if the wait ran out of its time. While a program is run
+//! [`Live`](crate::Live) is told. In a check, where there is no machine, a rule stands for
+//! it: **what is waited for comes at once**, so `#5399` is 1 after L1 and L3; inputs that are only
+//! read are 0.
 //!
 //! Source: LinuxCNC 2.9 manual, "M62 - M65", "M66", "M67", "M68", "M100 - M199".
 use crate::{

@@ -111,7 +111,8 @@ pub(crate) fn spindle_speed<S: Sink>(
     Ok(())
 }
 
-/// The revolutions per minute that constant surface speed orders where X stands: at most its limit, and what the spindle can.
+/// The revolutions per minute that constant surface speed orders where X stands: at most its limit,
+/// and what the spindle can.
 fn turned_speed(modes: &Modes, fastest: f64) -> f64 {
     const MM_PER_M: f64 = 1000.0;
     const INCHES_PER_FOOT: f64 = 12.0;

@@ -6,8 +6,9 @@
 //!        └ from here on the block is T2 M6, S3000 M3, G43 H2, G0 X10 Y10, G0 Z30
 //! ```
 //!
-//! Source: the word lists of posts for these controls (Autodesk's for CNC-A00, -B00 and -C00), where they agree. D is the
-//! cutter offset of a G41 that follows, here always that of the tool itself.
+//! Source: the word lists of posts for these controls (Autodesk's for CNC-A00, -B00 and -C00),
+//! where they agree. D is the cutter offset of a G41 that follows, here always that of the tool
+//! itself.
 use crate::{
     call::{Call, Sink, out::Out},
     codes::{AXES, GGroup, MGroup, NON_STOP_CHANGE},

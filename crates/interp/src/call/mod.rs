@@ -112,7 +112,8 @@ pub struct CycleHole {
     pub throw_rpm: Option<f64>,
 }
 
-/// A straight stretch of a thread whose lead grows: `lead·n + growth·n²/2` of the path after n turns, program units.
+/// A straight stretch of a thread whose lead grows: `lead·n + growth·n²/2` of the path after n
+/// turns, program units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrowingThread {
     /// From here, in the program's frame …
@@ -228,9 +229,11 @@ pub enum Call<'a> {
         /// It is an alarm if the probe has not changed at its end.
         required: bool,
     },
-    /// A cycle is about to make a hole; its moves follow, up to the end of the cycle's block or the next hole.
+    /// A cycle is about to make a hole; its moves follow, up to the end of the cycle's block or the
+    /// next hole.
     Hole(CycleHole),
-    /// Chip removal: from R on, on the rapid out of this hole that follows. For a tap its hole says it.
+    /// Chip removal: from R on, on the rapid out of this hole that follows. For a tap its hole says
+    /// it.
     ThrowChips(CycleHole),
     /// G84, G74: the tap stands at R. In and out again, up to the hole's clear level.
     Tap(CycleTap),
@@ -245,7 +248,8 @@ pub enum Call<'a> {
         /// Sense of rotation inwards.
         sense: Sense,
     },
-    /// Q of Fanuc's threads: where in its turn the spindle stands when the thread that follows begins, degrees.
+    /// Q of Fanuc's threads: where in its turn the spindle stands when the thread that follows
+    /// begins, degrees.
     ThreadAngle(f64),
     /// G34.
     GrowingThread(GrowingThread),

@@ -1,4 +1,5 @@
-//! What single calls carry: the orders of cam grinding, hobbing, polygon turning, splines, and entries of tables.
+//! What single calls carry: the orders of cam grinding, hobbing, polygon turning, splines, and
+//! entries of tables.
 
 use crate::geometry::frame::Point;
 use canon::{Oscillation, Ratio};

@@ -1,8 +1,8 @@
 //! The codes that mean something: one table each for G and M.
 //!
 //! A row says the code's modal group (two codes of one group exclude each other in a block), the
-//! letters it takes, and what people call it. From the same table come the check that every word
-//! of a block belongs to a code, the sentence when one does not, and the guess when a code is unknown.
+//! letters it takes, and what people call it. From the same table come the check that every word of
+//! a block belongs to a code, the sentence when one does not, and the guess when a code is unknown.
 //!
 //! ```text
 //!   spelling   codes and letters as people write them

@@ -43,7 +43,8 @@ pub(crate) fn similar_g(value: f64) -> String {
     if names.is_empty() { String::new() } else { format!("did you mean {}?", names.join(" or ")) }
 }
 
-/// What an unknown M number was perhaps meant to be: a digit typed twice, left out, or exchanged with its neighbour.
+/// What an unknown M number was perhaps meant to be: a digit typed twice, left out, or exchanged
+/// with its neighbour.
 pub(crate) fn similar_m(value: f64) -> String {
     let written = format!("{value}");
     let sorted = |text: &str| {

@@ -1,4 +1,5 @@
-//! Moves while the tool is kept beside the path: how each is moved aside, and what is done at the corner before it.
+//! Moves while the tool is kept beside the path: how each is moved aside, and what is done at the
+//! corner before it.
 use crate::{
     call::{
         Call, Sink,
@@ -171,7 +172,8 @@ fn corner<S: Sink>(
         go_round(modes, &compensation, next.from, round, rapid, to, out);
         return Ok(round);
     }
-    // Of two points as near, the one that the tool comes to before the corner; so too on the way straight back.
+    // Of two points as near, the one that the tool comes to before the corner; so too on the way
+    // straight back.
     let back =
         if half_turn { last.radius() + curve.radius() } else { NEARER * compensation.radius };
     let near = minus(next.from, times(before, back));

@@ -62,7 +62,8 @@ pub(super) fn begin_straight<S: Sink>(
     Ok(())
 }
 
-/// Centre of the arc of the first move: it begins at a point and ends at another, where the centre lies inwards.
+/// Centre of the arc of the first move: it begins at a point and ends at another, where the centre
+/// lies inwards.
 pub(super) fn entry_centre(
     words: &Words,
     modes: &Modes,

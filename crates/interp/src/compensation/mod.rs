@@ -8,19 +8,20 @@
 //!                                              ┃                                     ▽ ┃
 //! ```
 //!
-//! The first move after G41 goes straight (or along an arc tangent to the offset one) from where the
-//! tool stands to beside the programmed end; it must be longer than the radius. From then on every
-//! move of the plane is held back until the next one tells where its end is to be. What is ordered
-//! meanwhile (spindle, coolant, feed) waits behind it. Two directions that differ by less than
-//! 0.05 rad (2.9°) count as one. With G40 the held move goes to its own end, and the next move must
-//! be straight.
+//! The first move after G41 goes straight (or along an arc tangent to the offset one) from where
+//! the tool stands to beside the programmed end; it must be longer than the radius. From then on
+//! every move of the plane is held back until the next one tells where its end is to be. What is
+//! ordered meanwhile (spindle, coolant, feed) waits behind it. Two directions that differ by less
+//! than 0.05 rad (2.9°) count as one. With G40 the held move goes to its own end, and the next move
+//! must be straight.
 //!
 //! On a lathe (G18) the tool's orientation 1 to 9 shifts all of it, so that the imagined tip, and
 //! not the centre of the nose, is where the program says.
 //!
-//! Fanuc's start-up is another (type A, as its controls are delivered): the first move goes straight to where the tool
-//! stands beside the *beginning of the move that follows*, at right angles to it, however short it is and at whatever angle
-//! that one goes on. So a lead-in into a pocket's arc is possible from any side.
+//! Fanuc's start-up is another (type A, as its controls are delivered): the first move goes
+//! straight to where the tool stands beside the *beginning of the move that follows*, at right
+//! angles to it, however short it is and at whatever angle that one goes on. So a lead-in into a
+//! pocket's arc is possible from any side.
 //!
 //! A corner that the tool cannot reach without cutting into what was programmed before is an error.
 //!
@@ -30,9 +31,10 @@
 //!   push      moves held back until the next one settles their ends
 //! ```
 //!
-//! Source: LinuxCNC 2.9 manual, "Cutter compensation"; NISTIR 6556, appendix B; Fanuc, operator's manual of series 30i for
-//! machining centres, "Tool movement in start-up" (type A, SUP of parameter 5003 is 0). Angles, shifts and
-//! the order of what is held were measured on LinuxCNC's stand-alone interpreter.
+//! Source: LinuxCNC 2.9 manual, "Cutter compensation"; NISTIR 6556, appendix B; Fanuc, operator's
+//! manual of series 30i for machining centres, "Tool movement in start-up" (type A, SUP of
+//! parameter 5003 is 0). Angles, shifts and the order of what is held were measured on LinuxCNC's
+//! stand-alone interpreter.
 pub(crate) mod beside;
 pub(crate) mod lead_in;
 pub(crate) mod push;
@@ -94,7 +96,8 @@ pub(crate) fn switch<S: Sink>(
     Ok(())
 }
 
-/// The tool goes on beside the last programmed point; the next move leads back onto the programmed way.
+/// The tool goes on beside the last programmed point; the next move leads back onto the programmed
+/// way.
 pub(crate) fn compensation_off<S: Sink>(
     words: &Words,
     modes: &mut Modes,

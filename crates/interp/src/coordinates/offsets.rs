@@ -1,8 +1,9 @@
 //! Offsets: G10, G43, G49, G52, G54 … G59.3, G92, and the reference points of G28 and G30.
 //!
-//! Setting an offset moves nothing: the axes stand where they stand, and the program's name for that
-//! place changes ([`Modes::reframe`](crate::modes::Modes::reframe)). Offsets are kept in the program's
-//! units and in the numbered parameters (mm), as LinuxCNC does, so that `#5221` reads G54's X.
+//! Setting an offset moves nothing: the axes stand where they stand, and the program's name for
+//! that place changes ([`Modes::reframe`](crate::modes::Modes::reframe)). Offsets are kept in the
+//! program's units and in the numbered parameters (mm), as LinuxCNC does, so that `#5221` reads
+//! G54's X.
 use crate::{
     call::{Call, Sink, out::Out},
     codes::GGroup,
@@ -246,7 +247,8 @@ pub(crate) fn go_to_reference<S: Sink>(
     let mut by = target::destination(words, modes, false)?;
     let all = !words.any(crate::codes::AXES);
     let moved = |modes: &Modes, axis| all || target::axis_word(words, modes, axis).is_some();
-    // the axes that are named end their compensation on the way to the intermediate point; the others stay beside the path
+    // the axes that are named end their compensation on the way to the intermediate point; the
+    // others stay beside the path
     let paused = modes.compensation.clone();
     if paused.is_some() {
         compensation_off(words, modes, out)?;

@@ -1,4 +1,5 @@
-//! Cam grinding: the neutral codes G150 to G155, and the words of Toyoda's grinders that mean the same.
+//! Cam grinding: the neutral codes G150 to G155, and the words of Toyoda's grinders that mean the
+//! same.
 //!
 //! ```text
 //!   toyoda               neutral                 what it orders
@@ -9,8 +10,8 @@
 //!   G04 S P              G154 S P                turn on P times: spark out, or idle in the air
 //! ```
 //!
-//! In cam mode X is what the wheel takes off, so it is negative whatever G90 or G91 say. R is F if it is not stated,
-//! and S stays in force from one grinding block to the next.
+//! In cam mode X is what the wheel takes off, so it is negative whatever G90 or G91 say. R is F if
+//! it is not stated, and S stays in force from one grinding block to the next.
 //!
 //! Source: JPH0622778B2, figures 8 and 9.
 use crate::{

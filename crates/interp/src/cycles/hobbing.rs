@@ -7,10 +7,12 @@
 //!   G80                  the work stops
 //! ```
 //!
-//! A G81 with T, L or Q and without an axis word is hobbing; with an axis word it is the drilling cycle. The signs: L
-//! below zero turns the work against the hob, P below zero is a left-hand helix.
+//! A G81 with T, L or Q and without an axis word is hobbing; with an axis word it is the drilling
+//! cycle. The signs: L below zero turns the work against the hob, P below zero is a left-hand
+//! helix.
 //!
-//! Source: G81 T L Q P of Fanuc's hobbing function (electronic gear box); DIN 3960 for lead and pitch circle.
+//! Source: G81 T L Q P of Fanuc's hobbing function (electronic gear box); DIN 3960 for lead and
+//! pitch circle.
 use crate::{
     call::{Call, HobOrder, Sink, out::Out},
     codes::{AXES, GGroup, POLAR, set},

@@ -9,11 +9,13 @@
 //!
 //! L counts the periods in P turns of the work, one as a rule: after them the gear begins anew.
 //!
-//! G51.2 takes the source's own form as well: I is the parameter a of dx = a·l·(1 − cos Mφ), J that of
-//! dy = a·l·sin Mφ, K the amplitude d in degrees of the tool's phase, d·sin Mφ; l is the distance of the axes at the cut,
-//! which the cuts that follow say, M = N·Q/P, N the inserts of the cutter in the spindle. D asks the control to choose: D0 the
-//! actuator too, D1 X, D2 Y, D3 X and Y, D4 the tool's phase, D5 X and the phase, D6 all three. E1 sends what swings as
-//! the kept measurement of this oscillation at this speed has it compensated; G51.4 measures it, in the air, and compensates it there and then.
+//! G51.2 takes the source's own form as well: I is the parameter a of dx = a·l·(1 − cos Mφ), J that
+//! of dy = a·l·sin Mφ, K the amplitude d in degrees of the tool's phase, d·sin Mφ; l is the
+//! distance of the axes at the cut, which the cuts that follow say, M = N·Q/P, N the inserts of the
+//! cutter in the spindle. D asks the control to choose: D0 the actuator too, D1 X, D2 Y, D3 X and
+//! Y, D4 the tool's phase, D5 X and the phase, D6 all three. E1 sends what swings as the kept
+//! measurement of this oscillation at this speed has it compensated; G51.4 measures it, in the air,
+//! and compensates it there and then.
 //!
 //! Source: JP7525593B2; words P Q R as on Fanuc's lathes.
 use crate::{

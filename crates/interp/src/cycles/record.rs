@@ -1,7 +1,8 @@
 //! A profile taken down from its blocks instead of being moved along.
 //!
-//! The first straight move leads to the profile's begin. `A` rounds the corner at a move's end, `C` cuts it off; `U` and
-//! `W` are increments of X and Z. What else a block says has no effect, as on LinuxCNC, and a warning says so.
+//! The first straight move leads to the profile's begin. `A` rounds the corner at a move's end, `C`
+//! cuts it off; `U` and `W` are increments of X and Z. What else a block says has no effect, as on
+//! LinuxCNC, and a warning says so.
 use crate::{
     call::{Sink, out::Out},
     codes::{GGroup, set},

@@ -8,9 +8,10 @@
 //!                         z0 − dₙ·tan Q          ze + (K − dₙ)·tan Q
 //! ```
 //!
-//! `P` lead · `I` from the drive line to the peak (negative: external) · `J` depth of the first pass,
-//! `K` of the whole thread · `R` degression (1: equal depths; 2: equal areas) · `Q` angle of the
-//! compound slide · `H` spring passes · `E` length of a taper, `L` where: 0 none, 1 entry, 2 exit, 3 both.
+//! `P` lead · `I` from the drive line to the peak (negative: external) · `J` depth of the first
+//! pass, `K` of the whole thread · `R` degression (1: equal depths; 2: equal areas) · `Q` angle of
+//! the compound slide · `H` spring passes · `E` length of a taper, `L` where: 0 none, 1 entry, 2
+//! exit, 3 both.
 //!
 //! Source: LinuxCNC 2.9 manual, "G76 Threading Cycle".
 use crate::{

@@ -36,7 +36,8 @@ use canon::Plane;
 /// More passes than this are a slip of the pen.
 const MAX_PASSES: f64 = 10_000.0;
 
-/// G70 … G72.2: the tool goes to the begin, and the profile's blocks are taken down. Which subprogram they are in.
+/// G70 … G72.2: the tool goes to the begin, and the profile's blocks are taken down. Which
+/// subprogram they are in.
 pub(crate) fn turning<S: Sink>(ex: &mut Executor, tenths: u16, out: &mut Out<'_, S>) -> Outcome {
     let code = crate::codes::spelling::written(tenths);
     let span = ex.words.place.span;

@@ -5,8 +5,8 @@
 //!                          └─ front_end      the reader of blocks: O-words, or tapes and macros
 //! ```
 //!
-//! A dialect is a folder here with its [`Rules`], and a line in [`Dialect::rules`] and [`Dialect::ALL`]. Nothing else in this
-//! crate asks which dialect is read: it asks for the rule.
+//! A dialect is a folder here with its [`Rules`], and a line in [`Dialect::rules`] and
+//! [`Dialect::ALL`]. Nothing else in this crate asks which dialect is read: it asks for the rule.
 pub(crate) mod brother;
 pub(crate) mod fanuc;
 pub(crate) mod grbl;
@@ -26,14 +26,16 @@ pub enum Dialect {
     /// RS-274/NGC as LinuxCNC 2.9 reads it, and M29 (rigid tapping follows) as Fanuc has it.
     #[default]
     LinuxCnc,
-    /// The same core with the cycles of Brother's tapping centres: K counts repetitions, P waits at the
-    /// bottom in G81 too, U and E throw chips off on the way; G98 at the start of a program.
+    /// The same core with the cycles of Brother's tapping centres: K counts repetitions, P waits at
+    /// the bottom in G81 too, U and E throw chips off on the way; G98 at the start of a program.
     Brother,
     /// Fanuc's machining centres: custom macro B, least input increments, milliseconds.
     Fanuc,
-    /// Haas' machining centres: Fanuc's language with pockets, local subprograms and work offsets of their own.
+    /// Haas' machining centres: Fanuc's language with pockets, local subprograms and work offsets
+    /// of their own.
     Haas,
-    /// Mitsubishi's machining centres: Fanuc's language with circles, variables and calls of their own.
+    /// Mitsubishi's machining centres: Fanuc's language with circles, variables and calls of their
+    /// own.
     Mitsubishi,
     /// Fanuc's lathes, G code system A.
     FanucLatheA,
@@ -43,7 +45,8 @@ pub enum Dialect {
     FanucLatheC,
     /// Grbl 1.1, `grblHAL` and `FluidNC`: programs as hobby CAM and senders make them.
     Grbl,
-    /// The same core with the cam grinding words of Toyoda's grinders: G50 to G53 and G55, and in cam mode G01 and G04.
+    /// The same core with the cam grinding words of Toyoda's grinders: G50 to G53 and G55, and in
+    /// cam mode G01 and G04.
     Toyoda,
 }
 
@@ -113,7 +116,8 @@ impl Dialect {
         self.rules().about
     }
 
-    /// What a letter does beside a code such as `G83`, where the dialect has a meaning of its own for it.
+    /// What a letter does beside a code such as `G83`, where the dialect has a meaning of its own
+    /// for it.
     pub fn role(self, letter: u8, code: &str) -> Option<&'static str> {
         let role = self
             .rules()

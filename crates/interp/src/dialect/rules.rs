@@ -1,7 +1,8 @@
 //! What differs from control to control in the shared language, as data.
 //!
-//! Each control's folder has one [`Rules`] for each of its dialects. What a control does not say of its own is taken from
-//! [`SHARED`](crate::dialect::linuxcnc::RULES), RS-274/NGC as LinuxCNC reads it.
+//! Each control's folder has one [`Rules`] for each of its dialects. What a control does not say of
+//! its own is taken from [`SHARED`](crate::dialect::linuxcnc::RULES), RS-274/NGC as LinuxCNC reads
+//! it.
 use crate::codes::{Code, GGroup, Letters, g_code};
 use crate::dialect::fanuc::kind::Kind;
 use gcode::Grammar;
@@ -47,7 +48,8 @@ pub(crate) struct Rules {
     pub(crate) taps_keep_dwell: bool,
     /// Tapping cycles turn the spindle by themselves where S is known.
     pub(crate) taps_turn_spindle: bool,
-    /// Modes may be restated and ended in one block with G40, and the work offset in force may be called again.
+    /// Modes may be restated and ended in one block with G40, and the work offset in force may be
+    /// called again.
     pub(crate) restates_modes: bool,
     /// How the tool comes beside the way.
     pub(crate) start_up: StartUp,
@@ -55,7 +57,8 @@ pub(crate) struct Rules {
     pub(crate) external_offset: bool,
     /// The lead of a straight thread is that of the axis that goes farthest, not that of the path.
     pub(crate) lead_along_axis: bool,
-    /// G97 without S keeps the speed that the spindle has under G96 there, and G96 without S the surface speed of before.
+    /// G97 without S keeps the speed that the spindle has under G96 there, and G96 without S the
+    /// surface speed of before.
     pub(crate) keeps_speed: bool,
     /// In cam mode G1 X grinds, and G4 sparks out.
     pub(crate) grinds_by_feed: bool,

@@ -1,4 +1,5 @@
-//! A program that was written for another dialect than the one it is read in: its own words give it away.
+//! A program that was written for another dialect than the one it is read in: its own words give it
+//! away.
 //!
 //! ```text
 //!   %
@@ -7,13 +8,14 @@
 //!   IF[#1GT5]GOTO20     a jump                  4 ┘
 //! ```
 //!
-//! Each kind of word counts once, for the dialects that have it, by how little the others could mean by it: 1 is a hint,
-//! 4 is a word that no other dialect has. The dialect at hand is questioned where another one has at least
-//! [`DECISIVE`] and more than itself. Read are the letters alone, not what they do, and only the first lines: what a
-//! program is written for is seen at its beginning.
+//! Each kind of word counts once, for the dialects that have it, by how little the others could
+//! mean by it: 1 is a hint, 4 is a word that no other dialect has. The dialect at hand is
+//! questioned where another one has at least [`DECISIVE`] and more than itself. Read are the
+//! letters alone, not what they do, and only the first lines: what a program is written for is seen
+//! at its beginning.
 //!
-//! Source: the code lists of Fanuc's series 30i (machining centres, lathes), of LinuxCNC 2.9 and of Brother's CNC-B00; figures
-//! 8 and 9 of JPH0622778B2 for Toyoda.
+//! Source: the code lists of Fanuc's series 30i (machining centres, lathes), of LinuxCNC 2.9 and of
+//! Brother's CNC-B00; figures 8 and 9 of JPH0622778B2 for Toyoda.
 use crate::{
     dialect::Dialect,
     evidence::{
@@ -72,7 +74,8 @@ fn placed(speaks: &[&Evidence]) -> String {
     named.join(", ")
 }
 
-/// What a program looks like, if that is not the dialect it is read in; a warning, at the program's first line.
+/// What a program looks like, if that is not the dialect it is read in; a warning, at the program's
+/// first line.
 pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
     let (mut evidence, own) = (gather(source), setup.dialect);
     if setup.cycles.chip_removal.is_some() {

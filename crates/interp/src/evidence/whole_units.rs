@@ -1,13 +1,13 @@
-//! Numbers without a point that make no sense as they are read: thousandths where whole millimetres are meant, or the
-//! other way round.
+//! Numbers without a point that make no sense as they are read: thousandths where whole millimetres
+//! are meant, or the other way round.
 //!
 //! ```text
 //!   G0 X50 Y-30        read as increments: 0.05 mm, -0.03 mm     and nothing in the program is larger: whole units are meant
 //!   G0 X50000 Y-30000  read as whole units: 50 m                 beyond any machine: increments are meant
 //! ```
 //!
-//! Only Fanuc's controls and their variants count so. Read are the first lines, letters alone, as for
-//! [`other_dialect`](crate::evidence::other_dialect).
+//! Only Fanuc's controls and their variants count so. Read are the first lines, letters alone, as
+//! for [`other_dialect`](crate::evidence::other_dialect).
 use crate::{
     evidence::line::{BYTES, LINES, Line},
     setup::Setup,

@@ -1,6 +1,7 @@
 //! The words and forms of a line that give a dialect away, and how much each of them says.
 //!
-//! They stand in one table, not with their dialects: a word tells by what the others do not mean by it.
+//! They stand in one table, not with their dialects: a word tells by what the others do not mean by
+//! it.
 use crate::{
     dialect::{Dialect, rules::Family},
     evidence::line::Line,

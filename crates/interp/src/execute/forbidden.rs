@@ -1,8 +1,8 @@
 //! What cannot be ordered while the tool is kept beside the path.
 //!
-//! A block's orders come in a fixed sequence: first switches, tools and the plane, then G40 to G42, then offsets, path
-//! control and the rest. So what comes before it meets what the blocks before have left, and what comes after it meets
-//! what this block begins or ends.
+//! A block's orders come in a fixed sequence: first switches, tools and the plane, then G40 to G42,
+//! then offsets, path control and the rest. So what comes before it meets what the blocks before
+//! have left, and what comes after it meets what this block begins or ends.
 use crate::{
     codes::{GGroup, MGroup},
     coordinates::offsets,
@@ -65,7 +65,8 @@ fn forbidden_after(
             Some("the work offset cannot be called")
         }
         () => match words.g(GGroup::NonModal)? {
-            // Fanuc's controls end it on the way to the intermediate point, and start it up again behind it
+            // Fanuc's controls end it on the way to the intermediate point, and start it up again
+            // behind it
             280 | 300 if start_up == StartUp::BesideNext => None,
             280 | 281 | 300 | 301 => Some("the reference points cannot be used"),
             520 | 920..=923 => Some("the offsets of G52 and G92 cannot be changed"),

@@ -1,4 +1,5 @@
-//! What other controls take in another way than this one, or without effect: done as far as it can be, and remarked upon.
+//! What other controls take in another way than this one, or without effect: done as far as it can
+//! be, and remarked upon.
 use crate::{
     call::{Call, Sink, out::Out},
     codes::{GGroup, Letters, MGroup, set},

@@ -143,7 +143,8 @@ fn obey<S: Sink>(
     stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out)
 }
 
-/// Which motion this block asks for: its own code, or the one in force if there are axis words for it.
+/// Which motion this block asks for: its own code, or the one in force if there are axis words for
+/// it.
 #[inline]
 pub(crate) fn motion(words: &Words, modes: &Modes) -> Outcome<Option<Motion>> {
     let axes = words.any(AXES | POLAR);
@@ -224,8 +225,9 @@ fn move_along<S: Sink>(ex: &mut Executor, motion: Motion, out: &mut Out<'_, S>) 
     Ok(())
 }
 
-/// After a tool change the machine is asked where it stands, beside its way or not. A machine knows its
-/// offsets; what answers LinuxCNC's stand-alone interpreter knows the words of the last move only.
+/// After a tool change the machine is asked where it stands, beside its way or not. A machine knows
+/// its offsets; what answers LinuxCNC's stand-alone interpreter knows the words of the last move
+/// only.
 fn ask_where(
     modes: &mut Modes,
     settings: &Settings,

@@ -1,5 +1,6 @@
-//! After a refusal nothing else is refused because of it: the block is followed as far as it can be understood, what cannot
-//! be known any more is [`Unknown`] until the program says it again, and diagnostics that ask for it are suppressed.
+//! After a refusal nothing else is refused because of it: the block is followed as far as it can be
+//! understood, what cannot be known any more is [`Unknown`] until the program says it again, and
+//! diagnostics that ask for it are suppressed.
 //!
 //! ```text
 //!   G1 G41 D99 X10 Y0      refused: no such tool          followed: G1, X10 Y0, compensation as if off
@@ -9,9 +10,10 @@
 //!   G0 X0                  X is known again
 //! ```
 //!
-//! A finding that asks for what is unknown ([`needs`](crate::fault::unknown::needs)) is not told: it would say again what the first refusal has said,
-//! or what is not so. One that says that something is missing makes that unknown itself, so that it is told once and not
-//! in each of a hundred lines.
+//! A finding that asks for what is unknown ([`needs`](crate::fault::unknown::needs)) is not told:
+//! it would say again what the first refusal has said, or what is not so. One that says that
+//! something is missing makes that unknown itself, so that it is told once and not in each of a
+//! hundred lines.
 use crate::{
     auxiliary::{self, switch},
     call::{Call, Sink, out::Out},

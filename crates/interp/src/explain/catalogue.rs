@@ -1,7 +1,8 @@
-//! What each code means, for people and for programs that show it: `leadscrew codes`, the editor's hover.
+//! What each code means, for people and for programs that show it: `leadscrew codes`, the editor's
+//! hover.
 //!
-//! Nothing is told here that the interpreter does not use itself: a [`CodeInfo`] is a view of a row of
-//! the tables by which words are read, checked and executed.
+//! Nothing is told here that the interpreter does not use itself: a [`CodeInfo`] is a view of a row
+//! of the tables by which words are read, checked and executed.
 use crate::{
     codes::{self, Code, GGroup, Letters, MGroup},
     dialect::{Dialect, rules::Meaning},

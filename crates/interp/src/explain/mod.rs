@@ -1,8 +1,9 @@
-//! Every finding about a program: its code, what it means, a program that causes it and one that does not.
+//! Every finding about a program: its code, what it means, a program that causes it and one that
+//! does not.
 //!
-//! The page `docs/diagnostics.md` is made from this list, SARIF takes its rules from it, and a test runs every
-//! program of it: the wrong one must give the code, the right one must not. A code that is used and not in the
-//! list fails that test.
+//! The page `docs/diagnostics.md` is made from this list, SARIF takes its rules from it, and a test
+//! runs every program of it: the wrong one must give the code, the right one must not. A code that
+//! is used and not in the list fails that test.
 pub(crate) mod cam;
 pub(crate) mod catalogue;
 pub(crate) mod cycles;
@@ -45,7 +46,8 @@ pub fn explain(code: &str) -> Option<&'static Finding> {
     findings().find(|finding| finding.code == code)
 }
 
-/// What the programs of the list meet: T1 is an end mill of 10 mm, T2 a tap M6; loops end after 20,000 blocks.
+/// What the programs of the list meet: T1 is an end mill of 10 mm, T2 a tap M6; loops end after
+/// 20,000 blocks.
 pub fn example_setup(dialect: Dialect) -> Setup {
     let tool = |number, length, diameter, kind| Tool {
         number,

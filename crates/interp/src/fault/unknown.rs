@@ -1,8 +1,8 @@
 //! What is not known since a block was refused, and which findings follow from that alone.
 //!
-//! A finding that asks for what is unknown ([`needs`]) is not told: it would say again what the first refusal has said,
-//! or what is not so. One that says that something is missing makes that unknown itself, so that it is told once and not
-//! in each of a hundred lines.
+//! A finding that asks for what is unknown ([`needs`]) is not told: it would say again what the
+//! first refusal has said, or what is not so. One that says that something is missing makes that
+//! unknown itself, so that it is told once and not in each of a hundred lines.
 
 use crate::codes::{Letters, index};
 /// What is not known since a block was refused.

@@ -74,7 +74,8 @@ impl FrontEnd {
         }
     }
 
-    /// Whether the place of a block that was not executed yet is known: where a tape's profile ends.
+    /// Whether the place of a block that was not executed yet is known: where a tape's profile
+    /// ends.
     pub(crate) fn looks_ahead(&self) -> bool {
         match self {
             Self::Rs274(_) => false,

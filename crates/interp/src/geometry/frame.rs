@@ -11,7 +11,8 @@
 //! ```
 //!
 //! Source: LinuxCNC 2.9 manual, "Coordinate systems"; the order of rotation and G92 was measured on
-//! its stand-alone interpreter (G92 X3 under a rotation of 30° sets an offset *inside* the rotation).
+//! its stand-alone interpreter (G92 X3 under a rotation of 30° sets an offset *inside* the
+//! rotation).
 
 /// Coordinates of the nine axes in the order of [`canon::Axis`]: lengths in the program's units
 /// (or in mm, where said so), angles in degrees.

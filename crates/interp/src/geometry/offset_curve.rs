@@ -7,7 +7,8 @@
 //!        programmed   ┃ ╎ offset line          (sense +1: counter-clockwise)
 //! ```
 //!
-//! Lengths in the program's units, angles in radians; points along the plane's first and second axis.
+//! Lengths in the program's units, angles in radians; points along the plane's first and second
+//! axis.
 
 /// A point, or a vector, of the plane.
 pub(crate) type Flat = [f64; 2];
@@ -73,7 +74,8 @@ impl Way {
         }
     }
 
-    /// How far along it a point of its line or circle lies, if it lies between its ends: a length, or radians.
+    /// How far along it a point of its line or circle lies, if it lies between its ends: a length,
+    /// or radians.
     pub(crate) fn reaches(&self, point: Flat) -> Option<f64> {
         const SLACK: f64 = 1e-9;
         let (along, whole) = match self.circle {
@@ -116,7 +118,8 @@ pub(crate) enum Curve {
         /// Largest angle that it may sweep: that of the programmed arc.
         sweep_rad: f64,
     },
-    /// Fanuc's start-up: straight to beside the beginning of the move that follows, wherever that is.
+    /// Fanuc's start-up: straight to beside the beginning of the move that follows, wherever that
+    /// is.
     StartUp {
         /// Unit vector of the programmed move.
         direction: Flat,
@@ -163,8 +166,8 @@ impl Curve {
         candidates.min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// The points, two at most, that two curves have in common; circles may miss by `slack`, the square of the
-    /// missing half chord.
+    /// The points, two at most, that two curves have in common; circles may miss by `slack`, the
+    /// square of the missing half chord.
     pub(crate) fn crossings(&self, other: &Self, slack: f64) -> [Option<Flat>; 2] {
         match (*self, *other) {
             (
@@ -211,7 +214,8 @@ fn two_circles(a: Flat, radius_a: f64, b: Flat, radius_b: f64, slack: f64) -> [O
     around(plus(a, times(along, to_foot)), left(along), radius_a, to_foot.abs(), slack)
 }
 
-/// The two points of a chord: half as long as the radius and the distance of its foot from the centre leave.
+/// The two points of a chord: half as long as the radius and the distance of its foot from the
+/// centre leave.
 fn around(foot: Flat, along: Flat, radius: f64, distance: f64, slack: f64) -> [Option<Flat>; 2] {
     let squared = radius * radius - distance * distance;
     if squared < -slack {

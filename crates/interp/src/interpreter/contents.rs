@@ -1,7 +1,9 @@
-//! Where the O-words or a tape's numbered blocks of a text are, handed on from one interpretation of it to the next.
+//! Where the O-words or a tape's numbered blocks of a text are, handed on from one interpretation
+//! of it to the next.
 //!
-//! A first jump costs one reading of the whole text. An editor executes a text in slices, each with an [`Interpreter`]
-//! of its own: without this every slice would read it again. It holds for the very text that it was taken from.
+//! A first jump costs one reading of the whole text. An editor executes a text in slices, each with
+//! an [`Interpreter`] of its own: without this every slice would read it again. It holds for the
+//! very text that it was taken from.
 use crate::{Interpreter, front_end::Index};
 
 /// Of each file, if it was needed.

@@ -32,7 +32,8 @@ pub enum Progress {
 /// Executes a program's blocks and says, call by call, what they order.
 ///
 /// A block with an error is not executed, the error is kept, and the next block follows: so all
-/// errors of a program come at once. Whoever moves a machine asks [`Interpreter::has_errors`] first.
+/// errors of a program come at once. Whoever moves a machine asks [`Interpreter::has_errors`]
+/// first.
 pub struct Interpreter<'s> {
     pub(crate) program: Program<'s>,
     pub(crate) front_end: FrontEnd,
@@ -128,8 +129,8 @@ impl<'s> Interpreter<'s> {
         self.program.block.span
     }
 
-    /// The byte of its file up to which the block executed last has read: its own end, or that of a block behind it
-    /// for which a corner was cut.
+    /// The byte of its file up to which the block executed last has read: its own end, or that of a
+    /// block behind it for which a corner was cut.
     pub fn read_up_to(&self) -> u32 {
         self.program.block.span.end.max(self.program.ahead)
     }

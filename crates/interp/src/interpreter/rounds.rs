@@ -1,4 +1,5 @@
-//! Loops that never end: a program that comes back to the same place in the same state goes on as before, for ever.
+//! Loops that never end: a program that comes back to the same place in the same state goes on as
+//! before, for ever.
 //!
 //! ```text
 //!   WHILE [#1 LT 10] DO1 … END1        jumps back   1 … 1024  1025 … 1088 … 2048  2049 …
@@ -6,8 +7,8 @@
 //!      ╰───────────────────╯                            kept               kept
 //! ```
 //!
-//! A state is kept at each power of two, and so many jumps after it are compared with it: that costs nothing beside the
-//! rounds themselves, and finds each loop whose round is not longer.
+//! A state is kept at each power of two, and so many jumps after it are compared with it: that
+//! costs nothing beside the rounds themselves, and finds each loop whose round is not longer.
 use crate::{
     front_end::FrontEnd,
     modes::Modes,

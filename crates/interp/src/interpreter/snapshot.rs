@@ -1,13 +1,15 @@
-//! An interpretation that stops and goes on later, perhaps in a text that was edited behind that place.
+//! An interpretation that stops and goes on later, perhaps in a text that was edited behind that
+//! place.
 //!
 //! ```text
 //!   text    ──────●────────●────────●─── ✎ edit ────────►     snapshots every thousand blocks;
 //!                 s₁       s₂       s₃        s₄ ✗            after an edit, those before it still hold
 //! ```
 //!
-//! A [`Snapshot`] owns what an [`Interpreter`] knows, and borrows nothing: an editor keeps the snapshots while
-//! the text changes. It holds for every text that agrees with the old one in what had been executed; and, if O-words had
-//! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order.
+//! A [`Snapshot`] owns what an [`Interpreter`] knows, and borrows nothing: an editor keeps the
+//! snapshots while the text changes. It holds for every text that agrees with the old one in what
+//! had been executed; and, if O-words had been executed ([`Snapshot::has_o_words`]), whose O-words
+//! are the same and in the same order.
 use crate::{
     front_end::FrontEnd,
     interpreter::{Interpreter, rounds::Rounds},
@@ -48,7 +50,8 @@ impl Snapshot {
         self.executed
     }
 
-    /// Whether O-words, or jumps and calls of Fanuc's, were executed, so that the outline of the whole text mattered.
+    /// Whether O-words, or jumps and calls of Fanuc's, were executed, so that the outline of the
+    /// whole text mattered.
     pub const fn has_o_words(&self) -> bool {
         self.has_o_words
     }

@@ -2,8 +2,8 @@
 //!
 //! `printf` rounds the exact binary value, ties to even. Here |v|·10⁴ is rounded to a whole number,
 //! whose digits are then the answer. That product has a relative error of 2⁻⁵³; so wherever its
-//! fraction is nearer to ½ than that error could matter, and for large values, the slow exact way of
-//! the standard library is taken instead (it rounds as C does).
+//! fraction is nearer to ½ than that error could matter, and for large values, the slow exact way
+//! of the standard library is taken instead (it rounds as C does).
 //!
 //! Eight digits are made at once, side by side in one word:
 //!

@@ -104,8 +104,8 @@ pub(crate) struct Modes {
     pub(crate) spline_leaves: Option<[f64; 2]>,
     /// G41, G42.
     pub(crate) compensation: Option<Compensation>,
-    /// G40 was the last, and the tool still stands beside the programmed point: here, in machine coordinates
-    /// of program units.
+    /// G40 was the last, and the tool still stands beside the programmed point: here, in machine
+    /// coordinates of program units.
     pub(crate) left_beside: Option<Point>,
     /// What the table says about the tool in the spindle.
     pub(crate) loaded: ToolEntry,

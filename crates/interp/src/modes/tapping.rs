@@ -1,4 +1,5 @@
-//! What a cycle keeps of its words beside levels and times: those of taps, and the shift of back boring.
+//! What a cycle keeps of its words beside levels and times: those of taps, and the shift of back
+//! boring.
 //!
 //! | word | meaning | left out |
 //! |---|---|---|

@@ -8,11 +8,12 @@
 //!            s ● start
 //! ```
 //!
-//! With a centre, both ends must be as far from it: they may differ by 0.02·√2 mm (0.002·√2 inch), or
-//! by 0.1 % of the radius if that is more. A radius may be too short by 0.00127 mm (0.00005 inch), and is
-//! then taken as half the distance.
+//! With a centre, both ends must be as far from it: they may differ by 0.02·√2 mm (0.002·√2 inch),
+//! or by 0.1 % of the radius if that is more. A radius may be too short by 0.00127 mm (0.00005
+//! inch), and is then taken as half the distance.
 //!
-//! Source: LinuxCNC 2.9 manual, "G2, G3 Arc Move"; tolerances measured on its stand-alone interpreter.
+//! Source: LinuxCNC 2.9 manual, "G2, G3 Arc Move"; tolerances measured on its stand-alone
+//! interpreter.
 use crate::{
     call::{Call, Sink, Units, out::Out},
     codes::set,
@@ -77,7 +78,8 @@ pub(crate) fn arc<S: Sink>(
     Ok(())
 }
 
-/// By R, or by I, J, K. The end of a profile's arc may be given by U and W, which are no words any more.
+/// By R, or by I, J, K. The end of a profile's arc may be given by U and W, which are no words any
+/// more.
 pub(crate) fn centre(
     words: &Words,
     modes: &Modes,

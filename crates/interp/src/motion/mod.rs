@@ -107,7 +107,8 @@ pub(crate) fn check_feed(words: &Words, modes: &Modes, code: impl Display) -> Ou
     }
 }
 
-/// What F counts on a straight way: the path of X, Y, Z; of U, V, W if those stand still; else the degrees.
+/// What F counts on a straight way: the path of X, Y, Z; of U, V, W if those stand still; else the
+/// degrees.
 pub(crate) fn distance(from: &Point, to: &Point) -> f64 {
     let along =
         |first: usize| (first..first + 3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();

@@ -5,14 +5,16 @@
 //!   G38.2 G38.3   until contact                                        G38.4 G38.5   until the end of contact
 //! ```
 //!
-//! Where the probe touches, only the machine knows. While a program is run [`Live`](crate::Live) is told: `#5061` to `#5069`
-//! are then that place in the program's coordinates, `#5070` is 1 (0 without contact), and the axes stand where they have
-//! come to rest. Before that, in a check, a rule stands for it: **contact comes at the programmed end point**.
+//! Where the probe touches, only the machine knows. While a program is run [`Live`](crate::Live) is
+//! told: `#5061` to `#5069` are then that place in the program's coordinates, `#5070` is 1 (0
+//! without contact), and the axes stand where they have come to rest. Before that, in a check, a
+//! rule stands for it: **contact comes at the programmed end point**.
 //!
-//! LinuxCNC's stand-alone interpreter, to which listings are compared, has a rule of its own: the axes then stand 0.01 inch
-//! (0.254 mm) back towards the start, and `#5070` is 0.
+//! LinuxCNC's stand-alone interpreter, to which listings are compared, has a rule of its own: the
+//! axes then stand 0.01 inch (0.254 mm) back towards the start, and `#5070` is 0.
 //!
-//! Source: LinuxCNC 2.9 manual, "G38.n Straight Probe"; the last rule was measured on its stand-alone interpreter.
+//! Source: LinuxCNC 2.9 manual, "G38.n Straight Probe"; the last rule was measured on its
+//! stand-alone interpreter.
 use crate::{
     call::{Call, Sink, Units, out::Out},
     coordinates::target,

@@ -7,7 +7,8 @@ use canon::{OpKind, Spline};
 use diag::Span;
 use units::Length;
 
-/// How far a piece may be from the curve, mm: rounding, of what has no weights and a degree of five or less.
+/// How far a piece may be from the curve, mm: rounding, of what has no weights and a degree of five
+/// or less.
 const TOLERANCE_MM: f64 = 1e-6;
 /// Halvings of one span of the curve at most.
 const MAX_HALVINGS: u32 = 12;
@@ -52,8 +53,9 @@ pub(crate) fn operation(
     resolver.push(span, OpKind::Spline { to: position(&to), spline: Spline { pieces }, feed });
 }
 
-/// A place of the curve in homogeneous coordinates, by de Boor's rule with a parameter of its own for each of its steps
-/// (the curve's blossom): with all of them at u, the curve's at u. They all lie in the span `within` lies in.
+/// A place of the curve in homogeneous coordinates, by de Boor's rule with a parameter of its own
+/// for each of its steps (the curve's blossom): with all of them at u, the curve's at u. They all
+/// lie in the span `within` lies in.
 fn blossom(
     order: usize,
     points: &[ControlPoint],
@@ -90,7 +92,8 @@ fn point(order: usize, points: &[ControlPoint], u: f64) -> [f64; 2] {
     [x / w, y / w]
 }
 
-/// Point, first and second derivative at one end of a piece, of a parameter that runs from 0 there to 1 at its other end.
+/// Point, first and second derivative at one end of a piece, of a parameter that runs from 0 there
+/// to 1 at its other end.
 fn derivatives(order: usize, points: &[ControlPoint], from: f64, to: f64) -> [[f64; 2]; 3] {
     let degree = (order - 1) as f64;
     let within = f64::midpoint(from, to);
@@ -112,8 +115,8 @@ fn derivatives(order: usize, points: &[ControlPoint], from: f64, to: f64) -> [[f
     [p, slope, bend]
 }
 
-/// Halve a piece of the curve until a polynomial of the fifth degree is near enough. Of a curve that is one itself, every
-/// piece is.
+/// Halve a piece of the curve until a polynomial of the fifth degree is near enough. Of a curve
+/// that is one itself, every piece is.
 fn halve(
     order: usize,
     points: &[ControlPoint],
@@ -141,7 +144,8 @@ fn quintic(order: usize, points: &[ControlPoint], u: [f64; 2]) -> [[f64; 2]; 6] 
     let h = u[1] - u[0];
     let end = |from: f64, to: f64| {
         let [p, slope, bend] = derivatives(order, points, from, to);
-        // B′ = 5·(P₁ − P₀)   B″ = 20·(P₂ − 2·P₁ + P₀), of a parameter that runs from this end to the other
+        // B′ = 5·(P₁ − P₀)   B″ = 20·(P₂ − 2·P₁ + P₀), of a parameter that runs from this end to the
+        // other
         let near: [f64; 2] = core::array::from_fn(|i| p[i] + slope[i] / 5.0);
         let next = core::array::from_fn(|i| 2.0 * near[i] - p[i] + bend[i] / 20.0);
         [p, near, next]
@@ -178,7 +182,8 @@ mod tests {
         }
     }
 
-    /// Half a circle of weights, a curve of order 7, one of order 4 over five spans: each near a polynomial all along.
+    /// Half a circle of weights, a curve of order 7, one of order 4 over five spans: each near a
+    /// polynomial all along.
     #[test]
     fn pieces_of_the_fifth_degree_follow_the_curve() {
         let at = |x: f64, y: f64, weight: f64| ControlPoint { at: [x, y], weight };

@@ -8,11 +8,13 @@
 //!   C(u) = Σ Nᵢ(u) wᵢ Pᵢ / Σ Nᵢ(u) wᵢ     Nᵢ B-splines of order L on a clamped uniform knot vector
 //! ```
 //!
-//! All three are NURBS: G5 of order 4 with four points, G5.1 of order 3 with three. The machine gets Bézier curves of the
-//! fifth degree ([`spline_pieces`](crate::motion::spline_pieces)): up to that degree, and where all weights are alike, these are the curve itself; else they stay
-//! within a nanometre of it.
+//! All three are NURBS: G5 of order 4 with four points, G5.1 of order 3 with three. The machine
+//! gets Bézier curves of the fifth degree ([`spline_pieces`](crate::motion::spline_pieces)): up to
+//! that degree, and where all weights are alike, these are the curve itself; else they stay within
+//! a nanometre of it.
 //!
-//! Source: LinuxCNC 2.9 manual, "G5", "G5.1", "G5.2 G5.3"; L. Piegl, W. Tiller, "The NURBS Book", 2.2 and 4.2.
+//! Source: LinuxCNC 2.9 manual, "G5", "G5.1", "G5.2 G5.3"; L. Piegl, W. Tiller, "The NURBS
+//! Book", 2.2 and 4.2.
 use crate::{
     call::{Call, ControlPoint, Sink, out::Out},
     codes,
@@ -67,7 +69,8 @@ pub(crate) fn spline<S: Sink>(
     Ok(())
 }
 
-/// G5.2 and the blocks after it: one control point each. What is wrong with one says nothing about the others.
+/// G5.2 and the blocks after it: one control point each. What is wrong with one says nothing about
+/// the others.
 pub(crate) fn nurbs_point<S: Sink>(
     words: &Words,
     modes: &mut Modes,

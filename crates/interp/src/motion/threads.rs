@@ -98,7 +98,8 @@ fn way(from: &Point, to: &Point) -> f64 {
 }
 
 impl GrowingThread {
-    /// Turns that it takes: `way = lead·n + growth·n²/2`; not finite where the lead is used up before its end.
+    /// Turns that it takes: `way = lead·n + growth·n²/2`; not finite where the lead is used up
+    /// before its end.
     pub(crate) fn count(&self) -> f64 {
         let way = way(&self.from, &self.to);
         let squared = self.lead * self.lead + 2.0 * self.growth * way;

@@ -1,7 +1,7 @@
 //! Each call of the interpreter, turned into operations: the one place that knows who does it.
 //!
-//! Moves are the [`Resolver`]'s own; the operations of a cycle are made in its file; orders that move no axis in
-//! [`orders`].
+//! Moves are the [`Resolver`]'s own; the operations of a cycle are made in its file; orders that
+//! move no axis in [`orders`].
 use crate::{
     call::{Call, Place, Sink},
     cycles::{

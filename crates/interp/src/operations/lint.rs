@@ -5,8 +5,9 @@
 //!              └─────── P0xxx ─────────►     calls, a length offset of another tool, …
 //! ```
 //!
-//! These remarks follow the text from top to bottom and understand plain numbers only: where a program computes
-//! what it does, they keep silent. What is an error is found by executing, not here.
+//! These remarks follow the text from top to bottom and understand plain numbers only: where a
+//! program computes what it does, they keep silent. What is an error is found by executing, not
+//! here.
 use crate::setup::Setup;
 use diag::{Diagnostic, Span};
 use gcode::{Block, Expr, Grammar, Keyword, Label, MAX_DIAGNOSTICS, Parameter, Parser, Value};
@@ -238,7 +239,8 @@ impl Reader {
         self.tools(block, number(b'T'), number(b'H'));
     }
 
-    /// G94 and G95 clear the feed, also where they were in force: said where no F comes before the program ends.
+    /// G94 and G95 clear the feed, also where they were in force: said where no F comes before the
+    /// program ends.
     fn feed_cleared(&mut self, block: &Block) {
         let is = |code: f64| {
             block.words.iter().find(|w| w.letter == b'G' && w.value == Value::Number(code))

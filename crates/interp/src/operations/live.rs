@@ -1,5 +1,5 @@
-//! An interpretation that goes on while the machine executes: where the program asks the machine something, what is written
-//! behind it is interpreted when the answer is there.
+//! An interpretation that goes on while the machine executes: where the program asks the machine
+//! something, what is written behind it is interpreted when the answer is there.
 //!
 //! ```text
 //!   text ──►│ block │ block │ M66 or G38 ┊ block │ block │ …
@@ -7,10 +7,11 @@
 //!        operations ◄─────────────┘      ┊ └── answer: #5399, or #5061 to #5070 and where the axes stand
 //! ```
 //!
-//! It owns its text. What is in force can be handed on from one text to the next ([`OpsRest`]): so blocks that are typed
-//! one after another are one program.
+//! It owns its text. What is in force can be handed on from one text to the next ([`OpsRest`]): so
+//! blocks that are typed one after another are one program.
 //!
-//! Source: LinuxCNC 2.9 manual, "M66 Wait on Input", "G38.n Straight Probe": its interpreter stops reading ahead there.
+//! Source: LinuxCNC 2.9 manual, "M66 Wait on Input", "G38.n Straight Probe": its interpreter stops
+//! reading ahead there.
 use crate::{
     auxiliary::outputs,
     geometry::frame::{machine_point, scale},
@@ -76,8 +77,8 @@ impl Live {
         self.asked
     }
 
-    /// The next operation, and how the program writes places and lengths there. `None`: the program is over, or an answer is
-    /// missing ([`Live::asked`]).
+    /// The next operation, and how the program writes places and lengths there. `None`: the program
+    /// is over, or an answer is missing ([`Live::asked`]).
     pub fn next_op(&mut self) -> Option<(Op, ProgramFrame)> {
         while self.ops.is_empty() && self.asked == 0 && !self.ended {
             self.read();

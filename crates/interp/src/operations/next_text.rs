@@ -1,4 +1,5 @@
-//! From one text to the next one on a control that stays on: blocks that are typed, programs that follow one another.
+//! From one text to the next one on a control that stays on: blocks that are typed, programs that
+//! follow one another.
 //!
 //! ```text
 //!   G91 G0 X10 ─► Ops ─► OpsRest ──for_next_text──► G1 X5 F200 ─► Ops ─► …
@@ -6,7 +7,8 @@
 //!        where the axes stand by now, the tool, parameters and tool table as they were edited
 //! ```
 //!
-//! Modes stay in force. What a planner must know of them before its first move is ordered anew: path mode, spindle, coolant.
+//! Modes stay in force. What a planner must know of them before its first move is ordered anew:
+//! path mode, spindle, coolant.
 use crate::{
     coordinates::offsets,
     fault::unknown::Unknown,
@@ -22,8 +24,8 @@ use canon::{Op, OpKind};
 use diag::Span;
 
 impl OpsRest {
-    /// What is in force when another text begins: its lines count from 1, the axes stand where the set-up says, this tool is
-    /// in the spindle; parameters and tools are those of the set-up.
+    /// What is in force when another text begins: its lines count from 1, the axes stand where the
+    /// set-up says, this tool is in the spindle; parameters and tools are those of the set-up.
     #[must_use]
     pub fn for_next_text(mut self, setup: &Setup, tool: u32) -> Self {
         snapshot_begins(&mut self.rest.snapshot, setup, tool);
@@ -32,7 +34,8 @@ impl OpsRest {
         self
     }
 
-    /// Spindle and coolant were switched off without a word of a program: by an alarm, a reset, the end of the power.
+    /// Spindle and coolant were switched off without a word of a program: by an alarm, a reset, the
+    /// end of the power.
     #[must_use]
     pub fn stopped(mut self) -> Self {
         let modes = &mut self.rest.snapshot.executor.modes;

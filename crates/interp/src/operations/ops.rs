@@ -13,8 +13,8 @@ use std::collections::HashSet;
 
 /// The operations of a program, one after the other.
 ///
-/// After an error in a block the stream goes on with the next block, so that all errors come; whoever
-/// moves a machine refuses the program if [`Ops::has_errors`].
+/// After an error in a block the stream goes on with the next block, so that all errors come;
+/// whoever moves a machine refuses the program if [`Ops::has_errors`].
 pub struct Ops<'s> {
     interpreter: Interpreter<'s>,
     resolver: Resolver,
@@ -45,7 +45,8 @@ impl<'s> Ops<'s> {
         (self.interpreter, self.resolver)
     }
 
-    /// What was found so far, in the order of the text; first of all that it looks like a program for another dialect.
+    /// What was found so far, in the order of the text; first of all that it looks like a program
+    /// for another dialect.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let both = self.interpreter.diagnostics().iter().chain(self.resolver.diagnostics());
         with_dialect(self.other_dialect.clone(), in_order(both.cloned()))
@@ -58,7 +59,8 @@ impl<'s> Ops<'s> {
             || self.other_dialect.as_ref().is_some_and(Diagnostic::is_error)
     }
 
-    /// The tools, with the stand-ins for those that the program has called so far and the library lacks.
+    /// The tools, with the stand-ins for those that the program has called so far and the library
+    /// lacks.
     pub const fn tools(&self) -> &ToolLibrary {
         &self.interpreter.program.executor.tools.library
     }
@@ -68,7 +70,8 @@ impl<'s> Ops<'s> {
         self.interpreter.program.executor.tools.entry(number)
     }
 
-    /// Frame and units in which the operation that came last was written. What one block orders is written in one frame.
+    /// Frame and units in which the operation that came last was written. What one block orders is
+    /// written in one frame.
     pub fn frame(&self) -> ProgramFrame {
         let executor = &self.interpreter.program.executor;
         let modes = &executor.modes;
@@ -87,7 +90,8 @@ impl<'s> Ops<'s> {
         ProgramFrame { counting, ..frame }
     }
 
-    /// The codes in force after the block that the operation that came last stands in, one of each group.
+    /// The codes in force after the block that the operation that came last stands in, one of each
+    /// group.
     pub fn codes(&self) -> Vec<String> {
         crate::interpreter::snapshot::Standing::of(&self.interpreter.program.executor).codes
     }
@@ -124,8 +128,9 @@ pub fn check(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
     with_dialect(other_dialect, in_order(found))
 }
 
-/// What is found in a program, after the suspicion that it is one for another dialect. That is an error where there are
-/// others, which may be due to it alone, and so it comes before them in whatever order they are told.
+/// What is found in a program, after the suspicion that it is one for another dialect. That is an
+/// error where there are others, which may be due to it alone, and so it comes before them in
+/// whatever order they are told.
 pub fn with_dialect(suspicion: Option<Diagnostic>, found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let Some(mut suspicion) = suspicion else { return found };
     if suspicion.is_error() {
@@ -137,8 +142,8 @@ pub fn with_dialect(suspicion: Option<Diagnostic>, found: Vec<Diagnostic>) -> Ve
     core::iter::once(suspicion).chain(found).collect()
 }
 
-/// What the beginning of a program looks like, if that is not how it is read: one for another dialect, or one whose numbers
-/// without a point are meant otherwise.
+/// What the beginning of a program looks like, if that is not how it is read: one for another
+/// dialect, or one whose numbers without a point are meant otherwise.
 pub fn suspicion(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
     let other_dialect = crate::other_dialect(source, setup);
     other_dialect.or_else(|| crate::evidence::whole_units::meant_otherwise(source, setup))
@@ -164,8 +169,8 @@ fn in_order(found: impl IntoIterator<Item = Diagnostic>) -> Vec<Diagnostic> {
     all
 }
 
-/// Names of subprograms that a text calls and does not define: files to look for. Of Fanuc's programs it is their number
-/// without zeros before it, or their name.
+/// Names of subprograms that a text calls and does not define: files to look for. Of Fanuc's
+/// programs it is their number without zeros before it, or their name.
 pub fn called_files(source: &[u8], grammar: Grammar) -> Vec<String> {
     let (mut called, defined) = match grammar {
         Grammar::Rs274 | Grammar::Grbl => subprograms(source),

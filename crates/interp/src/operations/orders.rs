@@ -1,7 +1,7 @@
 //! Orders that move no axis: spindle, tools, coolant, overrides, stops, messages.
 //!
-//! What the program says again without a change is not ordered again: `M3 S500` in every block is one
-//! order. The kernel restores a turning spindle after a tap by itself.
+//! What the program says again without a change is not ordered again: `M3 S500` in every block is
+//! one order. The kernel restores a turning spindle after a tap by itself.
 use crate::{
     auxiliary::switch::NO_SPEED_LIMIT,
     call::{Call, Units},

@@ -5,8 +5,9 @@
 //!               └► Ops ─► Rest ─┘└► Ops ─► Rest ─┘       what is known goes on to the next
 //! ```
 //!
-//! Only a program without O-words can be read so, because they lead back ([`can_be_read_in_pieces`]). Lines are
-//! counted through the program; bytes are those of the piece.
+//! Only a program without O-words can be read so, because they lead back
+//! ([`can_be_read_in_pieces`]). Lines are counted through the program; bytes are those of the
+//! piece.
 use crate::{
     interpreter::{Interpreter, snapshot::Snapshot},
     operations::{lint::Reader, ops::Ops},
@@ -30,7 +31,8 @@ pub struct Rest {
 }
 
 impl<'s> Interpreter<'s> {
-    /// On with the next piece of a program; `rest` is what was known at the end of the one before, if there was one.
+    /// On with the next piece of a program; `rest` is what was known at the end of the one before,
+    /// if there was one.
     pub fn of_piece(
         piece: &'s [u8],
         setup: &'s Setup,
@@ -49,7 +51,8 @@ impl<'s> Interpreter<'s> {
         new
     }
 
-    /// What it knows at the end of its piece, without what was found so far: that is the caller's to keep.
+    /// What it knows at the end of its piece, without what was found so far: that is the caller's
+    /// to keep.
     pub fn rest(&mut self) -> Rest {
         let snapshot = self.snapshot().without_findings();
         Rest { snapshot, line: self.program.parsers[0].position().1 }

@@ -48,7 +48,8 @@ fn turned(before: &Way, after: &Way) -> f64 {
     turn_rad(before.direction(before.to), after.direction(after.from))
 }
 
-/// Where a circle of this radius touches both moves, and its centre; nothing where they go on straight.
+/// Where a circle of this radius touches both moves, and its centre; nothing where they go on
+/// straight.
 fn touches(before: &Way, after: &Way, size: f64) -> Result<Option<(Flat, Flat, Flat)>, Unfit> {
     let turn = turned(before, after);
     if turn.abs() < 1e-6 {

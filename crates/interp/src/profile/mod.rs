@@ -11,13 +11,15 @@
 //!    └──────────────────────────────────► −u
 //! ```
 //!
-//! `u` is the way the passes go, `v` points out of the work: Z and X for turning (G71), X and Z for facing (G72), each
-//! with the sign that makes the profile run along u and the start lie above it ([`Facing`](shape::Facing)). What comes in is a
-//! [`Profile`](shape::Profile) of lines and arcs; a [`parallel`](parallel::parallel) one leaves material; [`rough`](roughing::rough)
-//! walks it and says the strokes. Of the language these files know nothing; [`turning`](crate::cycles::turning) and
-//! [`record`](crate::cycles::record) do.
+//! `u` is the way the passes go, `v` points out of the work: Z and X for turning (G71), X and Z for
+//! facing (G72), each with the sign that makes the profile run along u and the start lie above it
+//! ([`Facing`](shape::Facing)). What comes in is a [`Profile`](shape::Profile) of lines and arcs; a
+//! [`parallel`](parallel::parallel) one leaves material; [`rough`](roughing::rough) walks it and
+//! says the strokes. Of the language these files know nothing; [`turning`](crate::cycles::turning)
+//! and [`record`](crate::cycles::record) do.
 //!
-//! Source: LinuxCNC 2.9 manual, "G70", "G71 G72"; order of the strokes measured on its stand-alone interpreter.
+//! Source: LinuxCNC 2.9 manual, "G70", "G71 G72"; order of the strokes measured on its stand-alone
+//! interpreter.
 pub(crate) mod corner;
 pub(crate) mod parallel;
 pub(crate) mod recording;

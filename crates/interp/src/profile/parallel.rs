@@ -20,11 +20,11 @@ use crate::{
 /// Corners flatter than this are none.
 const STRAIGHT_ON_RAD: f64 = 1e-6;
 
-/// A gap in the outside of a corner that is no longer than this along u, however high, is closed where the parallels
-/// meet, not by an arc: so LinuxCNC does, as measured on 48 corners.
+/// A gap in the outside of a corner that is no longer than this along u, however high, is closed
+/// where the parallels meet, not by an arc: so LinuxCNC does, as measured on 48 corners.
 const NO_ARC: f64 = 0.01;
-/// Moves that turn by less touch each other, as drawn; their parallels may miss each other a little:
-/// by half a chord of this angle.
+/// Moves that turn by less touch each other, as drawn; their parallels may miss each other a
+/// little: by half a chord of this angle.
 const TOUCHING_RAD: f64 = 0.02;
 
 /// To the left by this distance; to the right if it is negative.

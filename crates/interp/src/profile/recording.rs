@@ -20,7 +20,8 @@ pub(crate) struct Recording {
     pub(crate) order: ProfileOrder,
     /// The cycle's block.
     pub(crate) place: Place,
-    /// Where the cycle begins: while a profile is taken down, the state's position is the profile's.
+    /// Where the cycle begins: while a profile is taken down, the state's position is the
+    /// profile's.
     pub(crate) start: Point,
     /// Errors before it.
     pub(crate) faults: u64,
@@ -79,7 +80,8 @@ impl Recording {
         self.sides.push((usize::from(self.begin.is_some()) + self.moves.len(), code));
     }
 
-    /// Along it with the feeds of its blocks and on their side, and back: as it is finished on a Fanuc.
+    /// Along it with the feeds of its blocks and on their side, and back: as it is finished on a
+    /// Fanuc.
     pub(crate) fn with_feeds(&self, start: Flat) -> Vec<Stroke> {
         let side_before = |moves: usize| {
             let here = self.sides.iter().filter(move |(at, _)| *at == moves);
@@ -105,7 +107,8 @@ impl Recording {
         strokes
     }
 
-    /// The shape that is roughed: a rapid move at the end that leads back along the passes' way only takes the tool away.
+    /// The shape that is roughed: a rapid move at the end that leads back along the passes' way
+    /// only takes the tool away.
     pub(crate) fn without_withdrawal(&self, mut shape: Profile, across: bool) -> Profile {
         let axis = usize::from(across);
         if let [.., before, last] = &shape.ways[..]

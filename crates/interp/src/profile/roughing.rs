@@ -20,7 +20,8 @@ pub(crate) enum Part {
 pub(crate) enum Manner {
     /// A pass at the start's own level too; back to over the begin of a pass at a slant.
     LinuxCnc,
-    /// The first pass one step below the start; back to over the begin of a pass, and down from there.
+    /// The first pass one step below the start; back to over the begin of a pass, and down from
+    /// there.
     Fanuc,
 }
 

@@ -118,7 +118,8 @@ impl Profile {
         if turn < 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// Never back along u. Arcs are parted where they are highest or lowest, so that each rises or falls only.
+    /// Never back along u. Arcs are parted where they are highest or lowest, so that each rises or
+    /// falls only.
     pub(crate) fn parted(&self) -> Result<Self, Unfit> {
         let mut ways = Vec::with_capacity(self.ways.len());
         for way in &self.ways {

@@ -1,4 +1,5 @@
-//! A program while it is executed: its text and the place in it, what its blocks change, and what was found.
+//! A program while it is executed: its text and the place in it, what its blocks change, and what
+//! was found.
 //!
 //! The front end of a dialect decides which block is next and what it says; it works on this.
 //!
@@ -100,7 +101,8 @@ impl<'s> Program<'s> {
         }
     }
 
-    /// Read the next block. Whether there is one to execute: it can be read, and nothing forbids to go on.
+    /// Read the next block. Whether there is one to execute: it can be read, and nothing forbids to
+    /// go on.
     #[inline]
     pub(crate) fn read_block<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome<bool> {
         if !self.next_block() {
@@ -142,7 +144,8 @@ impl<'s> Program<'s> {
         self.sources[self.file].get(span.start as usize..span.end as usize).unwrap_or_default()
     }
 
-    /// Keep a fault, unless it follows from one before; and go on as if the block had done what it could.
+    /// Keep a fault, unless it follows from one before; and go on as if the block had done what it
+    /// could.
     pub(crate) fn refuse<S: Sink>(
         &mut self,
         fault: Diagnostic,
@@ -175,7 +178,8 @@ impl<'s> Program<'s> {
         self.reread.next(self.file, parser, &mut self.block)
     }
 
-    /// The first `%` begins the program, whatever blank lines and comments stand before it; the next one ends it.
+    /// The first `%` begins the program, whatever blank lines and comments stand before it; the
+    /// next one ends it.
     pub(crate) fn percent_sign<S: Sink>(&mut self, out: &mut Out<'_, S>) {
         if self.percent || self.spoke && self.file == 0 {
             out.say(&Call::Finish);

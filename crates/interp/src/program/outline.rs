@@ -256,7 +256,8 @@ impl Outline {
     }
 }
 
-/// Where the `%` that ends a text stands, or the text itself ends: what comes behind is not the program's.
+/// Where the `%` that ends a text stands, or the text itself ends: what comes behind is not the
+/// program's.
 fn end_of_tape(source: &[u8]) -> usize {
     let mut has_begun = false;
     for at in memchr::memchr_iter(b'%', source) {

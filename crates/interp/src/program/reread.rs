@@ -5,9 +5,10 @@
 //!                              └─ holds another one: the block is read, and the slot is its from now on
 //! ```
 //!
-//! A loop reads its lines again and again, and reading a line costs several times as much as executing it. Blocks
-//! are exchanged, not copied: the one at hand goes back to its slot when the next is asked for. What is read for the
-//! first time is not kept, for most of a program is read once.
+//! A loop reads its lines again and again, and reading a line costs several times as much as
+//! executing it. Blocks are exchanged, not copied: the one at hand goes back to its slot when the
+//! next is asked for. What is read for the first time is not kept, for most of a program is read
+//! once.
 use crate::program::outline::At;
 use gcode::{Block, Parser};
 

@@ -406,7 +406,8 @@ impl Resolver {
         (self.work_offset != 1).then(|| position(&self.frame.origin))
     }
 
-    /// Where the material is taken to begin: the work's zero if it lies in the stroke, else its start.
+    /// Where the material is taken to begin: the work's zero if it lies in the stroke, else its
+    /// start.
     pub(crate) fn surface(start: f64, bottom: f64) -> f64 {
         if start.min(bottom) <= 0.0 && 0.0 <= start.max(bottom) { 0.0 } else { start }
     }

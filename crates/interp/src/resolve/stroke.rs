@@ -7,12 +7,12 @@
 //!    I J K
 //! ```
 //!
-//! A move is a line or a helix: each coordinate is p + q·t, or c + r·cos(φ + w·t), over t from 0 to 1. It crosses a face
-//! of the box where the coordinate equals the face's; between two crossings it is on one side of all of them, so its
-//! middles there are all that must be looked at.
+//! A move is a line or a helix: each coordinate is p + q·t, or c + r·cos(φ + w·t), over t from 0
+//! to 1. It crosses a face of the box where the coordinate equals the face's; between two crossings
+//! it is on one side of all of them, so its middles there are all that must be looked at.
 //!
-//! Source: Fanuc, operator's manual of series 30i, "Stored stroke check" (machine coordinates; forbidden inside or
-//! outside by parameter).
+//! Source: Fanuc, operator's manual of series 30i, "Stored stroke check" (machine coordinates;
+//! forbidden inside or outside by parameter).
 use crate::{call::StrokeZone, geometry::frame::Point};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use diag::{Diagnostic, Span};
@@ -162,7 +162,8 @@ mod tests {
 
     #[test]
     fn an_arc_bulges_into_the_box_between_its_ends() {
-        // about X-8, radius 10, from 45° clockwise to -45°: its ends are outside, at 0° it is 2 mm inside
+        // about X-8, radius 10, from 45° clockwise to -45°: its ends are outside, at 0° it is 2 mm
+        // inside
         let quarter = core::f64::consts::FRAC_PI_4;
         let arc = |y: f64| {
             [

@@ -5,7 +5,8 @@
 //!   modes ──► what is in force, and where         store, tools ──► parameters; tool library and table
 //! ```
 //!
-//! Functions of this crate take the parts that they need; only those that need most of them take it whole.
+//! Functions of this crate take the parts that they need; only those that need most of them take it
+//! whole.
 use crate::{
     call::out::Held,
     codes::Letters,

@@ -54,7 +54,8 @@ impl Tools {
         entry
     }
 
-    /// What programs have written of lengths and diameters is in the library by now, or was edited there.
+    /// What programs have written of lengths and diameters is in the library by now, or was edited
+    /// there.
     pub(crate) fn follow_library(&mut self) {
         for (number, entry) in &mut self.written.entries {
             if let Some(tool) = self.library.get(*number) {

@@ -352,8 +352,8 @@ impl Words {
         Some((codes::letter(first), self.at[first]))
     }
 
-    /// Every word must belong to a code: the block's own, or the modal motion (whose letters are given).
-    /// `beside` are those that the dialect or the machine adds.
+    /// Every word must belong to a code: the block's own, or the modal motion (whose letters are
+    /// given). `beside` are those that the dialect or the machine adds.
     pub(crate) fn check_letters(&self, modal: Letters, beside: Letters) -> Outcome {
         let stray = self.strays(modal, beside);
         if stray == 0 { Ok(()) } else { Err(self.stray(stray).into()) }
@@ -413,7 +413,8 @@ impl OwnCodes {
         Self { named, others: setup.leaves.unknown_codes }
     }
 
-    /// Named, or one that nothing names and that may pass. What the machine's files may name, they name.
+    /// Named, or one that nothing names and that may pass. What the machine's files may name, they
+    /// name.
     fn has(&self, value: f64) -> bool {
         let whole = number::near_whole(value).and_then(|number| u16::try_from(number).ok());
         whole.is_some_and(|number| number < 1000 && (self.others || self.named.contains(&number)))

@@ -1,4 +1,5 @@
-//! What is found beside the program's own meaning: by the planner (M), in files (S), by command line and editor (A).
+//! What is found beside the program's own meaning: by the planner (M), in files (S), by command
+//! line and editor (A).
 
 /// Code and sentence, by rising code.
 pub(crate) const SENTENCES: &[(&str, &str)] = &[

@@ -1,7 +1,8 @@
-//! What is left of the axes' limits beside what swings, for holds, overrides and all else that nobody planned.
+//! What is left of the axes' limits beside what swings, for holds, overrides and all else that
+//! nobody planned.
 //!
-//! A plan beside a swing is made with the limits less the swing's speed, acceleration and jerk. A change of how fast the plan
-//! is run through must not ask for more:
+//! A plan beside a swing is made with the limits less the swing's speed, acceleration and jerk. A
+//! change of how fast the plan is run through must not ask for more:
 //!
 //! ```text
 //!   limit │▒▒▒▒ swing, at most: x′·n, x″·n², x‴·n³ of its table, n: waves a second ▒▒▒▒│
@@ -28,7 +29,8 @@ pub(super) fn highest(table: &Periodic) -> [f64; 4] {
 }
 
 impl Coupled {
-    /// Speed, acceleration and jerk that an axis needs at most for what is superposed on it, while its master turns evenly.
+    /// Speed, acceleration and jerk that an axis needs at most for what is superposed on it, while
+    /// its master turns evenly.
     fn taken(&self, slot: &Slot, spin: f64) -> [f64; 3] {
         let of = |wave: Option<Wave>| {
             let held = wave.and_then(|wave| Some((self.tables[wave.index].as_ref()?, wave.turns)));
@@ -44,7 +46,8 @@ impl Coupled {
 }
 
 impl Drives {
-    /// What moves may ask of the axes beside what swings: of each limit the rest, or a little of it where nothing is left.
+    /// What moves may ask of the axes beside what swings: of each limit the rest, or a little of it
+    /// where nothing is left.
     pub(crate) fn beside(&self, limits: &Limits) -> Option<Limits> {
         let mut rest: Option<Limits> = None;
         for (axis, slot) in self.coupled.slots[..AXES].iter().enumerate() {

@@ -1,13 +1,15 @@
-//! The encoders of everything that no tap or thread ties: axes in moves, jogs and at rest, spindles that turn or stand.
+//! The encoders of everything that no tap or thread ties: axes in moves, jogs and at rest, spindles
+//! that turn or stand.
 //!
 //! ```text
 //!   stuck at Z-3, in a plain drilled hole:  the loop sees an error that grows, and pushes with all its force
 //!   a jump of half a millimetre:            the loop takes it back at once, through the work
 //! ```
 //!
-//! The bounds are those of a tap, but for the way that an axis may be told to go before its reading changes: what friction,
-//! play and the stretch of the screw take, and all of the following error where the speed is not fed forward. An axis that
-//! pushes on purpose, against a hard stop, is not looked at. A reading that is no number is an alarm of its own.
+//! The bounds are those of a tap, but for the way that an axis may be told to go before its reading
+//! changes: what friction, play and the stretch of the screw take, and all of the following error
+//! where the speed is not fed forward. An axis that pushes on purpose, against a hard stop, is not
+//! looked at. A reading that is no number is an alarm of its own.
 use super::{Bounds, EncoderPlausibility, Tied, Watched, axis_bounds, spindle_bounds};
 use crate::axis::AxisLoop;
 use crate::config::Subject;

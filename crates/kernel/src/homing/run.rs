@@ -1,4 +1,5 @@
-//! One axis that is being homed: its phases, what ends each, and what is wrong when nothing does. The drawing stands in [`super`].
+//! One axis that is being homed: its phases, what ends each, and what is wrong when nothing does.
+//! The drawing stands in [`super`].
 use super::{HomingMethod, HomingOrder};
 use crate::axis::AxisLoop;
 use crate::fault::FaultKind;
@@ -6,11 +7,13 @@ use bus::AxisFeedback;
 use motion::{Goal, OnlineState};
 use units::Coordinate;
 
-/// A mark so near to the switch's edge, as a share of the distance between marks, may be taken for its neighbour next time.
+/// A mark so near to the switch's edge, as a share of the distance between marks, may be taken for
+/// its neighbour next time.
 const MARK_AT_EDGE: f64 = 0.05;
 /// A mark is passed within this times the distance between marks.
 const BEYOND_MARK: f64 = 1.2;
-/// An axis that a hard stop holds is held for so long, s, and moves less than this share of its approach meanwhile.
+/// An axis that a hard stop holds is held for so long, s, and moves less than this share of its
+/// approach meanwhile.
 const HELD_S: f64 = 0.03;
 const HELD_SHARE: f64 = 0.1;
 /// What is under way.

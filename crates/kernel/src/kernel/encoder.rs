@@ -1,4 +1,5 @@
-//! Before a step that turns a spindle begins, its encoder has been checked: see [`crate::encoder_check`].
+//! Before a step that turns a spindle begins, its encoder has been checked: see
+//! [`crate::encoder_check`].
 use super::Kernel;
 use crate::config::Subject;
 use crate::drives::Finding;
@@ -14,8 +15,9 @@ impl Kernel {
         has_index && spindle.encoder_check.is_under_way()
     }
 
-    /// Whether the step at the queue's front waits for the check of its spindle, which goes on by a period. A path that flows into the
-    /// step is not stopped for it: the check is made when the spindle is used next.
+    /// Whether the step at the queue's front waits for the check of its spindle, which goes on by a
+    /// period. A path that flows into the step is not stopped for it: the check is made when the
+    /// spindle is used next.
     pub(super) fn checks_encoder_first(&mut self, feedback: &Feedback) -> Result<bool, Finding> {
         if self.drives.flowing {
             return Ok(false);

@@ -1,7 +1,8 @@
-//! What the kernel exchanges with those around it between two ticks: learning records, tables, records of taps.
+//! What the kernel exchanges with those around it between two ticks: learning records, tables,
+//! records of taps.
 //!
-//! It has no disk and no files: what it has learnt is read from it, what it shall know is given to it, and what has
-//! to be written down is a [`RecordRequest`] until somebody says that it is.
+//! It has no disk and no files: what it has learnt is read from it, what it shall know is given to
+//! it, and what has to be written down is a [`RecordRequest`] until somebody says that it is.
 use super::Kernel;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
@@ -62,7 +63,8 @@ impl Kernel {
         }
     }
 
-    /// From now on somebody writes down what taking a tap out needs, and no tap goes in before it is.
+    /// From now on somebody writes down what taking a tap out needs, and no tap goes in before it
+    /// is.
     pub const fn keep_records(&mut self) {
         self.drives.record_requests.begin();
     }

@@ -126,7 +126,8 @@ impl Kernel {
         (self.drives.mist, self.drives.flood) = (false, false);
     }
 
-    /// The axis that takes the tool off the work is the one that does not obey, or cannot be seen: nothing may drive it on.
+    /// The axis that takes the tool off the work is the one that does not obey, or cannot be seen:
+    /// nothing may drive it on.
     fn runs_away(&self, kind: FaultKind, subject: Subject) -> bool {
         let leaving = self.drives.chain.and_then(|chain| chain.leaving());
         let Some(retreating) = self.retreating.or(leaving).filter(|r| !r.is_out()) else {
@@ -144,7 +145,8 @@ impl Kernel {
         Some(*plan)
     }
 
-    /// Whose encoders are watched: those of a tap, or of a thread that is turned, and of the axis that takes a tool off the work.
+    /// Whose encoders are watched: those of a tap, or of a thread that is turned, and of the axis
+    /// that takes a tool off the work.
     fn tied(&self) -> Tied {
         let tap = self.coupled().map(|(axis, spindle, _)| (axis, spindle));
         let thread = self.way_out().filter(|way_out| way_out.pass.is_some());
@@ -173,7 +175,8 @@ impl Kernel {
         taken
     }
 
-    /// A drive or an encoder is gone, or a loop still pushes at what it could not move, and everything stands: outputs off.
+    /// A drive or an encoder is gone, or a loop still pushes at what it could not move, and
+    /// everything stands: outputs off.
     pub(super) fn let_go(&mut self) {
         let pushes = || self.drives.check_following().is_err().then_some(0);
         let Some(stood) = self.drive_lost.or_else(pushes) else { return };

@@ -1,12 +1,13 @@
-//! What the kernel looks at in each period, whatever it is doing: the age of the feedback, spindles, the setpoints that are
-//! about to be sent.
+//! What the kernel looks at in each period, whatever it is doing: the age of the feedback,
+//! spindles, the setpoints that are about to be sent.
 //!
 //! ```text
 //!   feedback ─► age? ─► encoders? ─► readings ─► spindles? ─► steps … targets ─► setpoints? ─► loops ─► numbers? ─► Command
 //! ```
 //!
-//! A setpoint that is refused is not sent: the axis goes on from the last one, braking. If setpoints are refused while
-//! the machine is stopped for an alarm already, nothing is left that could brake them, and outputs go off.
+//! A setpoint that is refused is not sent: the axis goes on from the last one, braking. If
+//! setpoints are refused while the machine is stopped for an alarm already, nothing is left that
+//! could brake them, and outputs go off.
 use super::{Kernel, Mode};
 use crate::config::Subject;
 use crate::drives::Finding;
@@ -48,7 +49,8 @@ impl Kernel {
         self.drives.flowing
     }
 
-    /// The steps have run out, and the last one went on into another: everything goes on from where it was a period ago.
+    /// The steps have run out, and the last one went on into another: everything goes on from where
+    /// it was a period ago.
     pub(super) fn has_run_out(&mut self) -> bool {
         let dry = self.drives.flowing && self.queue.get(self.chained).is_none();
         if dry {

@@ -11,8 +11,8 @@ use bus::{AXES, Feedback, Sample};
 use units::{Axis, Coordinate};
 
 impl Kernel {
-    /// Home an axis from the next tick on, or at once where its encoder or the operator knows its place. Several axes may be
-    /// homed at the same time.
+    /// Home an axis from the next tick on, or at once where its encoder or the operator knows its
+    /// place. Several axes may be homed at the same time.
     ///
     /// # Errors
     /// There is no such axis, it cannot be moved now, or the order makes no sense.
@@ -42,7 +42,8 @@ impl Kernel {
         Ok(())
     }
 
-    /// An axis knows where it is. All do at first: who knows better says so with [`Kernel::forget_home`].
+    /// An axis knows where it is. All do at first: who knows better says so with
+    /// [`Kernel::forget_home`].
     pub const fn is_homed(&self, axis: Axis) -> bool {
         self.homing.is_homed(axis.index())
     }
@@ -58,7 +59,8 @@ impl Kernel {
         self.homing.under_way()
     }
 
-    /// An axis does not know where it is: its encoder was without power, or its reading is not to be trusted.
+    /// An axis does not know where it is: its encoder was without power, or its reading is not to
+    /// be trusted.
     pub const fn forget_home(&mut self, axis: Axis) {
         self.homing.forget_home(axis.index());
     }
@@ -68,7 +70,8 @@ impl Kernel {
         Coordinate::new(self.homing.zero(axis.index()))
     }
 
-    /// What crossed the bus in the period of the last tick, with positions in the place of the encoders' readings.
+    /// What crossed the bus in the period of the last tick, with positions in the place of the
+    /// encoders' readings.
     pub fn in_positions(&self, sample: &mut Sample) {
         if !self.homing.is_shifted() {
             return;
@@ -84,7 +87,8 @@ impl Kernel {
         positions
     }
 
-    /// Axes that are homed go on; axes that are moved for the first time move the way they are told to.
+    /// Axes that are homed go on; axes that are moved for the first time move the way they are told
+    /// to.
     pub(super) fn advance_homing(&mut self, feedback: &Feedback) {
         let (rests, period_s) = (self.operator.wants_rest(), self.config.period.value());
         for index in 0..AXES {

@@ -1,4 +1,5 @@
-//! What is done without a program: drives on and off, axes moved by hand, all forgotten after an alarm.
+//! What is done without a program: drives on and off, axes moved by hand, all forgotten after an
+//! alarm.
 use super::{Kernel, Mode};
 use crate::execute::Activity;
 use crate::manual::{ManualOrder, ManualRefusal, SpindleByHand};
@@ -28,15 +29,16 @@ impl Kernel {
         matches!(self.mode, Mode::Running)
     }
 
-    /// The drives come up, each axis where it stands; what stopped the machine before has had its answer. Overrides stay.
+    /// The drives come up, each axis where it stands; what stopped the machine before has had its
+    /// answer. Overrides stay.
     pub fn switch_on(&mut self) {
         let operator = self.operator.without_orders();
         self.begin_anew();
         self.operator = operator;
     }
 
-    /// A program has ended or was given up, and the axes stand: another one may come, with the spindles turning on as they
-    /// are told to. Whether that is so.
+    /// A program has ended or was given up, and the axes stand: another one may come, with the
+    /// spindles turning on as they are told to. Whether that is so.
     pub fn clear(&mut self) -> bool {
         let mut axes = self.drives.axes.iter().flatten();
         let stand = axes.all(|axis| axis.target.speed == 0.0) && !self.operator.wants_out();
@@ -74,7 +76,8 @@ impl Kernel {
         Ok(())
     }
 
-    /// Turn a spindle by hand at this speed until its lease is over, or otherwise than until now; at no speed: stop it.
+    /// Turn a spindle by hand at this speed until its lease is over, or otherwise than until now;
+    /// at no speed: stop it.
     ///
     /// # Errors
     /// There is no such spindle, it cannot be turned by hand now, or it cannot turn so fast.

@@ -1,6 +1,7 @@
 //! What the operator orders, and where it holds the machine.
 //!
-//! An order is taken between two ticks and acts from the next one on; what it has led to is said in a [`Notice`].
+//! An order is taken between two ticks and acts from the next one on; what it has led to is said in
+//! a [`Notice`].
 use super::{Kernel, Mode};
 use crate::config::Subject;
 use crate::event::EventKind;
@@ -51,9 +52,10 @@ impl Kernel {
         }
     }
 
-    /// Give back what has not been done, so that it can be planned anew: whoever has pushed it pushes what comes of it. A step that
-    /// is under way and is no feed along a path stays. `None`: an override or a hold is just changing how fast the plan is
-    /// run through, and how that ends is known of this plan only; ask again after the next tick.
+    /// Give back what has not been done, so that it can be planned anew: whoever has pushed it
+    /// pushes what comes of it. A step that is under way and is no feed along a path stays. `None`:
+    /// an override or a hold is just changing how fast the plan is run through, and how that ends
+    /// is known of this plan only; ask again after the next tick.
     pub fn hand_back(&mut self) -> Option<HandedBack> {
         if matches!(self.activity, Activity::Moving(..)) && !self.drives.time_scaling.is_even() {
             return None;
@@ -83,10 +85,11 @@ impl Kernel {
         }
     }
 
-    /// Give up the last `steps` of those that wait: what is planned instead comes in time. `at`: the step that is then the last,
-    /// and under way, ends at that planned time of it in motion, and goes on into what comes. `false`, and nothing is
-    /// changed: none would be left, or what is left goes on into what comes so soon that the way in which an override or a
-    /// hold changes the rate now may lead beyond it.
+    /// Give up the last `steps` of those that wait: what is planned instead comes in time. `at`:
+    /// the step that is then the last, and under way, ends at that planned time of it in motion,
+    /// and goes on into what comes. `false`, and nothing is changed: none would be left, or what is
+    /// left goes on into what comes so soon that the way in which an override or a hold changes the
+    /// rate now may lead beyond it.
     pub fn give_up(&mut self, steps: usize, at: Option<f64>) -> bool {
         let stays = self.queue.len().saturating_sub(steps);
         if stays <= self.chained || at.is_some() && stays != 1 {
@@ -104,7 +107,8 @@ impl Kernel {
         self.queue.get(index).and_then(|step| Track::of(&step.kind))
     }
 
-    /// The first steps, which move, last longer than what is looked at for a change of the rate. `at`: where the last one ends.
+    /// The first steps, which move, last longer than what is looked at for a change of the rate.
+    /// `at`: where the last one ends.
     fn goes_on_long(&self, steps: usize, at: Option<f64>) -> bool {
         let Some(UnderWay { done, pace }) = self.under_way() else { return false };
         let sees = SIGHT as f64 * self.config.period.value() * pace;
@@ -127,7 +131,8 @@ impl Kernel {
         self.reported = Some((FaultKind::DriveAlarm, of));
     }
 
-    /// The process that leads the kernel is gone, or not to be believed any more: the next tick finds this alarm.
+    /// The process that leads the kernel is gone, or not to be believed any more: the next tick
+    /// finds this alarm.
     pub const fn report_control(&mut self, kind: FaultKind) {
         self.reported = Some((kind, Subject::Machine));
     }
@@ -139,8 +144,8 @@ impl Kernel {
 
     /// Nothing moves any more, by the setpoints, and nothing is about to.
     pub fn is_standing(&self) -> bool {
-        /// A nanometre, or a millionth of a degree, a second: what rounding leaves of the speed of an axis that follows an encoder
-        /// which does not turn.
+        /// A nanometre, or a millionth of a degree, a second: what rounding leaves of the speed of
+        /// an axis that follows an encoder which does not turn.
         const ROUNDING: f64 = 1e-6;
         let axes = self.drives.axes.iter().flatten().all(|axis| axis.target.speed.abs() < ROUNDING);
         let spindles = self.drives.spindles.iter().flatten();
@@ -152,14 +157,15 @@ impl Kernel {
         }
     }
 
-    /// A tap that stands in its thread can come out by the control that stopped it: no drive or encoder of it is gone.
+    /// A tap that stands in its thread can come out by the control that stopped it: no drive or
+    /// encoder of it is gone.
     pub fn can_back_out(&self) -> bool {
         let drives = matches!(self.mode, Mode::Running | Mode::Halted) && self.drive_lost.is_none();
         drives && self.is_standing() && self.engaged().is_some()
     }
 
-    /// No step begins now: the operator holds, and the axes stand. A move that flows on into the next one
-    /// slows down in it.
+    /// No step begins now: the operator holds, and the axes stand. A move that flows on into the
+    /// next one slows down in it.
     pub(super) fn holds_before(&mut self, line: u32) -> bool {
         if self.drives.flowing {
             return false;
@@ -167,8 +173,8 @@ impl Kernel {
         self.operator.holds_line(line, self.report.line) || self.operator.wants_rest()
     }
 
-    /// The operator's hold, once everything stands: it is said, and an abort forgets the rest. A tap that
-    /// stands in its thread stays there until it is told to go on, or out.
+    /// The operator's hold, once everything stands: it is said, and an abort forgets the rest. A
+    /// tap that stands in its thread stays there until it is told to go on, or out.
     pub(super) fn hold(&mut self) {
         if !self.operator.wants_rest() || self.aborted || !self.is_held() {
             return;

@@ -1,5 +1,5 @@
-//! The tap in work, as others have to know it: what is coupled, what is written down of it, and the way out of the
-//! work after everything has stopped.
+//! The tap in work, as others have to know it: what is coupled, what is written down of it, and the
+//! way out of the work after everything has stopped.
 use super::{Kernel, Mode};
 use crate::encoder_plausibility::EncoderPlausibility;
 use crate::execute::Activity;
@@ -15,8 +15,8 @@ use sync::{Coupling, SyncMode};
 const AT_SURFACE_MM: f64 = 1e-3;
 
 impl Kernel {
-    /// Take a tool out of the work, and do nothing else: what waited is forgotten, what stopped the machine before
-    /// has had its answer. The drives come up, each where it stands.
+    /// Take a tool out of the work, and do nothing else: what waited is forgotten, what stopped the
+    /// machine before has had its answer. The drives come up, each where it stands.
     pub fn recover(&mut self, plan: RecoveryPlan) {
         self.begin_anew();
         self.recovering = Some(Recovering::new(plan, self.now));
@@ -45,8 +45,9 @@ impl Kernel {
         }
     }
 
-    /// The coupling of the tap that is in work, from where the tap is clear of the work to where it turns back, with
-    /// the sense in which it goes; `None` while none is engaged. What a recovery has to know if everything stops now.
+    /// The coupling of the tap that is in work, from where the tap is clear of the work to where it
+    /// turns back, with the sense in which it goes; `None` while none is engaged. What a recovery
+    /// has to know if everything stops now.
     pub fn engaged(&self) -> Option<sync::recovery::Stored> {
         match (&self.activity, self.queue.front()) {
             (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. })) => {
@@ -95,7 +96,8 @@ impl Kernel {
         })
     }
 
-    /// While the axes are on their way to a tap and its spindle stands already: ask for its record now.
+    /// While the axes are on their way to a tap and its spindle stands already: ask for its record
+    /// now.
     pub(super) fn foresee(&mut self) {
         let following = self.config.synchronisation != SyncMode::CommandSynchronised;
         let travels = matches!(self.activity, Activity::Moving(..) | Activity::Settling { .. });

@@ -1,4 +1,5 @@
-//! A tool that is tied to a spindle, but not screwed to the work: what is known of its way out, and when it takes it.
+//! A tool that is tied to a spindle, but not screwed to the work: what is known of its way out, and
+//! when it takes it.
 //!
 //! ```text
 //!   WayOut step ─► written down? ─► in force ── the pass is over, or WayOut(None) ─► out
@@ -22,7 +23,8 @@ use motion::{TiedCut, WayOut};
 const KEPT: usize = crate::queue::QUEUE / 2;
 
 impl Kernel {
-    /// Take a tool out of work that it is not screwed to, and do nothing else, as for [`Kernel::recover`].
+    /// Take a tool out of work that it is not screwed to, and do nothing else, as for
+    /// [`Kernel::recover`].
     pub fn withdraw(&mut self, plan: WithdrawalPlan) {
         self.begin_anew();
         self.withdrawing = Some(Withdrawing::new(plan, self.now));
@@ -104,7 +106,8 @@ impl Kernel {
         (self.chained, self.begun, self.activity) = (0, false, Activity::Idle);
     }
 
-    /// What leads the tool off a thread at a hold: nothing where the chain is not kept from its beginning.
+    /// What leads the tool off a thread at a hold: nothing where the chain is not kept from its
+    /// beginning.
     pub(super) fn off_thread(&self) -> Option<WayOut> {
         let way_out = self.way_out?;
         let first = self.queue.front()?;
@@ -146,7 +149,8 @@ impl Kernel {
         false
     }
 
-    /// Stopped by an alarm: go on leaving the work, until the spindles may stop. The axis that does.
+    /// Stopped by an alarm: go on leaving the work, until the spindles may stop. The axis that
+    /// does.
     pub(super) fn retreat(&mut self, threading: bool) -> Option<usize> {
         let retreating = self.retreating.as_mut()?;
         let (axis, was) = (retreating.axis(), retreating.is_out());
@@ -164,7 +168,8 @@ impl Kernel {
         Some(axis)
     }
 
-    /// Whether the axis that takes the tool off the work obeys: one whose encoder stands still would run away.
+    /// Whether the axis that takes the tool off the work obeys: one whose encoder stands still
+    /// would run away.
     pub(super) fn check_retreating(&self) -> Result<(), crate::drives::Finding> {
         let retreating = self.retreating.filter(|retreating| !retreating.is_out());
         match retreating {
@@ -173,7 +178,8 @@ impl Kernel {
         }
     }
 
-    /// A thread that is being turned keeps its coupling until the spindle stands, or the chain is over.
+    /// A thread that is being turned keeps its coupling until the spindle stands, or the chain is
+    /// over.
     pub(super) fn stay_on_thread(&mut self) -> bool {
         let Activity::Threading = &self.activity else { return false };
         let Some(step) = self.queue.get(self.chained) else { return false };

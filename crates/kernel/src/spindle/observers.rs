@@ -1,8 +1,9 @@
-//! How a spindle turns, by its encoder: as quickly as its counts allow, and so smoothly that an axis can follow it.
+//! How a spindle turns, by its encoder: as quickly as its counts allow, and so smoothly that an
+//! axis can follow it.
 //!
-//! Decisions, windows and alarms go by the quick one. A follower's setpoint has each count of it as an acceleration of α·q/h²
-//! ([`sync::SmoothObserver`]): where that is much, it goes by the smooth one, which is told what a speed-commanded drive is about to
-//! do.
+//! Decisions, windows and alarms go by the quick one. A follower's setpoint has each count of it as
+//! an acceleration of α·q/h² ([`sync::SmoothObserver`]): where that is much, it goes by the smooth
+//! one, which is told what a speed-commanded drive is about to do.
 use super::SpindleLoop;
 use crate::config::SpindleControl;
 use core::f64::consts::TAU;
@@ -83,8 +84,9 @@ impl Observers {
         self.smooth.map_or_else(|| self.now(), |smooth| smooth.now())
     }
 
-    /// A spindle that stands is seen to stand by a follower as well: the smooth one has learnt what a drive with ramps of its own did
-    /// differently from the model. One that obeys does what the smooth one is told.
+    /// A spindle that stands is seen to stand by a follower as well: the smooth one has learnt what
+    /// a drive with ramps of its own did differently from the model. One that obeys does what the
+    /// smooth one is told.
     fn agree(&self) -> bool {
         let learns = self.smooth.filter(|_| self.ramp.is_some());
         learns.is_none_or(|smooth| smooth.stands())

@@ -1,4 +1,5 @@
-//! A spindle is held, where it stands or at an angle: by the position loop, or by a drive that orients it by itself.
+//! A spindle is held, where it stands or at an angle: by the position loop, or by a drive that
+//! orients it by itself.
 //!
 //! ```text
 //!   hold(angle) ─► at rest? ─┬─ no ─► stop, and the call is repeated
@@ -6,7 +7,8 @@
 //!                            └─ the drive orients ──► told the angle ─► it says that it is there, or that it cannot
 //! ```
 //!
-//! What such a drive says counts from when it obeys: before that it is about the angle at which it stood.
+//! What such a drive says counts from when it obeys: before that it is about the angle at which it
+//! stood.
 use super::{SpindleLoop, Task};
 use bus::SpindleFeedback;
 use sync::{Blend, Rotation};
@@ -51,8 +53,8 @@ impl SpindleLoop {
         }
     }
 
-    /// Hold it, at an angle within a turn or where it stands. It should stand; if it does not, it is
-    /// stopped first and the call repeated.
+    /// Hold it, at an angle within a turn or where it stands. It should stand; if it does not, it
+    /// is stopped first and the call repeated.
     pub(crate) fn hold(&mut self, angle: Option<Angle>) {
         match self.order {
             Task::Turn(..) => return,

@@ -10,8 +10,8 @@ impl SpindleLoop {
         self.changing_s = 0.0;
     }
 
-    /// X is ordered to this place: the speed that belongs to it, which is reached on the ramps that nobody planned. The
-    /// operator's share acts on it, and the program's limit on both.
+    /// X is ordered to this place: the speed that belongs to it, which is reached on the ramps that
+    /// nobody planned. The operator's share acts on it, and the program's limit on both.
     pub(crate) fn follow_surface(&mut self, x: Length) {
         let Some(surface) = self.surface else { return };
         let spin = surface.at(x).value();
@@ -20,7 +20,8 @@ impl SpindleLoop {
         self.order = Task::Slew(self.overridden(spin).clamp(-limit, limit));
     }
 
-    /// The speed that a cut needs where it turns by the place of X: the one that its ramps have reached.
+    /// The speed that a cut needs where it turns by the place of X: the one that its ramps have
+    /// reached.
     pub(crate) fn by_surface(&self) -> Option<Spin> {
         self.surface.map(|_| self.ordered.spin)
     }

@@ -21,8 +21,8 @@ pub(super) fn stay(axis: &mut AxisLoop) -> Outcome {
 }
 
 impl TapRun {
-    /// Whether the axis, which follows a spindle that does not obey, is not too deep; it is said once, and the axis brakes
-    /// from then on.
+    /// Whether the axis, which follows a spindle that does not obey, is not too deep; it is said
+    /// once, and the axis brakes from then on.
     pub(super) fn check_depth(&mut self, plan: &TapPlan, axis: &AxisLoop) -> Result<(), Finding> {
         let inward = (plan.bottom.value() - plan.start.along(plan.axis).value()).signum();
         let deepest = plan.deepest.value();

@@ -25,7 +25,8 @@ impl Transport {
         Self { readings: [first; MAX_TRANSPORT as usize + 1], age }
     }
 
-    /// The master that an encoder-following axis obeys: the reading that has arrived, or what it predicts.
+    /// The master that an encoder-following axis obeys: the reading that has arrived, or what it
+    /// predicts.
     pub(super) fn master(&mut self, mode: SyncMode, spindle: &SpindleLoop, period: Time) -> Master {
         let (seen, followed) = (spindle.now(), spindle.followed());
         match mode {

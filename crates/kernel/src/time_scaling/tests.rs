@@ -6,7 +6,8 @@ use std::vec::Vec;
 
 const DT: f64 = 1e-3;
 const ACCEL: f64 = 1000.0;
-/// Each period that is looked at is looked at twice; so are the one under way and the first one of each try.
+/// Each period that is looked at is looked at twice; so are the one under way and the first one of
+/// each try.
 const MOST_LOOKS: usize = 2 * SIGHT + 2 * (TRIES + 2);
 
 fn limits(jerk: f64) -> Limits {
@@ -102,7 +103,8 @@ fn loads(seen: &[([f64; AXES], f64)], jerk: f64) -> (f64, f64) {
     most
 }
 
-/// From 100 mm/s an axis needs v/A + A/J to stand, or 2·√(v/J) where A is not reached; v/A without a limit of jerk.
+/// From 100 mm/s an axis needs v/A + A/J to stand, or 2·√(v/J) where A is not reached; v/A without
+/// a limit of jerk.
 #[test]
 fn a_hold_on_a_straight_line_takes_as_long_as_the_limits_ask_for() {
     for (jerk, least) in [(f64::INFINITY, 0.1), (20e3, 0.15), (5e3, 2.0 * libm::sqrt(0.02))] {
@@ -126,8 +128,8 @@ fn another_share_is_reached_exactly_and_kept() {
     }
 }
 
-/// On a circle that takes all of the acceleration, or all of the jerk, no axis has anything left at rate 1: a change has
-/// to be begun where the axes leave room for it.
+/// On a circle that takes all of the acceleration, or all of the jerk, no axis has anything left at
+/// rate 1: a change has to be begun where the axes leave room for it.
 #[test]
 fn a_hold_comes_where_both_limits_are_used_up() {
     // v²/r = A; v³/r² = J
@@ -163,7 +165,8 @@ proptest! {
     }
 }
 
-/// What comes behind the last step that is known may leave no room for a change that is still under way there.
+/// What comes behind the last step that is known may leave no room for a change that is still under
+/// way there.
 #[test]
 fn a_change_ends_within_what_is_known_of_the_plan() {
     for ahead in [0.01, 0.02, 0.04] {
@@ -183,7 +186,8 @@ fn a_plan_beyond_its_limits_can_be_held() {
     assert_eq!(seen[3999].1, 0.0);
 }
 
-/// An easing that ends beside the wanted rate by rounding has come to it: else a hold would never be one.
+/// An easing that ends beside the wanted rate by rounding has come to it: else a hold would never
+/// be one.
 #[test]
 fn a_rate_that_is_wanted_but_for_rounding_is_reached() {
     let looks = Cell::new(0);

@@ -156,7 +156,8 @@ impl Bench {
         }
     }
 
-    /// Whether the thread is in the class that was asked, and said to be recovered, as it would be certified now.
+    /// Whether the thread is in the class that was asked, and said to be recovered, as it would be
+    /// certified now.
     fn judged(&self) -> (bool, bool) {
         let features = self.judge.clone().finish();
         match features.first().map(|f| &f.kind) {
@@ -165,8 +166,8 @@ impl Bench {
         }
     }
 
-    /// Wait until nothing turns or moves, ten seconds at most: a spindle without its drive may creep for longer, turned
-    /// by a tap that is pressed.
+    /// Wait until nothing turns or moves, ten seconds at most: a spindle without its drive may
+    /// creep for longer, turned by a tap that is pressed.
     fn run_down(&mut self) {
         let mut still = 0;
         let mut before = self.truth().axes[2];
@@ -252,14 +253,15 @@ impl Bench {
         }
     }
 
-    /// Stop here with the drives alive, then take the tap out: the distance from the line in the stop, and on the way
-    /// out, µm.
+    /// Stop here with the drives alive, then take the tap out: the distance from the line in the
+    /// stop, and on the way out, µm.
     pub fn stop(mut self, how: Stop) -> Result<(f64, f64), String> {
         self.worst = Length::ZERO;
         match how {
             Stop::Hold => self.kernel.order(Order::FeedHold),
             Stop::Abort => self.kernel.order(Order::Abort),
-            // the reading of the guided axis is well; the spindle's drive complains of something else
+            // the reading of the guided axis is well; the spindle's drive complains of something
+            // else
             Stop::Alarm => self.kernel.report_alarm(kernel::Subject::Spindle(0)),
         }
         if !self.until(5.0, |b| b.kernel.is_standing()) {

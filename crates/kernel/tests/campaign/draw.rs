@@ -142,7 +142,8 @@ impl Dice {
     }
 }
 
-/// Torque of a tap in C45, by the tap makers' formula, with a spiral flute and 5 % of scatter: what a planner reckons with.
+/// Torque of a tap in C45, by the tap makers' formula, with a spiral flute and 5 % of scatter: what
+/// a planner reckons with.
 fn cut_n_m(diameter: f64, pitch: f64) -> f64 {
     let (kc, flute, wall) = (3900.0, 1.15, pitch);
     let bored = diameter - pitch;
@@ -159,7 +160,8 @@ pub const fn name(reaction: DriveReaction) -> &'static str {
     }
 }
 
-/// Cases at random, `count` from a seed: a row for each fault, and for what the drives do by themselves in it.
+/// Cases at random, `count` from a seed: a row for each fault, and for what the drives do by
+/// themselves in it.
 pub fn random(count: u32, seed: u64, mut told: impl FnMut(u32)) -> BTreeMap<String, Tally> {
     let mut rows: BTreeMap<String, Tally> = BTreeMap::new();
     for number in 0..count {

@@ -167,7 +167,8 @@ impl Tally {
     }
 }
 
-/// A line of a campaign: cases, recovered, nothing to do, refused, not as promised; off the thread at rest, and on the way out, µm.
+/// A line of a campaign: cases, recovered, nothing to do, refused, not as promised; off the thread
+/// at rest, and on the way out, µm.
 pub fn sum(title: &str, counts: [usize; 5], [stop_um, out_um]: [f64; 2]) -> String {
     let [cases, recovered, nothing, refused, broken] = counts;
     format!("SUM|{title}|{cases}|{recovered}|{nothing}|{refused}|{broken}|{stop_um:.2}|{out_um:.2}")

@@ -1,4 +1,5 @@
-//! The campaign of stops: whatever ends a tap, wherever it comes, the tap leaves along its own helix.
+//! The campaign of stops: whatever ends a tap, wherever it comes, the tap leaves along its own
+//! helix.
 //!
 //! ```text
 //!   one run into the tap ──┬── t₁: clone, strike, run down, mend, recover, measure
@@ -6,8 +7,9 @@
 //!                          └── …              the machine, its control and the judge are copied at each instant
 //! ```
 //!
-//! Measured by the machine's truth: the distance of the axis from the coupling's line while the recovery takes the tap
-//! out through the work, whether the tap broke, and the class of what was cut, at the stop and after the recovery.
+//! Measured by the machine's truth: the distance of the axis from the coupling's line while the
+//! recovery takes the tap out through the work, whether the tap broke, and the class of what was
+//! cut, at the stop and after the recovery.
 #![allow(clippy::unwrap_used)] // a test may panic
 mod bench;
 mod draw;

@@ -1,5 +1,5 @@
-//! A tapping centre, its control, and words to drive it: the simulated machine has the figures of the
-//! machine file `tapping-center`; the kernel is told the same.
+//! A tapping centre, its control, and words to drive it: the simulated machine has the figures of
+//! the machine file `tapping-center`; the kernel is told the same.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 use bus::{Machine, Sample};
 use canon::{Axis, Position};
@@ -321,7 +321,8 @@ pub fn line(from: Position, to: Position, speed: f64, exact_stop: bool) -> StepK
     }))
 }
 
-/// A straight ramp of the spindle from one speed to another, at an acceleration the drive has anywhere.
+/// A straight ramp of the spindle from one speed to another, at an acceleration the drive has
+/// anywhere.
 pub fn turn(from_rpm: f64, to_rpm: f64) -> StepKind {
     let (from, to) = (from_rpm / 60.0, to_rpm / 60.0);
     let a = 200.0 * (to - from).signum();
@@ -407,8 +408,8 @@ pub fn run_ordered(
 }
 
 impl Run {
-    /// True distance of Z from the helix of a tap, µm, at each sample while it is synchronised and below
-    /// the surface: from the moment the tap began, by the machine's truth.
+    /// True distance of Z from the helix of a tap, µm, at each sample while it is synchronised and
+    /// below the surface: from the moment the tap began, by the machine's truth.
     pub fn sync_errors_um(&self, order: &TapOrder) -> Vec<f64> {
         let lead = if order.left { order.lead_mm } else { -order.lead_mm };
         let first = self.samples.iter().find(|s| s.report.state == bus::State::TapIn);

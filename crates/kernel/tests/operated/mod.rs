@@ -1,5 +1,5 @@
-//! A kernel with its planner, an operator who may order anything at any instant, and axes that are where they are told to be:
-//! X, Y, Z and C, all alike, C in degrees.
+//! A kernel with its planner, an operator who may order anything at any instant, and axes that are
+//! where they are told to be: X, Y, Z and C, all alike, C in degrees.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 use super::common::{SPINDLE_LIMITS, control, machine};
 use bus::{AXES, AxisFeedback, Feedback, SpindleFeedback};
@@ -68,19 +68,22 @@ pub fn planned(ops: &[Op], jerk: f64) -> Vec<Step> {
     steps
 }
 
-/// Setpoints, a period apart, and the line that each serves. The axes are where they were told to be.
+/// Setpoints, a period apart, and the line that each serves. The axes are where they were told to
+/// be.
 pub struct Seen {
     pub at: Vec<([f64; AXES], u32)>,
     pub faults: Vec<kernel::Fault>,
     pub ended: bool,
 }
 
-/// Orders by the period in which they come; at the end everything is let go, so that the program ends.
+/// Orders by the period in which they come; at the end everything is let go, so that the program
+/// ends.
 pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
     run_replanning(ops, jerk, orders, false)
 }
 
-/// The same; `ahead`: a new plan takes over from a moment ahead, as it has to where planning takes time.
+/// The same; `ahead`: a new plan takes over from a moment ahead, as it has to where planning takes
+/// time.
 pub fn run_replanning(ops: &[Op], jerk: f64, orders: &[(usize, Order)], ahead: bool) -> Seen {
     let limits = limits(jerk);
     let mut config = control(&machine(0));

@@ -27,8 +27,8 @@ pub(super) fn overrun(thread: &ThreadSize, spin: Spin, drive: &sim::PlainDrive) 
     thread.lead().abs() * (spin * (drive.delay + spin / drive.decel / 2.0))
 }
 
-/// How far its holder is pulled out on the way back: by what the spindle has run on, and as much again that it misses while it
-/// runs up and the feed goes at once.
+/// How far its holder is pulled out on the way back: by what the spindle has run on, and as much
+/// again that it misses while it runs up and the feed goes at once.
 pub(super) fn pulled_out(thread: &ThreadSize, spin: Spin, drive: &sim::PlainDrive) -> Length {
     overrun(thread, spin, drive) * 2.0
 }

@@ -1,5 +1,6 @@
 //! What a clutch holder is for, shown. The same holes are tapped twice on a spindle whose speed,
-//! stopping time and relay scatter: with a clutch holder, and conventionally with a tension/compression holder.
+//! stopping time and relay scatter: with a clutch holder, and conventionally with a
+//! tension/compression holder.
 //!
 //! ```text
 //!   program ─► tools in a clutch holder ───► run on a scattered spindle ─► depth of each hole ─► mean, 1σ
@@ -30,7 +31,8 @@ const AT_SPEED: f64 = 0.10;
 const HOLES_A_RUN: usize = 200;
 /// R plane over the work, unless the conventional cycle needs a higher one.
 const CLEARANCE: Length = Length::mm(5.0);
-/// By how much more than the mean the scattered spindle overruns and pulls its holder out, as a share.
+/// By how much more than the mean the scattered spindle overruns and pulls its holder out, as a
+/// share.
 const SCATTERED: f64 = 0.5;
 /// Most travel that tension/compression holders have (makers' tables: 5 to 40 mm for M3 to M30).
 const MOST_TRAVEL: Length = Length::mm(40.0);
@@ -47,7 +49,8 @@ struct Case {
 }
 
 impl Case {
-    /// Its holder; one that floats has the travel that the spindle asks for, as far as there are such holders.
+    /// Its holder; one that floats has the travel that the spindle asks for, as far as there are
+    /// such holders.
     fn holder(&self, args: &CompareOptions, drive: &sim::PlainDrive) -> Holder {
         let thread = args.size.as_deref().unwrap_or("M6").parse::<ThreadSize>();
         match (self.holder, thread) {
@@ -122,7 +125,8 @@ pub struct Compared {
     pub closed_form: Option<String>,
 }
 
-/// Tap the same holes with a clutch holder and without, on a spindle that scatters; `progress` hears of every hole.
+/// Tap the same holes with a clutch holder and without, on a spindle that scatters; `progress`
+/// hears of every hole.
 ///
 /// # Errors
 /// A number is out of its range, the program is refused, or there is nothing to tap.
@@ -173,7 +177,8 @@ fn drive_limits(args: &CompareOptions) -> Result<plan::SpindleLimits, Refused> {
         .ok_or_else(|| Refused::because("this machine has no spindle to tap with".to_owned()))
 }
 
-/// The drive that scatters; its ramp is as long as the machine's own from the speed of the comparison to rest.
+/// The drive that scatters; its ramp is as long as the machine's own from the speed of the
+/// comparison to rest.
 fn drive(args: &CompareOptions) -> Result<sim::PlainDrive, Refused> {
     let spindle = drive_limits(args)?;
     let speed = Spin::rpm(args.speed);
@@ -269,7 +274,8 @@ fn way(
     Ok(way)
 }
 
-/// There is a thread whose depth means something: the tap was in the material, and came out of it whole.
+/// There is a thread whose depth means something: the tap was in the material, and came out of it
+/// whole.
 fn is_cut(feature: &Feature, thread: &verify::Thread) -> bool {
     feature.contact.is_cut() && thread.is_gauged()
 }
@@ -300,7 +306,8 @@ fn run_once(
         })?
         .with_plain_drive(drive);
     let judge = verify::Config { synchronised: false, ..job.judge() };
-    // the drive of the conventional cycle stops as it may, and nothing in this cycle asks it to do otherwise
+    // the drive of the conventional cycle stops as it may, and nothing in this cycle asks it to do
+    // otherwise
     let mut control = config::control(&job.session.machine, None, false);
     for spindle in control.spindles.iter_mut().flatten() {
         spindle.follows_orders = false;

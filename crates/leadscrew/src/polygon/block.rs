@@ -12,7 +12,8 @@ const D: [u32; CANDIDATES.len()] = [4, 2, 1, 3, 5, 6];
 const READABLE: usize = 16;
 
 impl Design {
-    /// The block to use, and what stands around it; what would be a page of harmonics is left to the control.
+    /// The block to use, and what stands around it; what would be a page of harmonics is left to
+    /// the control.
     pub fn gcode(&self, way: &SolvedMotion) -> String {
         let written = self.program(&way.solution, self.work, self.length, None);
         let count = written.lines().filter(|line| line.starts_with("G51.3")).count();

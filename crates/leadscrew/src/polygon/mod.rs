@@ -140,7 +140,8 @@ pub enum Progress {
 /// From the form wanted to the block that cuts it.
 ///
 /// # Errors
-/// A number is out of its range, the form cannot be cut so, or this machine has nothing that may swing.
+/// A number is out of its range, the form cannot be cut so, or this machine has nothing that may
+/// swing.
 pub fn design(
     options: &PolygonOptions,
     hear: &mut dyn FnMut(Progress),
@@ -324,7 +325,8 @@ impl Design {
     }
 }
 
-/// The number of the cutter that a form needs, and what is wrong with the table if that has another one or none.
+/// The number of the cutter that a form needs, and what is wrong with the table if that has another
+/// one or none.
 fn called(args: &PolygonOptions, form: &Form) -> Result<(u32, Option<String>), Refused> {
     /// Lowest number of a cutter that the table lacks.
     const FIRST_FREE: u32 = 21;

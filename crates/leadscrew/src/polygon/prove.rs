@@ -1,5 +1,5 @@
-//! What comes of an oscillation on the machine itself, over the speeds: run with all its physics, once as computed, then
-//! with what an air cut has shown of its loops.
+//! What comes of an oscillation on the machine itself, over the speeds: run with all its physics,
+//! once as computed, then with what an air cut has shown of its loops.
 //!
 //! ```text
 //!   speed ─► computed ─► run: cut, retreat, G51.4 in the air ─► flatness as sent

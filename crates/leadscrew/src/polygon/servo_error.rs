@@ -1,4 +1,5 @@
-//! What the drives may leave of a facet that is flat by its numbers: the servo error, stated beside every claim.
+//! What the drives may leave of a facet that is flat by its numbers: the servo error, stated beside
+//! every claim.
 //!
 //! ```text
 //!   ordered ─► G as the machine's file says ─► expected                       flatness, size
@@ -12,9 +13,10 @@
 //!            stretch and force that are not as believed ──────► worst ─┘
 //! ```
 //!
-//! At a reversal friction and play change sides. The motor has to get ahead by w(t) = F(t)/k ± b/2; F(t) by the bristles of
-//! LuGre along the ordered motion, harmonic by harmonic through the loops ([`super::servo`]). Sums of what each cause can do
-//! alone, all at their worst together: a bound, several times what is usual.
+//! At a reversal friction and play change sides. The motor has to get ahead by w(t) = F(t)/k ± b/2;
+//! F(t) by the bristles of LuGre along the ordered motion, harmonic by harmonic through the loops
+//! ([`super::servo`]). Sums of what each cause can do alone, all at their worst together: a bound,
+//! several times what is usual.
 use control::polygon::Servo;
 use control::polygon::Slide;
 use control::polygon::drives::{self, Answer, FRICTION, STIFFNESS};
@@ -24,7 +26,8 @@ use store::machine::{Axis, MachineFile, Motor, PositionFrom, eccentric};
 use sync::{Complex, Spectrum};
 use units::{Length, Spin};
 
-/// How well a loop's answer is known, as a share of what it differs from one: by the machine's file, and measured.
+/// How well a loop's answer is known, as a share of what it differs from one: by the machine's
+/// file, and measured.
 const BY_FILE: f64 = 0.5;
 const MEASURED: f64 = 0.1;
 /// Play changes sides over this share of the friction.
@@ -54,7 +57,8 @@ pub(super) struct Swung<'a> {
     pub(super) measured: Vec<Vec<[f64; 2]>>,
 }
 
-/// Errors of position of an axis: once per turn of its screw (amplitude, mm), growing with the way, and the steepest of both.
+/// Errors of position of an axis: once per turn of its screw (amplitude, mm), growing with the way,
+/// and the steepest of both.
 struct Pitch {
     wobble: f64,
     cumulative: f64,
@@ -70,7 +74,8 @@ impl Swung<'_> {
         self.through(None, &|_, g, _| g)
     }
 
-    /// By how much the cut may differ from what is expected; `None`: some facet is not cut at all then.
+    /// By how much the cut may differ from what is expected; `None`: some facet is not cut at all
+    /// then.
     pub(super) fn error(&self) -> Option<ServoError> {
         let expected = self.expected()?;
         let nominal = self.form.cut(&expected)?;
@@ -168,7 +173,8 @@ impl Swung<'_> {
         self.machine.axes.iter().flatten().find(|axis| axis.letter == letter)
     }
 
-    /// What reversals of a slide leave: of the lead that comes late, of a stretch that is not as believed, of a force that is not.
+    /// What reversals of a slide leave: of the lead that comes late, of a stretch that is not as
+    /// believed, of a force that is not.
     fn reversals(
         &self,
         series: &Series,
@@ -219,7 +225,8 @@ impl Swung<'_> {
         (half / self.form.tip_radius.value()).min(FRAC_PI_2).sin()
     }
 
-    /// How far X may stand from where its encoder says, by its screw or scale, mm; its zero was touched off as much off.
+    /// How far X may stand from where its encoder says, by its screw or scale, mm; its zero was
+    /// touched off as much off.
     fn misplaced(&self) -> f64 {
         self.axis(Actuator::CentreLine).map_or(0.0, |axis| {
             let distance = self.form.across_flats.value() / 2.0 + self.form.tip_radius.value();
@@ -245,7 +252,8 @@ impl Swung<'_> {
         }
     }
 
-    /// How far from where it is believed X may stand, between the ends of its friction and play, mm.
+    /// How far from where it is believed X may stand, between the ends of its friction and play,
+    /// mm.
     fn standing(&self) -> f64 {
         self.axis(Actuator::CentreLine).map_or(0.0, |axis| {
             let held = axis.friction.static_force.value() / axis.structure.stiffness.value();

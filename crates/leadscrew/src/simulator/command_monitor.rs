@@ -5,8 +5,9 @@
 //!                                 └ no: the control is cut off, and the drives stop by themselves from the last good command
 //! ```
 //!
-//! It knows the machine's file, the last command and the encoders; nothing of the control. Its limits are wider than the control's
-//! own monitor has them, so that of a control in order it says nothing:
+//! It knows the machine's file, the last command and the encoders; nothing of the control. Its
+//! limits are wider than the control's own monitor has them, so that of a control in order it says
+//! nothing:
 //!
 //! | what | most |
 //! |---|---|
@@ -15,8 +16,8 @@
 //! | speed that is ordered: of an axis, of a spindle | 1.25·V; 1.25 of the highest |
 //! | speed of an axis by its encoder | 1.5·V, and 20 mm/s |
 //!
-//! V is the largest speed that the file states for the axis: rapids, feeds, approach. Lengths of rotary axes are degrees. Numbers that
-//! are none do not come so far ([`wire`]).
+//! V is the largest speed that the file states for the axis: rapids, feeds, approach. Lengths of
+//! rotary axes are degrees. Numbers that are none do not come so far ([`wire`]).
 use bus::{AXES, Command, Feedback};
 use store::machine::{Axis, MachineFile};
 use units::{Coordinate, Spin, Time};
@@ -80,8 +81,8 @@ impl CommandMonitor {
         (self.last, self.read) = ([None; AXES], None);
     }
 
-    /// The control is told readings of this time: its next command answers them. One that has missed periods goes on from where
-    /// it would be.
+    /// The control is told readings of this time: its next command answers them. One that has
+    /// missed periods goes on from where it would be.
     pub(super) const fn tell(&mut self, time: Time) {
         self.told = [self.told[1], time];
     }
@@ -169,7 +170,8 @@ mod tests {
 
     const Z: usize = 2;
 
-    /// The last of some commands for Z and the first spindle, and what its encoder reads then: setpoint, speed, rpm, reading.
+    /// The last of some commands for Z and the first spindle, and what its encoder reads then:
+    /// setpoint, speed, rpm, reading.
     fn said(commands: &[(f64, f64, f64, f64)]) -> Result<(), String> {
         let file = machine_file::load("tapping-center").unwrap();
         let mut monitor = CommandMonitor::new(&file);

@@ -6,9 +6,10 @@
 //!   order     ──► a thread of its own: answered between two periods of A
 //! ```
 //!
-//! A control that comes while another one has the machine is refused, not queued: what it wanted would be done at a time of which
-//! its operator knows nothing. Only the drives' running down after a control that is gone is waited for. A control
-//! that is gone by then, or was before it could be heard, gets nothing done.
+//! A control that comes while another one has the machine is refused, not queued: what it wanted
+//! would be done at a time of which its operator knows nothing. Only the drives' running down after
+//! a control that is gone is waited for. A control that is gone by then, or was before it could be
+//! heard, gets nothing done.
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::os::unix::net::UnixStream;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

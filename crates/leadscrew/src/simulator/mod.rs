@@ -7,10 +7,11 @@
 //!              drives left alone: coast, quick stop or coupled stop ─► everything stands ─► next session
 //! ```
 //!
-//! In lock-step time waits for the control: the same inputs give the same outputs. When the control is gone the machine simulator
-//! runs down in its own time. With `--real-time` a period lasts as long as on a machine, and a control that is late gets its
-//! last command repeated until the drives' watchdog has had enough. Workpiece, tap and encoders live here and
-//! outlive every control.
+//! In lock-step time waits for the control: the same inputs give the same outputs. When the control
+//! is gone the machine simulator runs down in its own time. With `--real-time` a period lasts as
+//! long as on a machine, and a control that is late gets its last command repeated until the
+//! drives' watchdog has had enough. Workpiece, tap and encoders live here and outlive every
+//! control.
 mod command_monitor;
 mod exclusive;
 mod process;

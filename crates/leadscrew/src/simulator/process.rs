@@ -1,4 +1,5 @@
-//! The machine simulator itself: the simulated machine, what its encoders keep, and its drives when they are alone.
+//! The machine simulator itself: the simulated machine, what its encoders keep, and its drives when
+//! they are alone.
 use super::SimulatorOptions;
 use super::command_monitor::CommandMonitor;
 use super::retained::{Retained, least_certain};
@@ -12,7 +13,8 @@ use std::path::Path;
 use units::{Angle, Length, SpinAccel, Time};
 use wire::{Engagement, Observed, Stop, Welcome};
 
-/// The simulated machine, what its encoders and its retentive bits keep, and its drives when they are alone.
+/// The simulated machine, what its encoders and its retentive bits keep, and its drives when they
+/// are alone.
 pub struct SimulatorProcess {
     config: sim::Config,
     machine: SimulatedMachine,
@@ -36,7 +38,8 @@ pub struct SimulatorProcess {
     sessions: u64,
     /// Changes with each control, and when the mains fail.
     session: u64,
-    /// Since the session began: of the axis from the helix while tied to the spindle; of the force on the tap.
+    /// Since the session began: of the axis from the helix while tied to the spindle; of the force
+    /// on the tap.
     off_helix: Length,
     force_n: f64,
     pub(super) real_time: bool,
@@ -75,7 +78,8 @@ impl SimulatorProcess {
         Ok(Self {
             name: file.name.clone(),
             serial: options.serial,
-            // a new machine simulator has new encoders: nothing that was written of others holds for them
+            // a new machine simulator has new encoders: nothing that was written of others holds
+            // for them
             epoch: options.epoch.unwrap_or_else(|| RandomState::new().build_hasher().finish()),
             reactions: [
                 options.on_link_loss.unwrap_or(drives.on_link_loss),
@@ -212,8 +216,9 @@ impl SimulatorProcess {
         }
     }
 
-    /// The drives are alone: until everything stands. What an encoder does not keep without power is gone then. Drives that
-    /// nobody had enabled do nothing: a control that only looked leaves no trace.
+    /// The drives are alone: until everything stands. What an encoder does not keep without power
+    /// is gone then. Drives that nobody had enabled do nothing: a control that only looked leaves
+    /// no trace.
     pub(super) fn leave_alone(&mut self, why: Alone) {
         let enabled = self.last.axes.iter().any(|axis| axis.enable)
             || self.last.spindles.iter().any(|spindle| spindle.enable);

@@ -1,5 +1,5 @@
-//! What the machine keeps of a tool in its work, whatever becomes of the control and of its files: as the retentive bits of a
-//! machine's own logic do.
+//! What the machine keeps of a tool in its work, whatever becomes of the control and of its files:
+//! as the retentive bits of a machine's own logic do.
 //!
 //! ```text
 //!   command: tool 11 is in the work, number 7 ──► kept ──► control dies ──► next control is told: tool 11, number 7
@@ -7,8 +7,9 @@
 //!                                                                             └ states anything else: refused
 //! ```
 //!
-//! It is set by the command that lets the tool in and taken back by the control that has brought it out, or by an operator who
-//! has looked. Nothing else takes it back: not the end of a connection, and not a control that says nothing of it.
+//! It is set by the command that lets the tool in and taken back by the control that has brought it
+//! out, or by an operator who has looked. Nothing else takes it back: not the end of a connection,
+//! and not a control that says nothing of it.
 use units::Spin;
 use wire::{Engagement, Evidence, Sense, Stop};
 

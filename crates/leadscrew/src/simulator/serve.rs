@@ -40,8 +40,8 @@ impl Listening {
         self.simulator.who()
     }
 
-    /// One control after the other, and orders meanwhile, until a client orders the end. `lost` is told why a control is gone
-    /// that did not just end.
+    /// One control after the other, and orders meanwhile, until a client orders the end. `lost` is
+    /// told why a control is gone that did not just end.
     pub fn serve(self, lost: impl FnMut(&Error) + Send) {
         let Self { simulator, listener, path } = self;
         let served = Served {
@@ -136,7 +136,8 @@ impl Served {
         }
     }
 
-    /// An order is done between two periods of the control that has the machine, for a client that waits for its answer.
+    /// An order is done between two periods of the control that has the machine, for a client that
+    /// waits for its answer.
     fn order(
         &self,
         order: Order,
@@ -225,7 +226,8 @@ impl Served {
         }
     }
 
-    /// Let the machine obey for a period, and what the control is told of it if it `asks`; `None`: its mains have failed.
+    /// Let the machine obey for a period, and what the control is told of it if it `asks`; `None`:
+    /// its mains have failed.
     fn obey(
         &self,
         session: u64,
@@ -279,7 +281,8 @@ impl Served {
                 false
             };
             std::thread::sleep(due.saturating_duration_since(clock::now()));
-            // a machine simulator that was late itself has not waited for the control: its time begins anew from here
+            // a machine simulator that was late itself has not waited for the control: its time
+            // begins anew from here
             due = clock::now().max(due) + period;
             if silent.as_secs_f64() > watchdog.value() {
                 return Err(Error::Refused("silent for longer than the drives' watchdog".into()));

@@ -1,6 +1,7 @@
 //! The operations that take the longest, of a program of any length.
 //!
-//! Steps of neighbouring operations may alternate where a corner is rounded: only what lies far behind is over.
+//! Steps of neighbouring operations may alternate where a corner is rounded: only what lies far
+//! behind is over.
 use std::collections::BTreeMap;
 use units::Time;
 

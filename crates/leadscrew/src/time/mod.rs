@@ -1,7 +1,7 @@
 //! How long a program takes, by the planner that would run it, and what it asks of the axes.
 //!
-//! Times are added up from the planner's own steps: motion, spindle ramps, waits, tool changes. Peaks are taken from the
-//! setpoints as a drive would get them: differences at the servo period.
+//! Times are added up from the planner's own steps: motion, spindle ramps, waits, tool changes.
+//! Peaks are taken from the setpoints as a drive would get them: differences at the servo period.
 mod longest;
 mod peaks;
 mod shares;
@@ -34,7 +34,8 @@ pub struct Times {
 }
 
 impl Times {
-    /// Of nothing yet, for this session; `operations`: how many of them are kept, `None` is the ten longest.
+    /// Of nothing yet, for this session; `operations`: how many of them are kept, `None` is the ten
+    /// longest.
     pub fn new(session: &Session, operations: Option<usize>) -> Self {
         Self {
             all: Added::new(config::planner(&session.machine)),

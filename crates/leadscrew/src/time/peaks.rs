@@ -13,7 +13,8 @@ pub struct Peak {
     pub jerk: f64,
 }
 
-/// Samples what steps order, one after another; where their time is the spindle's turns, at the speed that is ordered.
+/// Samples what steps order, one after another; where their time is the spindle's turns, at the
+/// speed that is ordered.
 pub struct Peaks {
     period: f64,
     /// From the step's start to its first sample.

@@ -82,7 +82,8 @@ impl Change {
         Self { line: self.line, taken: self.text.clone(), text: self.taken.clone() }
     }
 
-    /// From where in its line to where in which one, and what comes there: no more than what changes.
+    /// From where in its line to where in which one, and what comes there: no more than what
+    /// changes.
     pub(crate) fn least(&self) -> ((u32, u32), (u32, u32), &str) {
         let same = self.taken.bytes().zip(self.text.bytes()).take_while(|(a, b)| a == b).count();
         let (taken, text) = (&self.taken[same..], &self.text[same..]);

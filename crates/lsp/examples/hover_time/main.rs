@@ -1,10 +1,11 @@
 //! Processor time of the language server in programs of 100,000 lines, after an edit.
 //!
-//! `cargo run --release -p lsp --example hover_time [PROGRAM [EDIT [REPETITIONS]]]`: the whole way, over the protocol,
-//! with the edit sent just before and nothing known of the new text. Each edit is made near the beginning, in the
-//! middle and near the end, and taken back. A row says, of one place of the edit, the median and the worst of all edits
-//! for a hover at the edit, for one at the end of the program, and for all findings of the new text being told;
-//! milliseconds of the server's own thread (`/proc/PID/task/TID/schedstat` of Linux). Without arguments everything is
+//! `cargo run --release -p lsp --example hover_time [PROGRAM [EDIT [REPETITIONS]]]`: the whole way,
+//! over the protocol, with the edit sent just before and nothing known of the new text. Each edit
+//! is made near the beginning, in the middle and near the end, and taken back. A row says, of one
+//! place of the edit, the median and the worst of all edits for a hover at the edit, for one at the
+//! end of the program, and for all findings of the new text being told; milliseconds of the
+//! server's own thread (`/proc/PID/task/TID/schedstat` of Linux). Without arguments everything is
 //! measured, once for each place.
 #![allow(clippy::unwrap_used, clippy::disallowed_methods)] // a measurement may stop
 mod edits;
@@ -111,7 +112,8 @@ impl Client {
         text.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-6
     }
 
-    /// Make a change, hover at once over a line (from 0) and wait for the findings: milliseconds up to either.
+    /// Make a change, hover at once over a line (from 0) and wait for the findings: milliseconds up
+    /// to either.
     fn hover_after(&mut self, change: &Change, line: usize) -> [f64; 2] {
         let (first, gone) = (change.line, change.taken.matches('\n').count());
         let new: Vec<_> = change.text.split_inclusive('\n').map(str::to_owned).collect();

@@ -8,7 +8,8 @@
 //!  from
 //! ```
 //!
-//! e is what the rotated start lacks to the programmed end, rounding of the program; spread over the way it makes no jump.
+//! e is what the rotated start lacks to the programmed end, rounding of the program; spread over
+//! the way it makes no jump.
 use super::{AXES, Derivatives, Point, Shape};
 
 /// A circle or helix in the plane of two axes; all other axes go along in proportion.

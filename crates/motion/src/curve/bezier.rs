@@ -4,9 +4,10 @@
 //!   q = B(t(s)),  0 ≤ t ≤ 1       q′ = B′·t′      q″ = B″·t′² + B′·t″      t′ = 1/|B′|
 //! ```
 //!
-//! B is the programmed curve (one of the third degree is raised, which changes nothing of it). Its own parameter t runs
-//! unevenly, so t is made a function of the length s: a polynomial that has the true s, t′ and t″ at both ends. Whoever makes
-//! the curve cuts it so that |q′| is 1 to within a percent or so.
+//! B is the programmed curve (one of the third degree is raised, which changes nothing of it). Its
+//! own parameter t runs unevenly, so t is made a function of the length s: a polynomial that has
+//! the true s, t′ and t″ at both ends. Whoever makes the curve cuts it so that |q′| is 1 to within
+//! a percent or so.
 use super::{AXES, Derivatives, Point, Shape};
 
 /// A part of a Bézier curve.
@@ -21,11 +22,12 @@ pub struct Bezier {
     length: f64,
 }
 
-/// Slowest |dB/dt| at the end of a part, relative to its length: below, the curve all but stands still, as at a cusp, and t
-/// runs evenly there.
+/// Slowest |dB/dt| at the end of a part, relative to its length: below, the curve all but stands
+/// still, as at a cusp, and t runs evenly there.
 const STILL: f64 = 1e-6;
 
-/// The same for a part that is shorter than a setpoint is fine, so that it does not matter how it is run through.
+/// The same for a part that is shorter than a setpoint is fine, so that it does not matter how it
+/// is run through.
 const STILL_WITHIN: (f64, f64) = (0.1, 1e-8);
 
 impl Bezier {
@@ -99,7 +101,8 @@ pub fn measure(way: &Point) -> f64 {
     libm::sqrt(x * x + y * y + z * z)
 }
 
-/// B and its derivatives by t: by differences, so that of an axis that rests they are zero to the last bit.
+/// B and its derivatives by t: by differences, so that of an axis that rests they are zero to the
+/// last bit.
 fn derivatives(control: &[Point; 6], t: f64) -> Derivatives {
     // de Casteljau's rows; the last three give the derivatives
     let mut row = *control;

@@ -9,8 +9,9 @@
 //! | s | parameter: length of the *programmed* path (RS-274/NGC's measure: along X Y Z if one of them moves, else along U V W, else degrees) | mm, ° |
 //! | q | axis positions | mm, ° |
 //!
-//! On a line and an arc |q′| is 1 over the axes that count. Where a corner is cut or a curve is fitted it is near 1 and
-//! as a rule below; s is *not* arc length there, so whoever needs an axis' speed, acceleration or jerk uses
+//! On a line and an arc |q′| is 1 over the axes that count. Where a corner is cut or a curve is
+//! fitted it is near 1 and as a rule below; s is *not* arc length there, so whoever needs an axis'
+//! speed, acceleration or jerk uses
 //!
 //! ```text
 //!   v = q′·ṡ      a = q″·ṡ² + q′·s̈      j = q‴·ṡ³ + 3·q″·ṡ·s̈ + q′·s⃛

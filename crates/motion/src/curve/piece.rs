@@ -44,7 +44,8 @@ pub enum Entry {
     Rest,
     /// q, q′ and q″ go on where the piece before ends: ṡ and s̈ are continuous.
     Smooth,
-    /// q and q′ go on, q″ jumps: ṡ is continuous; with a jerk limit on an axis whose q″ jumps, as slow as rest.
+    /// q and q′ go on, q″ jumps: ṡ is continuous; with a jerk limit on an axis whose q″ jumps, as
+    /// slow as rest.
     Tangent,
 }
 
@@ -58,7 +59,8 @@ pub struct Piece {
     pub begin: f64,
     /// How far it runs from there.
     pub length: f64,
-    /// The programmed feed, which ṡ is never above, or along a blend of X, Y and Z the speed; infinite for a rapid.
+    /// The programmed feed, which ṡ is never above, or along a blend of X, Y and Z the speed;
+    /// infinite for a rapid.
     pub feed: f64,
     /// Which of the two sets of [`Limits`] counts.
     pub rapid: bool,

@@ -16,7 +16,8 @@ pub struct Polynomial {
 }
 
 impl Polynomial {
-    /// The one that begins and ends with given position, slope and bend (Hermite's problem of the fifth degree).
+    /// The one that begins and ends with given position, slope and bend (Hermite's problem of the
+    /// fifth degree).
     pub fn between(from: &Derivatives, to: &Derivatives, length: f64) -> Self {
         let l = length;
         let mut c = [[0.0; AXES]; 6];

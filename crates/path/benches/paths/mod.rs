@@ -11,7 +11,8 @@ const FEED: f64 = 100.0;
 /// How far a chord of the surface is from it at most, mm.
 const CHORD_ERROR: f64 = 0.005;
 
-/// A surface in rows, trochoids as chords and as arcs, and corners everywhere; lines of 0.05 mm on, within `p` mm.
+/// A surface in rows, trochoids as chords and as arcs, and corners everywhere; lines of 0.05 mm on,
+/// within `p` mm.
 pub(crate) fn all(p: f64) -> Vec<Path> {
     vec![
         ("surface", lines(&surface(100_000), p)),
@@ -46,7 +47,8 @@ fn point(x: f64, y: f64, z: f64) -> Point {
     point
 }
 
-/// Rows of 100 mm over waves 0.3 mm apart, in chords of 0.05 to 0.5 mm, as long as their error allows.
+/// Rows of 100 mm over waves 0.3 mm apart, in chords of 0.05 to 0.5 mm, as long as their error
+/// allows.
 fn surface(count: usize) -> Vec<Point> {
     let height =
         |x: f64, y: f64| 4.0 * (x / 9.0).sin() * (y / 13.0).cos() + 0.8 * (x / 1.7 + y / 5.0).sin();

@@ -1,5 +1,6 @@
-//! Bézier curves of the fifth degree, cut into parts that can be run through evenly: each has a parameter by its length of
-//! its own ([`motion::Bezier`]), so that |q′| is 1 to within a percent or so.
+//! Bézier curves of the fifth degree, cut into parts that can be run through evenly: each has a
+//! parameter by its length of its own ([`motion::Bezier`]), so that |q′| is 1 to within a percent
+//! or so.
 use super::{Bezier, Point, Shape, measure};
 use alloc::vec::Vec;
 
@@ -64,7 +65,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// However short the parts are: a rounding over the third power of a part's length is no jerk.
+        /// However short the parts are: a rounding over the third power of a part's length is no
+        /// jerk.
         #[test]
         fn an_axis_that_rests_rests_to_the_last_bit(
             rest in -1000.0..1000.0_f64,

@@ -14,13 +14,15 @@
 //! | w | swing to the outer side |
 //! | m | way along both lines in the middle |
 //!
-//! One axis comes to rest while the other one leaves it: how long both may do so at once is the time that a blend saves over
-//! a stop. b is how an axis leaves rest: with an acceleration that is there at once, or one that grows all the time where
-//! jerk is limited. Swinging out before it turns lets the path begin to turn much sooner within the same distance. In its middle
-//! it is P from both lines, m·sin θ = P, but no farther from an acute corner than from a right angle's, √2·P: m·2·k = √2·P.
+//! One axis comes to rest while the other one leaves it: how long both may do so at once is the
+//! time that a blend saves over a stop. b is how an axis leaves rest: with an acceleration that is
+//! there at once, or one that grows all the time where jerk is limited. Swinging out before it
+//! turns lets the path begin to turn much sooner within the same distance. In its middle it is P
+//! from both lines, m·sin θ = P, but no farther from an acute corner than from a right angle's,
+//! √2·P: m·2·k = √2·P.
 //!
-//! The pieces run by s, with ds/dt = dα/dt + dβ/dt: slope and bend are those of the lines at both ends, and in the middle s
-//! runs evenly with t.
+//! The pieces run by s, with ds/dt = dα/dt + dβ/dt: slope and bend are those of the lines at both
+//! ends, and in the middle s runs evenly with t.
 use super::{AXES, Derivatives, Limits, Point};
 
 /// How the bend of a corner grows.
@@ -47,8 +49,8 @@ impl Bend {
         }
     }
 
-    /// σ, as short as it may be and as long as is of use: with the longer one, at the speeds there are so near a stop, the swing
-    /// takes less than the axes can do.
+    /// σ, as short as it may be and as long as is of use: with the longer one, at the speeds there
+    /// are so near a stop, the swing takes less than the axes can do.
     fn lead(self) -> [f64; 2] {
         match self {
             Self::Quick => [35.0, 70.0],
@@ -56,8 +58,8 @@ impl Bend {
         }
     }
 
-    /// A turn reaches no farther than so much of the shorter move: else its axes would, on their way to the next rest, have to
-    /// slow down again within it.
+    /// A turn reaches no farther than so much of the shorter move: else its axes would, on their
+    /// way to the next rest, have to slow down again within it.
     fn part(self) -> f64 {
         match self {
             Self::Quick => 1.0,
@@ -89,10 +91,12 @@ const QUICK: f64 = 0.02;
 /// A blend reaches no farther than the shorter move over this: two of them find place on a move.
 pub(crate) const ROOM: f64 = 2.04;
 
-/// A corner is passed no farther away than so many tolerances: as a right angle is, within P of both lines.
+/// A corner is passed no farther away than so many tolerances: as a right angle is, within P of
+/// both lines.
 pub(crate) const DEEPEST: f64 = core::f64::consts::SQRT_2;
 
-/// max(sin θ, √2·k): a place m along both lines is so many m from them, or from their corner over [`DEEPEST`].
+/// max(sin θ, √2·k): a place m along both lines is so many m from them, or from their corner over
+/// [`DEEPEST`].
 pub(crate) fn off(k: f64, side: f64) -> f64 {
     side.max(2.0 * k / DEEPEST)
 }
@@ -110,9 +114,10 @@ pub(crate) struct Corner {
 }
 
 impl Corner {
-    /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far from a line a step along the
-    /// other one leads at most, `shorter` the length of the shorter line. It swings out as far as there is room; where jerk is
-    /// limited, as far as it may, or not at all. `None`: the lines are too short for it.
+    /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far
+    /// from a line a step along the other one leads at most, `shorter` the length of the shorter
+    /// line. It swings out as far as there is room; where jerk is limited, as far as it may, or not
+    /// at all. `None`: the lines are too short for it.
     pub(crate) fn of(k: f64, side: f64, p: f64, shorter: f64, bend: Bend) -> Option<Self> {
         let (half, whole) = (bend.leaving(0.5)[0], bend.leaving(1.0)[0]);
         let (m, over) = (p / off(k, side), whole / half);
@@ -139,7 +144,8 @@ impl Corner {
         [self.growth * b - self.swing, self.growth * first, self.growth * second]
     }
 
-    /// Its pieces, by where they begin and end and how long they are: at the corner `at`, with slopes `t0` and `t1`.
+    /// Its pieces, by where they begin and end and how long they are: at the corner `at`, with
+    /// slopes `t0` and `t1`.
     pub(crate) fn pieces(
         &self,
         at: &Point,

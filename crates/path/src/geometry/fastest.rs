@@ -10,17 +10,20 @@
 //! | q(u) = Σ Nⱼ·Pⱼ | the curve, a cubic spline of the parameter |
 //! | b(u) = u̇² = Σ Mⱼ·βⱼ | the square of the parameter's speed, a quadratic spline with the same knots |
 //!
-//! Shape and speed are looked for together, with the squared speed as unknown (Verscheure et al., *Time-optimal path tracking
-//! for robots*, 2009), by a barrier method (Boyd and Vandenberghe, *Convex Optimization*, 2004, ch. 11): what is minimised is
+//! Shape and speed are looked for together, with the squared speed as unknown (Verscheure et
+//! al., *Time-optimal path tracking for robots*, 2009), by a barrier method (Boyd and
+//! Vandenberghe, *Convex Optimization*, 2004, ch. 11): what is minimised is
 //!
 //! ```text
 //!   ∫ (1 − μ·Σ log(1 − x²)) du/√b         x: what is to be at most 1 of the above; μ becomes smaller and smaller
 //! ```
 //!
-//! with the eighth power in place of the square where x is how far the curve is off (p and P as `fit` has them): to be near is worth
-//! nothing within the tolerance, and what is straight should not bend for it. x is a product of shape and speed, so this is
-//! not convex: the method begins at the curve that bends least and takes Gauss's steps, which only count x's own first
-//! derivatives, no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the time along it.
+//! with the eighth power in place of the square where x is how far the curve is off (p and P as
+//! `fit` has them): to be near is worth nothing within the tolerance, and what is straight should
+//! not bend for it. x is a product of shape and speed, so this is not convex: the method begins at
+//! the curve that bends least and takes Gauss's steps, which only count x's own first derivatives,
+//! no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the
+//! time along it.
 use super::fit::Sample;
 use super::gathered::Gathered;
 use super::load::{At, LimitPoint, Loads, SAY, SAY_B, mix};
@@ -38,19 +41,22 @@ const KEPT: f64 = 0.1;
 /// Share of the tolerance that is used at least, and how much more than where it begins.
 const NEAR: f64 = 0.988;
 const ROOM: f64 = 0.003;
-/// Samples of a span that count, as a rule, and how far off others must be to count too, over the tolerance.
+/// Samples of a span that count, as a rule, and how far off others must be to count too, over the
+/// tolerance.
 const SAMPLES: usize = 8;
 const FAR: f64 = 0.6;
 /// Share of the limits to begin with, and how often that is lowered, to what share of it.
 const BEGIN: f64 = 0.5;
 const LOWERED: usize = 64;
 const LOWER: f64 = 0.8;
-/// Of the matrix' diagonal: where control points move along the curve it stays nearly the same, and a step would be lost in what
-/// the equations hardly determine (Marquardt, *An Algorithm for Least-Squares Estimation of Nonlinear Parameters*, 1963).
+/// Of the matrix' diagonal: where control points move along the curve it stays nearly the same, and
+/// a step would be lost in what the equations hardly determine (Marquardt, *An Algorithm for
+/// Least-Squares Estimation of Nonlinear Parameters*, 1963).
 const DAMPING: f64 = 1e-6;
 /// Control points at each end that are given.
 const GIVEN: usize = 3;
-/// Places of a span, and the shares of its time that those at its ends and the one in its middle stand for (Simpson's rule).
+/// Places of a span, and the shares of its time that those at its ends and the one in its middle
+/// stand for (Simpson's rule).
 const PLACES: usize = 3;
 const END: f64 = 1.0 / 6.0;
 const MIDDLE: f64 = 4.0 / 6.0;
@@ -74,8 +80,8 @@ const SECOND: Stage = Stage { mu: 0.02, steps: 8 };
 const LAST: Stage = Stage { mu: 0.005, steps: 6 };
 
 impl Stage {
-    /// The first of them, and the finer ones, with twice the knots from one to the next: with a limit of jerk more of them,
-    /// as q‴ does not change between two knots.
+    /// The first of them, and the finer ones, with twice the knots from one to the next: with a
+    /// limit of jerk more of them, as q‴ does not change between two knots.
     pub(crate) fn all(limits: &Limits) -> (Self, &'static [Self]) {
         (FIRST, if limits.has_jerk() { &[SECOND, LAST] } else { &[LAST] })
     }
@@ -130,7 +136,8 @@ pub(crate) struct Fastest<const N: usize, const B: usize> {
 }
 
 impl<const N: usize, const B: usize> Fastest<N, B> {
-    /// Whether the curve as it is lets the feed be reached all along it: then there is nothing to gain.
+    /// Whether the curve as it is lets the feed be reached all along it: then there is nothing to
+    /// gain.
     pub(crate) fn is_at_feed(
         &mut self,
         control: &[Point],
@@ -148,8 +155,9 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
         })
     }
 
-    /// Move the control points to where the curve is fastest; `false`: they are as they were. `halved`: the stage before
-    /// ended where this one begins, with these knots, and there are more of them now.
+    /// Move the control points to where the curve is fastest; `false`: they are as they were.
+    /// `halved`: the stage before ended where this one begins, with these knots, and there are more
+    /// of them now.
     pub(crate) fn find(
         &mut self,
         control: &mut [Point],
@@ -293,7 +301,8 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
         total
     }
 
-    /// What is minimised, infinity where a limit is not kept; with `SLOPES` its gradient and matrix, too.
+    /// What is minimised, infinity where a limit is not kept; with `SLOPES` its gradient and
+    /// matrix, too.
     fn goal<const SLOPES: bool>(
         &mut self,
         places: &[LimitPoint],

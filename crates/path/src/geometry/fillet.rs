@@ -12,8 +12,8 @@
 //! | θ, k | by how much the lines turn; sin θ/2 |
 //! | d, r | how far the fillet's middle is from the corner; the radius of the ball there |
 //!
-//! Within P of the programmed places, one by one, the path would pass the corner at P. An acute one is not passed farther away
-//! than a right angle is, at √2·P.
+//! Within P of the programmed places, one by one, the path would pass the corner at P. An acute one
+//! is not passed farther away than a right angle is, at √2·P.
 use super::corner::DEEPEST;
 use super::join::Waiting;
 use super::knots::Way;
@@ -21,11 +21,12 @@ use super::{Curve, Point};
 
 /// Corners with a smaller k (= sin θ/2) keep their point: X is less than P/100 farther away than P.
 const SHALLOW: f64 = 0.14;
-/// d over what X is farther away than P: the larger, the more of the inner side is allowed, nearly up to X, and the less of the
-/// outer one.
+/// d over what X is farther away than P: the larger, the more of the inner side is allowed, nearly
+/// up to X, and the less of the outer one.
 const DEPTH: f64 = 1.4;
 
-/// At a parameter on a move: a place, and how near to it the path must be so that it is within `p` of the programmed one.
+/// At a parameter on a move: a place, and how near to it the path must be so that it is within `p`
+/// of the programmed one.
 pub(crate) fn allowed(way: &Way, i: usize, u: f64, p: f64) -> (Point, f64) {
     let (behind, ahead) = (u - way.starts[i], way.starts[i] + way.moves[i].length() - u);
     let (corner, x) = if behind < ahead { (i, behind) } else { (i + 1, -ahead) };
@@ -60,7 +61,8 @@ struct Fillet {
 }
 
 impl Fillet {
-    /// Between two lines whose slopes differ by 2·k, for a tolerance of `p`; `shorter` is the length of the shorter line.
+    /// Between two lines whose slopes differ by 2·k, for a tolerance of `p`; `shorter` is the
+    /// length of the shorter line.
     fn of(k: f64, shorter: f64, p: f64) -> Option<Self> {
         if k < SHALLOW {
             return None;
@@ -76,7 +78,8 @@ impl Fillet {
         (reach > 0.0).then_some(Self { k, deep, reach, radii: [p, radius] })
     }
 
-    /// Its place at the parameter `x`, zero in its middle: from the corner, shares of both slopes; and r there.
+    /// Its place at the parameter `x`, zero in its middle: from the corner, shares of both slopes;
+    /// and r there.
     fn at(&self, x: f64) -> Option<([f64; 2], f64)> {
         if x.abs() >= self.reach {
             return None;

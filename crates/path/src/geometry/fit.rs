@@ -12,12 +12,13 @@
 //! | p | its places; beside a corner of lines those of `fillet`, with a smaller P |
 //! | Nⱼ, Pⱼ | the spline's basis (de Boor) and its control points |
 //!
-//! Control points begin on the programmed path (which makes the spline smoother than the path, whatever the way it was
-//! chopped). Each sample that is too far off moves the four control points that have a say in it by the least that brings it
-//! back: projections onto convex sets, which end in a point that is in all of them, if there is one. If there is none, knots are
-//! halved where it fails; with knots close enough there always is one. Of all such curves, `tube` then finds the one that
-//! bends least, and `fastest`, from there, the one that takes the least time.
-//! Position, slope and bend at both ends are given, which fixes three control points each.
+//! Control points begin on the programmed path (which makes the spline smoother than the path,
+//! whatever the way it was chopped). Each sample that is too far off moves the four control points
+//! that have a say in it by the least that brings it back: projections onto convex sets, which end
+//! in a point that is in all of them, if there is one. If there is none, knots are halved where it
+//! fails; with knots close enough there always is one. Of all such curves, `tube` then finds the
+//! one that bends least, and `fastest`, from there, the one that takes the least time. Position,
+//! slope and bend at both ends are given, which fixes three control points each.
 use super::fastest::{Fastest, Rests, Stage};
 use super::fillet::allowed;
 use super::join::{Segment, Waiting, distance};
@@ -38,7 +39,8 @@ const SWEEPS: usize = 24;
 const BACK: usize = 32;
 /// How often knots may be halved.
 const HALVINGS: usize = 12;
-/// Control points that a curve has at least if it is worth looking for a faster one: some of them must be free.
+/// Control points that a curve has at least if it is worth looking for a faster one: some of them
+/// must be free.
 const FEWEST: usize = 8;
 /// Knots that are nearer to each other than so many tolerances get none between them.
 const CRUMB: f64 = 2.1;
@@ -121,9 +123,11 @@ impl Fitter {
         self.starts = starts;
     }
 
-    /// From the curve that bends least to the fastest one, where the first does not let the feed be reached.
+    /// From the curve that bends least to the fastest one, where the first does not let the feed be
+    /// reached.
     fn quicken(&mut self, way: &Way, limits: &Limits, rests: Rests) {
-        // a programmed spline may end in a bend of a thousandth of a millimetre, which fixes the curve's knots there
+        // a programmed spline may end in a bend of a thousandth of a millimetre, which fixes the
+        // curve's knots there
         let spline = |one: &Waiting| matches!(one.segment.curve, Curve::Bezier(_));
         if self.axes == 0 || self.control.len() < FEWEST || way.moves.iter().any(spline) {
             return;
@@ -153,7 +157,8 @@ impl Fitter {
         }
         let near =
             |sample: &Sample| distance(&self.at(sample), &sample.p) <= sample.tolerance * BETWEEN;
-        // where it is slow a bend is free: none is to become so sharp that the law's cells would miss it
+        // where it is slow a bend is free: none is to become so sharp that the law's cells would
+        // miss it
         let bends = self.sharpest() <= SHARPER * sharpest;
         if !(found && bends && self.samples.iter().all(near) && self.keeps_between()) {
             core::mem::swap(&mut self.kept.0, &mut self.knots);
@@ -161,7 +166,8 @@ impl Fitter {
         }
     }
 
-    /// One stage of the search for the fastest curve; with the knots of the one before, and where there are more now.
+    /// One stage of the search for the fastest curve; with the knots of the one before, and where
+    /// there are more now.
     fn search(
         &mut self,
         limits: (&Limits, Rests),
@@ -185,7 +191,8 @@ impl Fitter {
         self.bends.iter().enumerate().map(bend).fold(0.0, f64::max)
     }
 
-    /// Places where speed, acceleration and jerk are looked at: both ends and the middle of each span.
+    /// Places where speed, acceleration and jerk are looked at: both ends and the middle of each
+    /// span.
     fn look_at_limits(&mut self, way: &Way) {
         self.places.clear();
         let knots = Knots(&self.knots);
@@ -350,8 +357,8 @@ impl Fitter {
         Sample { first: *span, basis, p, tolerance, per_square }
     }
 
-    /// Bring samples back until all are near enough, then find the curve that bends least. `false`: some are not;
-    /// their spans are in `bad`.
+    /// Bring samples back until all are near enough, then find the curve that bends least. `false`:
+    /// some are not; their spans are in `bad`.
     fn settle(&mut self) -> bool {
         if !self.project(SWEEPS) {
             return false;
@@ -424,7 +431,8 @@ impl Fitter {
         false
     }
 
-    /// By knot: shares of its three control points in the second derivative there, and the length that it stands for.
+    /// By knot: shares of its three control points in the second derivative there, and the length
+    /// that it stands for.
     fn twist(&mut self) {
         self.bends.clear();
         for knot in 0..self.knots.len() {

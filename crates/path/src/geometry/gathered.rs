@@ -1,4 +1,5 @@
-//! What is asked along one span, gathered before it goes into the equations: all of it meets in the same few unknowns.
+//! What is asked along one span, gathered before it goes into the equations: all of it meets in the
+//! same few unknowns.
 //!
 //! ```text
 //!                        P₀ … P₃ of the axis     of the next one     β₀ … β₂
@@ -16,7 +17,8 @@ const PAIRS: [(usize, usize); 10] =
 /// Gradient and matrix of one span, of N axes.
 #[derive(Clone, Debug)]
 pub(crate) struct Gathered<const N: usize> {
-    /// By axis: control points of the same one, and of the next one whose distance counts together with it.
+    /// By axis: control points of the same one, and of the next one whose distance counts together
+    /// with it.
     own: [[f64; PAIRS.len()]; N],
     across: [[f64; PAIRS.len()]; N],
     mixed: [[[f64; SAY_B]; SAY]; N],
@@ -111,7 +113,8 @@ impl<const N: usize> Gathered<N> {
         }
     }
 
-    /// Add it to gradient and matrix, where the span's first control point is, and begin anew. B = N + 1.
+    /// Add it to gradient and matrix, where the span's first control point is, and begin anew. B =
+    /// N + 1.
     pub(crate) fn put<const B: usize>(
         &mut self,
         first: usize,

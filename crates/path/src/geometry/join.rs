@@ -7,13 +7,15 @@
 //!  long │                     P: the joined path is nowhere farther than P from the programmed one
 //! ```
 //!
-//! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The blend goes from h before the
-//! corner to h after it, with the position, slope and bend that the path has there: between two lines as `corner` has it, or
-//! [`QuinticBlend`] where they are short; else it is the polynomial of the fifth degree with a length of 2·h, which passes the corner at
-//! a distance of ⅜·h·k, and a jump of the bend by Δ costs about Δ·h²/17 more.
+//! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The
+//! blend goes from h before the corner to h after it, with the position, slope and bend that the
+//! path has there: between two lines as `corner` has it, or [`QuinticBlend`] where they are short;
+//! else it is the polynomial of the fifth degree with a length of 2·h, which passes the corner at a
+//! distance of ⅜·h·k, and a jump of the bend by Δ costs about Δ·h²/17 more.
 //!
-//! A move is long if three blends fit into it at both of its ends, narrow ones where a sharp corner has a choice; a curve that
-//! was chopped finely has small corners, which would allow blends much longer than its moves, and therefore none of them is.
+//! A move is long if three blends fit into it at both of its ends, narrow ones where a sharp corner
+//! has a choice; a curve that was chopped finely has small corners, which would allow blends much
+//! longer than its moves, and therefore none of them is.
 use super::corner::{Bend, Corner, ROOM, off};
 use super::fastest::Rests;
 use super::quintic_blend::{INNER, QuinticBlend};
@@ -33,7 +35,8 @@ pub struct Segment {
     pub rapid: bool,
     /// How far the path may be from it (P without Q); zero: not at all.
     pub tolerance: f64,
-    /// How far points between collinear moves may be from the line that replaces them (Q); what of it is not used is P's.
+    /// How far points between collinear moves may be from the line that replaces them (Q); what of
+    /// it is not used is P's.
     pub merge: f64,
     /// Index of the operation.
     pub op: u32,
@@ -41,7 +44,8 @@ pub struct Segment {
     pub line: u32,
 }
 
-/// So many moves are fitted at once, and more where the way they go is shorter than starting and stopping take, up to the most.
+/// So many moves are fitted at once, and more where the way they go is shorter than starting and
+/// stopping take, up to the most.
 const ZONE: usize = 256;
 const MOST: usize = 2048;
 /// Of these, so many wait for what comes next, and so large a share of the way.
@@ -51,11 +55,14 @@ const KEPT_SHARE: f64 = 0.25;
 pub(crate) const SHARE: f64 = 0.97;
 /// The same where it is known exactly.
 const EXACT: f64 = 0.999;
-/// A fitted curve leaves a long move, and comes to it, so many reaches of the corner away, if there is room.
+/// A fitted curve leaves a long move, and comes to it, so many reaches of the corner away, if there
+/// is room.
 const ASIDE: f64 = 2.0;
-/// A move is long, and no curve is fitted through it, if so many narrow blends fit into it at each end, and wide ones at all.
+/// A move is long, and no curve is fitted through it, if so many narrow blends fit into it at each
+/// end, and wide ones at all.
 const FITTED: f64 = 3.0;
-/// A move that begins farther from where the last one ended does not go on from it, mm: the path rests between them.
+/// A move that begins farther from where the last one ended does not go on from it, mm: the path
+/// rests between them.
 const SAME_PLACE: f64 = 1e-3;
 /// Slopes that differ by less are one slope.
 const SAME_SLOPE: f64 = 1e-7;
@@ -106,7 +113,8 @@ impl Joint {
         self.reach.max(FITTED * self.narrow)
     }
 
-    /// How far from it a fitted curve leaves a move with so much `room`, or comes to it: its knots need room.
+    /// How far from it a fitted curve leaves a move with so much `room`, or comes to it: its knots
+    /// need room.
     fn aside(&self, room: f64) -> f64 {
         f64::midpoint(self.reach, room).min(ASIDE * self.reach)
     }
@@ -142,7 +150,8 @@ impl Joiner {
         Self { entry, bend, limits, ..Self::default() }
     }
 
-    /// Go on with a move that begins where the last one ended. Pieces that are decided go to `emit`, in order.
+    /// Go on with a move that begins where the last one ended. Pieces that are decided go to
+    /// `emit`, in order.
     pub fn push(&mut self, segment: Segment, emit: &mut impl FnMut(Piece)) {
         if let Some((line, off)) = self.line.take() {
             match merged(&line, &segment, off) {
@@ -423,7 +432,8 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives, bend: Bend) -
     Joint { reach, narrow: reach, ..joint }
 }
 
-/// How far from a line a step of one along the other one leads at most: sin θ, if both slopes are of length one.
+/// How far from a line a step of one along the other one leads at most: sin θ, if both slopes are
+/// of length one.
 fn side(k: f64, t0: &Point, t1: &Point) -> f64 {
     let one = |t: &Point| (norm(t) - 1.0).abs() < SAME_SLOPE;
     let cosine = if one(t0) && one(t1) { libm::sqrt((1.0 - k * k).max(0.0)) } else { 1.0 };

@@ -7,9 +7,10 @@
 //!                   p(u)
 //! ```
 //!
-//! D is how far a cubic spline with knots h apart, its control points on the path, is from it. D does not care how finely the
-//! path is chopped. Knots are set so that D is a few tolerances, which the fit then makes good; where a corner is sharp, they
-//! stand h before it, in it, and h after it, with D one tolerance, so that the path does not swing out.
+//! D is how far a cubic spline with knots h apart, its control points on the path, is from it. D
+//! does not care how finely the path is chopped. Knots are set so that D is a few tolerances, which
+//! the fit then makes good; where a corner is sharp, they stand h before it, in it, and h after it,
+//! with D one tolerance, so that the path does not swing out.
 use super::join::{SHARE, Waiting, distance};
 use super::{Point, Shape};
 use alloc::vec::Vec;
@@ -55,8 +56,8 @@ impl Way<'_> {
         distance(&middle, &b) / 3.0 / self.moves[self.index(u)].segment.tolerance
     }
 
-    /// How far apart knots may be behind a place, as far as `end`: longer and longer ways are tried, as a way over waves may
-    /// look straight.
+    /// How far apart knots may be behind a place, as far as `end`: longer and longer ways are
+    /// tried, as a way over waves may look straight.
     fn gap(&self, u: f64, end: f64) -> f64 {
         let moves = self.moves[self.index(u)..].iter().map(Waiting::length);
         let mut h = moves.fold(0.0, |h, length| if h > 0.0 { h } else { length });

@@ -1,4 +1,5 @@
-//! What motion along a spline asks of the axes, over their limits, and how it changes with shape and speed.
+//! What motion along a spline asks of the axes, over their limits, and how it changes with shape
+//! and speed.
 //!
 //! ```text
 //!   (q″·b + ½·q′·b′)/A      √b·(q‴·b + 3/2·q″·b′ + ½·q′·b″)/J      (q′)²·b/V²,  |q′|²·b/F²        b = u̇²
@@ -158,7 +159,8 @@ impl<const N: usize> Loads<N> {
         Load { value, of_q, of_b }
     }
 
-    /// All accelerations that are new there, all jerks, and speeds where the feed may be above them, with their axes.
+    /// All accelerations that are new there, all jerks, and speeds where the feed may be above
+    /// them, with their axes.
     pub(crate) fn each(&self, place: &LimitPoint, at: &At<N>, mut give: impl FnMut(usize, &Load)) {
         if !place.again {
             for i in 0..N {

@@ -1,4 +1,5 @@
-//! From programmed lines, arcs and splines to one joined curve, in pieces: what can be cut at corners, and what can be fitted.
+//! From programmed lines, arcs and splines to one joined curve, in pieces: what can be cut at
+//! corners, and what can be fitted.
 
 mod bezier;
 mod corner;

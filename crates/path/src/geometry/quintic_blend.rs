@@ -13,10 +13,11 @@
 //! | h | reach along both moves |
 //! | ρ | length of the blend's parameter, over h |
 //!
-//! With ρ = 2 the path runs on the inner side alone. A longer parameter lets it swing out to the other side before it turns,
-//! so that it may begin to turn much sooner within the same distance: h is largest where both sides are used alike. Its
-//! bend grows more gently then, too, which is what jerk asks for. Corners of a few degrees are passed nearly at the
-//! feed, which ṡ may not exceed; there ρ = 2 is faster, as the path is hardly longer than its chord.
+//! With ρ = 2 the path runs on the inner side alone. A longer parameter lets it swing out to the
+//! other side before it turns, so that it may begin to turn much sooner within the same distance: h
+//! is largest where both sides are used alike. Its bend grows more gently then, too, which is what
+//! jerk asks for. Corners of a few degrees are passed nearly at the feed, which ṡ may not exceed;
+//! there ρ = 2 is faster, as the path is hardly longer than its chord.
 
 use super::corner::off;
 
@@ -42,8 +43,9 @@ pub(crate) struct QuinticBlend {
 }
 
 impl QuinticBlend {
-    /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far from a line a step along the
-    /// other one leads at most. It swings out as far as a reach of `room` lets it.
+    /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far
+    /// from a line a step along the other one leads at most. It swings out as far as a reach of
+    /// `room` lets it.
     pub(crate) fn of(k: f64, side: f64, p: f64, room: f64) -> Self {
         let off = off(k, side);
         let with = |ratio: f64| {

@@ -10,8 +10,8 @@ use alloc::vec::Vec;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Knots<'a>(pub(crate) &'a [f64]);
 
-/// The functions of a span at one place: of a cubic spline's first three derivatives, and of a quadratic one with the same
-/// knots and its first two.
+/// The functions of a span at one place: of a cubic spline's first three derivatives, and of a
+/// quadratic one with the same knots and its first two.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows {
     pub(crate) cubic: [[f64; 4]; 3],
@@ -35,7 +35,8 @@ impl Knots<'_> {
         self.0.len() - 1
     }
 
-    /// The functions of a degree that are not zero in a span, one more than the degree (de Boor, Cox).
+    /// The functions of a degree that are not zero in a span, one more than the degree (de Boor,
+    /// Cox).
     pub(crate) fn basis(&self, span: usize, u: f64, degree: usize) -> [f64; 4] {
         let i = span + 3;
         let mut n = [1.0, 0.0, 0.0, 0.0];
@@ -87,8 +88,8 @@ impl Knots<'_> {
         rows
     }
 
-    /// The same knots, and one midway between two that are not too near to each other; and which span each one of the new
-    /// spans is of.
+    /// The same knots, and one midway between two that are not too near to each other; and which
+    /// span each one of the new spans is of.
     pub(crate) fn halved(&self, near: impl Fn(f64, f64) -> bool) -> Halved {
         let (mut knots, mut of) = (Vec::new(), Vec::new());
         for (span, ends) in self.0.windows(2).enumerate() {
@@ -105,8 +106,9 @@ impl Knots<'_> {
 }
 
 impl Halved {
-    /// Control points of the same curve, with the polynomials of the old spans: their polar forms at the knots around
-    /// (Ramshaw, *Blossoming*, 1987), of which the curve has the degree less one.
+    /// Control points of the same curve, with the polynomials of the old spans: their polar forms
+    /// at the knots around (Ramshaw, *Blossoming*, 1987), of which the curve has the degree less
+    /// one.
     pub(crate) fn control<const DEGREE: usize, P>(
         &self,
         polar: impl Fn(usize, [f64; DEGREE]) -> P,

@@ -4,15 +4,16 @@
 //!   minimise ½·Σ lₖ·|q″ₖ|²    so that    |Bᵢ·c − pᵢ| ≤ r·Pᵢ  at every sample i
 //! ```
 //!
-//! By the alternating direction method of multipliers (Boyd et al., *Distributed Optimization and Statistical Learning via
-//! ADMM*, 2011, ch. 3): zᵢ stands for Bᵢ·c and stays within the tolerance, uᵢ gathers what keeps them apart. Each round solves
+//! By the alternating direction method of multipliers (Boyd et al., *Distributed Optimization and
+//! Statistical Learning via ADMM*, 2011, ch. 3): zᵢ stands for Bᵢ·c and stays within the tolerance,
+//! uᵢ gathers what keeps them apart. Each round solves
 //!
 //! ```text
 //!   (H + Σ ρᵢ·Bᵢᵀ·Bᵢ)·c = Σ ρᵢ·Bᵢᵀ·(zᵢ − uᵢ)
 //! ```
 //!
-//! whose matrix, a band of four, is factored once. ρᵢ goes with 1/h³ of the sample's span, as H does, so that short spans beside
-//! long ones are as quick.
+//! whose matrix, a band of four, is factored once. ρᵢ goes with 1/h³ of the sample's span, as H
+//! does, so that short spans beside long ones are as quick.
 use super::Point;
 use super::fit::Sample;
 use crate::banded::Banded;
@@ -84,8 +85,8 @@ impl<const N: usize> Held<N> {
 }
 
 impl<const N: usize> Tube<N> {
-    /// Move the free control points to where the curve bends least. `bends`, by knot: shares of its three control points in
-    /// q″, and the length it stands for.
+    /// Move the free control points to where the curve bends least. `bends`, by knot: shares of its
+    /// three control points in q″, and the length it stands for.
     pub(crate) fn smooth(
         &mut self,
         control: &mut [Point],

@@ -1,17 +1,19 @@
-//! Stretches of the path that are short enough to be seen as simple: the grid that time is planned on.
+//! Stretches of the path that are short enough to be seen as simple: the grid that time is planned
+//! on.
 //!
 //! ```text
 //!   |q′·a + q″·b| ≤ A                      at both ends,  b = ṡ², a = s̈
 //!   |q′·u + 3·q″·a + q‴·b|·√b ≤ J          in the middle, u = da/ds
 //! ```
 //!
-//! A line is one cell, whatever its length: q″ = q‴ = 0, and one acceleration and one jerk hold all along it. A curve
-//! has as many cells as keep q′ and q″ from changing much in any one.
+//! A line is one cell, whatever its length: q″ = q‴ = 0, and one acceleration and one jerk hold all
+//! along it. A curve has as many cells as keep q′ and q″ from changing much in any one.
 use crate::{AXES, Bounds, Derivatives, Entry, Limits, Piece, Shape};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// Where nothing else limits it, ṡ stays under this, mm/s: faster than any machine, slow enough for arithmetic.
+/// Where nothing else limits it, ṡ stays under this, mm/s: faster than any machine, slow enough for
+/// arithmetic.
 pub(crate) const TOP_SPEED: f64 = 1e7;
 
 /// How far the tangent may turn within a cell, as a share of its length.
@@ -19,13 +21,16 @@ const TURN_PER_CELL: f64 = 0.12;
 
 /// How far the share of the acceleration that the bend takes may change within a cell.
 const LOAD_PER_CELL: f64 = 0.15;
-/// The same on blends and fitted curves without a limit of jerk: bends change much there, and s̈ does not within a cell.
+/// The same on blends and fitted curves without a limit of jerk: bends change much there, and s̈
+/// does not within a cell.
 const LOAD_PER_BLEND: f64 = 0.02;
 
-/// So many cells are fine enough for one period, as fast as the bend allows: the control does a number of them at once.
+/// So many cells are fine enough for one period, as fast as the bend allows: the control does a
+/// number of them at once.
 const CELLS_PER_PERIOD: f64 = 64.0;
 
-/// By how much, as a share of its limit, an axis' acceleration may be higher between the places of a cell than at them.
+/// By how much, as a share of its limit, an axis' acceleration may be higher between the places of
+/// a cell than at them.
 const BETWEEN: f64 = 0.005;
 
 /// One axis' demands at one place, over its limits.
@@ -43,7 +48,8 @@ pub(crate) struct Row {
     pub(crate) j3: f64,
 }
 
-/// All moving axes' demands at the three places of a cell: at its beginning, in its middle, at its end.
+/// All moving axes' demands at the three places of a cell: at its beginning, in its middle, at its
+/// end.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows(Box<[Row]>);
 
@@ -74,8 +80,8 @@ impl Rows {
     }
 }
 
-/// ṡ at which the feed is reached. A blend's parameter is longer than its way; where only X, Y and Z move, it is the way that F
-/// counts.
+/// ṡ at which the feed is reached. A blend's parameter is longer than its way; where only X, Y and
+/// Z move, it is the way that F counts.
 fn feed(piece: &Piece, d: &Derivatives) -> f64 {
     let [x, y, z, others @ ..] = &d.q1;
     let blend = matches!(piece.curve, crate::Curve::Polynomial(_));
@@ -97,7 +103,8 @@ fn speed_cap(d: &Derivatives, bounds: &Bounds, feed: f64) -> f64 {
     v * v
 }
 
-/// ṡ² that the axes' speeds leave where a slope is steepest, if that is between the places of a cell.
+/// ṡ² that the axes' speeds leave where a slope is steepest, if that is between the places of a
+/// cell.
 fn cap_between([start, middle, end]: &[Derivatives; 3], bounds: &Bounds) -> f64 {
     let steepest = |k: usize| {
         // the parabola through the three, around the middle
@@ -152,7 +159,8 @@ pub(crate) struct Sampler {
     from: f64,
     length: f64,
     start: Start,
-    /// What is cut evenly, and which cell of it is next; then the other stretches of the piece, the last one first.
+    /// What is cut evenly, and which cell of it is next; then the other stretches of the piece, the
+    /// last one first.
     even: Even,
     next: u64,
     more: Vec<Even>,
@@ -289,7 +297,8 @@ pub(crate) fn bounds<'a>(piece: &Piece, limits: &'a Limits) -> &'a Bounds {
     if piece.rapid { &limits.rapid } else { &limits.feed }
 }
 
-/// Where q″ jumps the acceleration does; within a period that is a jerk, and it shall be within the limit too.
+/// Where q″ jumps the acceleration does; within a period that is a jerk, and it shall be within the
+/// limit too.
 fn bend_cap(before: &Derivatives, after: &Derivatives, bounds: &Bounds, period: f64) -> Start {
     let cap = |k: usize| bounds.jerk[k] * period / (after.q2[k] - before.q2[k]).abs();
     let jumps = (0..AXES).filter(|k| after.q2[*k] != before.q2[*k]);
@@ -303,7 +312,8 @@ const SHORTEST_STRETCH: f64 = 1e-5;
 /// Places at which a piece is looked at to know how many cells it needs.
 const LOOKS: usize = 9;
 
-/// How many cells keep the tangent's turn, and the change of the share of the acceleration that the bend takes, small.
+/// How many cells keep the tangent's turn, and the change of the share of the acceleration that the
+/// bend takes, small.
 fn cells_for(piece: &Piece, from: f64, length: f64, bounds: (&Bounds, f64)) -> u64 {
     if is_line(piece) {
         return u64::from(length > from);
@@ -364,11 +374,13 @@ fn cells_for_looks<const N: usize>(
     libm::ceil(count.max(cells_for_sag(&all, bounds))).clamp(least, 1e15) as u64
 }
 
-/// How many cells keep each axis' acceleration q′·s̈ + q″·ṡ² between two places near the straight line that joins it at both.
+/// How many cells keep each axis' acceleration q′·s̈ + q″·ṡ² between two places near the straight
+/// line that joins it at both.
 ///
-/// Where an axis is much slower than others, these allow an s̈ at which the turn of its slope is many times its limit, held
-/// by its bend. Over half a cell the second difference of the sum is that of q′ times 5·s̈ (two by two from q″ and ṡ², which
-/// both change); D over looks becomes D·(8/2n)², and the curve is an eighth of that from its chord.
+/// Where an axis is much slower than others, these allow an s̈ at which the turn of its slope is
+/// many times its limit, held by its bend. Over half a cell the second difference of the sum is
+/// that of q′ times 5·s̈ (two by two from q″ and ṡ², which both change); D over looks becomes
+/// D·(8/2n)², and the curve is an eighth of that from its chord.
 fn cells_for_sag(all: &[Derivatives], bounds: &Bounds) -> f64 {
     let mut most = 0.0_f64;
     for near in all.windows(3) {

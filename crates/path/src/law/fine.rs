@@ -1,8 +1,10 @@
-//! A cell of the jerk-limited plan's grid: the motion at both its ends, the phases that join them, and what jerk it may have.
+//! A cell of the jerk-limited plan's grid: the motion at both its ends, the phases that join them,
+//! and what jerk it may have.
 use super::cell::{Cell, Demand, Row, Rows};
 use crate::{Instant, Phase};
 
-/// Share of the limit of jerk that the plan uses; the rest is for what happens between the places that are looked at.
+/// Share of the limit of jerk that the plan uses; the rest is for what happens between the places
+/// that are looked at.
 pub(super) const JERK_SHARE: f64 = 0.99;
 
 /// Share of the accelerations that the plan uses.
@@ -97,8 +99,9 @@ impl Fine {
         give(Phase { duration: t, s, v, a, j: turn - j });
     }
 
-    /// Slowing down nearly to rest and speeding up again within the cell: in parts, that meet where it is slowest, and
-    /// where it is as much faster than that as it is slower than at the end. All of them lie on ṡ² = v² + 2·a·s + u·s².
+    /// Slowing down nearly to rest and speeding up again within the cell: in parts, that meet where
+    /// it is slowest, and where it is as much faster than that as it is slower than at the end. All
+    /// of them lie on ṡ² = v² + 2·a·s + u·s².
     fn crawl(&self, give: &mut dyn FnMut(Phase)) {
         let Self { from, h, v, a, v1, a1, .. } = *self;
         let u = (a1 - a) / h;

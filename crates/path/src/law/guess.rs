@@ -1,5 +1,5 @@
-//! Where the search for a jerk-limited law begins: below what may be reached at most, and without that bound's corners, at
-//! which the jerk would be many times too large.
+//! Where the search for a jerk-limited law begins: below what may be reached at most, and without
+//! that bound's corners, at which the jerk would be many times too large.
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
@@ -23,8 +23,8 @@ pub(super) struct Guess {
 }
 
 impl Guess {
-    /// For each of `most`, the largest ṡ² of cells of such lengths, a value below it: the mean, over a time on either side, of
-    /// the slowest so near; but no standstill.
+    /// For each of `most`, the largest ṡ² of cells of such lengths, a value below it: the mean,
+    /// over a time on either side, of the slowest so near; but no standstill.
     pub(super) fn below(
         &mut self,
         most: &mut [f64],
@@ -118,7 +118,8 @@ mod tests {
         }
     }
 
-    /// From 10 to 100 mm/s at once, in cells of 1 ms and, where it happens, of a thousandth of that.
+    /// From 10 to 100 mm/s at once, in cells of 1 ms and, where it happens, of a thousandth of
+    /// that.
     #[test]
     fn a_step_becomes_a_slope_in_time_however_long_the_cells_are() {
         let speed = |k: usize| if k < 20 { 10.0 } else { 100.0 };

@@ -4,11 +4,12 @@
 //!   minimise  Σ wᵢ/√cᵢ      so that  cᵢ ≤ capᵢ,   |g·c| ≤ 1 (acceleration),   |g·c| ≤ v̂/√cᵢ (jerk)
 //! ```
 //!
-//! c are the control values of b = ṡ² (see `smooth`); each g meets three neighbours, so that Newton's matrix is a band of
-//! five. Primal-dual: each slack s has a price λ, λ·s is led to zero, at each place in proportion to its part of the time.
-//! The acceleration's bounds are straight; v̂/√c is convex in c, so a step that keeps its tangent keeps it too. Boyd and
-//! Vandenberghe, *Convex Optimization*, ch. 11; the jerk's bound is not convex as a set, so the optimum that is found may be
-//! a local one.
+//! c are the control values of b = ṡ² (see `smooth`); each g meets three neighbours, so that
+//! Newton's matrix is a band of five. Primal-dual: each slack s has a price λ, λ·s is led to zero,
+//! at each place in proportion to its part of the time. The acceleration's bounds are straight;
+//! v̂/√c is convex in c, so a step that keeps its tangent keeps it too. Boyd and
+//! Vandenberghe, *Convex Optimization*, ch. 11; the jerk's bound is not convex as a set, so the
+//! optimum that is found may be a local one.
 use crate::banded::Banded;
 use alloc::vec::Vec;
 
@@ -27,20 +28,22 @@ const GAP: f64 = 0.002;
 /// How far a bound may still be exceeded then, as a share of it.
 const MISS: f64 = 1e-4;
 
-/// Where a search begins: so much of the time for λ·s of each unknown; again, where a problem like it was solved, so much for
-/// all of them together.
+/// Where a search begins: so much of the time for λ·s of each unknown; again, where a problem like
+/// it was solved, so much for all of them together.
 pub(super) const FIRST: f64 = 0.2;
 const AGAIN: f64 = 0.03;
 
-/// A search that goes no further than this, in so many steps one after another, is over; and so much of a bound may be exceeded
-/// where it is as fast as can be: the motion itself is measured, and its bounds are made tighter.
+/// A search that goes no further than this, in so many steps one after another, is over; and so
+/// much of a bound may be exceeded where it is as fast as can be: the motion itself is measured,
+/// and its bounds are made tighter.
 const STUCK: (f64, usize) = (0.01, 6);
 const NEARLY: f64 = 0.01;
 
 /// A search that has become slower than it began by such a factor has lost its way.
 const SLOWER: f64 = 1e3;
 
-/// An unknown's part of the time counts as at least so much of an even one, and at most as one over it.
+/// An unknown's part of the time counts as at least so much of an even one, and at most as one over
+/// it.
 const PART: f64 = 1e-3;
 
 /// From such a share of its bound on a slack is free, and begins again as what it is.
@@ -166,7 +169,8 @@ pub(crate) struct Chain {
     pub(crate) given: [usize; 2],
     /// 1/√c.
     root: Vec<f64>,
-    /// Each unknown's part of the time where the search begins, over an even one: what λ·s of its bounds is led by.
+    /// Each unknown's part of the time where the search begins, over an even one: what λ·s of its
+    /// bounds is led by.
     part: Vec<f64>,
     /// 1 − c/cap.
     under: Vec<Slack>,
@@ -202,9 +206,9 @@ impl Chain {
         most
     }
 
-    /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was found. `first`: so much of the
-    /// time for λ·s of each unknown where the search begins; `None`: a problem of the same shape was solved before, and this
-    /// one begins where that one ended.
+    /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was
+    /// found. `first`: so much of the time for λ·s of each unknown where the search begins; `None`:
+    /// a problem of the same shape was solved before, and this one begins where that one ended.
     pub(crate) fn solve(&mut self, first: Option<f64>) -> Option<usize> {
         if self.free().is_empty() {
             return (self.excess() < 1e-6).then_some(0);

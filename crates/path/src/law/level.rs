@@ -14,7 +14,8 @@ use alloc::vec::Vec;
 /// A step is at most this share of the way to where the level is reached or left.
 const STEP: f64 = 0.3;
 
-/// Where the level goes on a little higher or lower, the first step is at least this share of the run.
+/// Where the level goes on a little higher or lower, the first step is at least this share of the
+/// run.
 const FIRST: f64 = 0.01;
 
 /// The most that a curve may take of the acceleration and of the jerk at its highest speed.
@@ -102,7 +103,8 @@ impl<'a> Held<'a> {
         2.0 * v * time
     }
 
-    /// Where its level begins, with ṡ^{3/2} = w at most at its own beginning, behind what comes before.
+    /// Where its level begins, with ṡ^{3/2} = w at most at its own beginning, behind what comes
+    /// before.
     fn begins(&self, before: Before<'_>, w: f64) -> f64 {
         let (beside, from) = match before {
             Before::Nothing if w >= self.top * (1.0 - SAME) => return 0.0,
@@ -130,7 +132,8 @@ impl<'a> Held<'a> {
     }
 }
 
-/// The runs' levels; `w` is the fastest ṡ^{3/2} at the cells' beginnings and at the end of the last.
+/// The runs' levels; `w` is the fastest ṡ^{3/2} at the cells' beginnings and at the end of the
+/// last.
 pub(super) fn levels(cells: &[&Cell], runs: &[Run], w: &[f64], levels: &mut Vec<Level>) {
     levels.clear();
     // forwards: where each begins

@@ -11,9 +11,10 @@
 //!   |q′·ṡ| ≤ V      |q′·s̈ + q″·ṡ²| ≤ A      |q′·s⃛ + 3·q″·ṡ·s̈ + q‴·ṡ³| ≤ J      ṡ ≤ feed
 //! ```
 //!
-//! The law is as fast as these leave room for, with as many pieces of look-ahead as the braking distance needs. At any
-//! time it ends at rest within what is known of the path: when no more pieces arrive, the motion that was planned stops.
-//! Nothing in here depends on a clock: the same pieces give the same phases to the last bit, however they arrive.
+//! The law is as fast as these leave room for, with as many pieces of look-ahead as the braking
+//! distance needs. At any time it ends at rest within what is known of the path: when no more
+//! pieces arrive, the motion that was planned stops. Nothing in here depends on a clock: the same
+//! pieces give the same phases to the last bit, however they arrive.
 mod cell;
 mod fine;
 mod guess;
@@ -113,8 +114,9 @@ impl Law {
         Self::resuming(config, State::default())
     }
 
-    /// From motion that is under way: the first piece to be pushed is at `state.s`, and goes on from there. For changes
-    /// of the feed, and for holding it, at any instant: push the rest of the path again, with another feed.
+    /// From motion that is under way: the first piece to be pushed is at `state.s`, and goes on
+    /// from there. For changes of the feed, and for holding it, at any instant: push the rest of
+    /// the path again, with another feed.
     pub fn resuming(config: Config, state: State) -> Self {
         let both = [&config.limits.feed, &config.limits.rapid];
         let least = |of: fn(&Bounds) -> &[f64; AXES]| {
@@ -152,15 +154,16 @@ impl Law {
     /// The next piece of the path.
     ///
     /// # Errors
-    /// When no motion along it is possible: an axis that must move and may not, a length without meaning.
+    /// When no motion along it is possible: an axis that must move and may not, a length without
+    /// meaning.
     pub fn push(&mut self, piece: Piece) -> Result<(), Refusal> {
         refusal::check(&piece, &self.config.limits)?;
         self.pending.push_back(piece);
         Ok(())
     }
 
-    /// Have a way to rest within what is known, before motion that is under way goes on along it; `false`: there is none
-    /// within all limits, and another law of time has to go on.
+    /// Have a way to rest within what is known, before motion that is under way goes on along it;
+    /// `false`: there is none within all limits, and another law of time has to go on.
     pub fn prepare(&mut self) -> bool {
         let target = core::mem::replace(&mut self.target, MOST);
         self.gather();
@@ -261,8 +264,8 @@ impl Law {
         self.cells.iter().skip(1).position(|cell| cell.start == Start::Rest)
     }
 
-    /// How many cells of a window that does not end the path may be handed out: those that lie further from its end than
-    /// braking takes; `None` when that is less than half of them.
+    /// How many cells of a window that does not end the path may be handed out: those that lie
+    /// further from its end than braking takes; `None` when that is less than half of them.
     fn foreseen(&mut self, count: usize) -> Option<usize> {
         self.forwards(count);
         let mut left = 0.0;
@@ -285,7 +288,8 @@ impl Law {
         let mut b = self.state.v * self.state.v;
         self.fast.push(b);
         for (i, cell) in self.cells.range(..count).enumerate() {
-            // a plan with a limit of jerk may be a little above what can be kept, from where there is no way on
+            // a plan with a limit of jerk may be a little above what can be kept, from where there
+            // is no way on
             b = reach::forwards(cell, b.min(self.beta[i]), self.beta[i + 1], &mut self.bounds);
             self.fast.push(b);
         }
@@ -293,8 +297,8 @@ impl Law {
 
     /// With a limit of jerk: plan `count` cells to rest, and hand out the first `commit` of them.
     ///
-    /// Where the search fails from rest, less of the path is planned, to a stop within it: that takes a part of a second, and to be
-    /// slow all along would take many.
+    /// Where the search fails from rest, less of the path is planned, to a stop within it: that
+    /// takes a part of a second, and to be slow all along would take many.
     fn plan_smoothly(&mut self, mut count: usize, mut commit: usize, mut ends: bool) {
         while !self.find(count) {
             if self.width.is_some() {
@@ -337,7 +341,8 @@ impl Law {
         self.smooth.plan(&cells, &self.fast, from, self.tau)
     }
 
-    /// The same from rest, where the search has failed: slower all along; `false`: it is not from rest.
+    /// The same from rest, where the search has failed: slower all along; `false`: it is not from
+    /// rest.
     fn slow_down(&mut self, count: usize) -> bool {
         let is_from_rest = self.width.is_none();
         if is_from_rest {
@@ -347,7 +352,8 @@ impl Law {
         is_from_rest
     }
 
-    /// With a limit of jerk: hand out the first cells in closed form, if they are one line, from rest; it is to end at rest.
+    /// With a limit of jerk: hand out the first cells in closed form, if they are one line, from
+    /// rest; it is to end at rest.
     fn line_alone(&mut self, count: usize) -> bool {
         let Some(Cell { cap, demand: Demand::Line { accel, jerk }, .. }) =
             self.cells.front().cloned()
@@ -366,10 +372,12 @@ impl Law {
         true
     }
 
-    /// No better plan was found: go on with the one before, which ends at rest within what was known then.
+    /// No better plan was found: go on with the one before, which ends at rest within what was
+    /// known then.
     fn finish_old(&mut self, count: usize) {
         if self.smooth.old.is_empty() {
-            // there is none: motion was under way when planning began. Brake as the accelerations allow
+            // there is none: motion was under way when planning began. Brake as the accelerations
+            // allow
             self.hand_out(count);
             self.width = None;
             return;

@@ -2,8 +2,9 @@
 use super::cell::{Row, Rows};
 use crate::{Instant, Phase};
 
-/// A phase and the one after it as one: the same time, and place and speed at its end. What lies between differs, by
-/// acceleration too, so it is for phases much shorter than a servo period. `None` where the speed changes too much for that.
+/// A phase and the one after it as one: the same time, and place and speed at its end. What lies
+/// between differs, by acceleration too, so it is for phases much shorter than a servo period.
+/// `None` where the speed changes too much for that.
 pub fn merged(phase: &Phase, next: &Phase) -> Option<Phase> {
     let duration = phase.duration + next.duration;
     let Instant { s, v, .. } = next.at(next.duration);
@@ -86,9 +87,11 @@ pub(crate) fn over_line(
     ramp(&mut at, &mut b, b1, down);
 }
 
-/// Phases over a line from rest to rest, with limits of acceleration and jerk that are finite, and of ṡ².
+/// Phases over a line from rest to rest, with limits of acceleration and jerk that are finite, and
+/// of ṡ².
 ///
-/// With the highest speed v: a ramp takes v/a + a/j, or 2·√(v/j) where a is never reached, over half of v times that.
+/// With the highest speed v: a ramp takes v/a + a/j, or 2·√(v/j) where a is never reached, over
+/// half of v times that.
 pub(crate) fn from_rest_to_rest(
     h: f64,
     accel: f64,
@@ -123,8 +126,8 @@ pub(crate) fn from_rest_to_rest(
 /// Share of the time of one ramp over a cell that several phases must save, to be worth it.
 const WORTH: f64 = 0.03;
 
-/// Phases of constant s̈ over a cell of a curve: one, or, where the axes could do it in much less (at a low feed, from rest or to
-/// it, along a curve so flat that it is one cell), as over a line.
+/// Phases of constant s̈ over a cell of a curve: one, or, where the axes could do it in much less
+/// (at a low feed, from rest or to it, along a curve so flat that it is one cell), as over a line.
 pub(crate) fn over_curve(
     rows: &Rows,
     h: f64,

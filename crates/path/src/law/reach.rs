@@ -7,11 +7,12 @@
 //!    ╱  forwards │ backwards
 //! ```
 //!
-//! At both ends of a cell, and in its middle, every axis demands −1 ≤ (q′·a + q″·b)/A ≤ 1. With b₁ = b₀ + 2ha all of these, and b₁ ≤ β₁, are
-//! bounds on a that are linear in b₀; the largest b₀ that leaves room between the highest lower bound and the lowest
-//! upper one is found with Newton's method on a concave function of straight parts, in two or three steps, exactly.
-//! (Reachability analysis: Pham and Pham, *A new approach to time-optimal path parameterization*, 2018. Demanding it at
-//! several places of a cell is what keeps places with q′ ≈ 0 from oscillating.)
+//! At both ends of a cell, and in its middle, every axis demands −1 ≤ (q′·a + q″·b)/A ≤ 1. With
+//! b₁ = b₀ + 2ha all of these, and b₁ ≤ β₁, are bounds on a that are linear in b₀; the largest b₀
+//! that leaves room between the highest lower bound and the lowest upper one is found with Newton's
+//! method on a concave function of straight parts, in two or three steps, exactly. (Reachability
+//! analysis: Pham and Pham, *A new approach to time-optimal path parameterization*, 2018. Demanding
+//! it at several places of a cell is what keeps places with q′ ≈ 0 from oscillating.)
 use super::cell::{Cell, Demand, Rows, Start};
 
 /// A straight bound on a: `at + slope·b`.
@@ -110,7 +111,8 @@ impl Bounds {
     }
 }
 
-/// Largest ṡ² at each knot from which all that follows can be kept, ending at rest. `beta` has one entry more than there are cells.
+/// Largest ṡ² at each knot from which all that follows can be kept, ending at rest. `beta` has one
+/// entry more than there are cells.
 ///
 /// Returns the last knot whose value does not depend on what comes after the last cell, or 0.
 pub(crate) fn backwards<'a>(

@@ -1,7 +1,8 @@
-//! Runs of lines that go on as one: chopped however finely, they need no more knots than the line that they are.
+//! Runs of lines that go on as one: chopped however finely, they need no more knots than the line
+//! that they are.
 //!
-//! A run's first cell stands for it in the grid; its fines may lie in any of its cells, and reach over their ends. What is
-//! handed out is cut at these again.
+//! A run's first cell stands for it in the grid; its fines may lie in any of its cells, and reach
+//! over their ends. What is handed out is cut at these again.
 use super::cell::{Cell, Demand, Start};
 use super::fine::Fine;
 use super::phase::{Timed, time_at};
@@ -9,7 +10,8 @@ use crate::{Instant, Phase};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-/// A run of so many cells, and as long as a step at the feed, ends: motion can be handed out between two runs.
+/// A run of so many cells, and as long as a step at the feed, ends: motion can be handed out
+/// between two runs.
 const MOST: usize = 16;
 
 /// What differs by such a share is the same: directions are rounded.

@@ -7,13 +7,15 @@
 //!      knots  ┊  h   ┊ h ┊
 //! ```
 //!
-//! With b as unknown, speed and acceleration are straight bounds and jerk is q′·u + 3·q″·a + q‴·b ≤ J/√b; the whole is a
-//! chain on which each bound meets three neighbours, and `interior` finds the fastest.
+//! With b as unknown, speed and acceleration are straight bounds and jerk is q′·u + 3·q″·a + q‴·b ≤
+//! J/√b; the whole is a chain on which each bound meets three neighbours, and `interior` finds the
+//! fastest.
 //!
-//! The grid has knots about τ apart in time, as fast as a jerk-limited motion may at most be: from a place where it goes at
-//! v it can be at most at w = v^{3/2} + 2.12·√J·Δs later, since from rest s = J·t³/6 and ṡ = J·t²/2; farther apart where a
-//! speed is held (`level`). At rest the first cell is that motion itself: b ~ s^{4/3}, whose tangent at its end, d, meets zero
-//! at d/4: seen from the next cell it is a cell of width 3d/2 with the value 0.
+//! The grid has knots about τ apart in time, as fast as a jerk-limited motion may at most be: from
+//! a place where it goes at v it can be at most at w = v^{3/2} + 2.12·√J·Δs later, since from rest
+//! s = J·t³/6 and ṡ = J·t²/2; farther apart where a speed is held (`level`). At rest the first cell
+//! is that motion itself: b ~ s^{4/3}, whose tangent at its end, d, meets zero at d/4: seen from
+//! the next cell it is a cell of width 3d/2 with the value 0.
 mod bounds;
 
 use super::State;
@@ -28,12 +30,13 @@ use alloc::vec::Vec;
 /// From rest, b = this · J^{2/3} · s^{4/3}.
 const FROM_REST: f64 = 2.725_681_118_082_556;
 
-/// By how much the bounds may be exceeded where the search begins, and where it must begin within them.
+/// By how much the bounds may be exceeded where the search begins, and where it must begin within
+/// them.
 const START: f64 = f64::INFINITY;
 const WITHIN: f64 = -0.02;
 
-/// Where a search begins, and where it begins again when that has led nowhere: how far in time the guess looks, as a share of the
-/// grid's step, and [`FIRST`].
+/// Where a search begins, and where it begins again when that has led nowhere: how far in time the
+/// guess looks, as a share of the grid's step, and [`FIRST`].
 const STARTS: [(f64, f64); 3] = [(1.0, FIRST), (4.0, 0.05), (16.0, 0.01)];
 
 /// How often a plan is corrected, and from what share of the limits of acceleration and jerk on.
@@ -77,7 +80,8 @@ pub(super) enum From {
 }
 
 impl Smooth {
-    /// Plan cells from `from` to rest; `fast` is ṡ² at the cells' beginnings and the last one's end without a limit of jerk.
+    /// Plan cells from `from` to rest; `fast` is ṡ² at the cells' beginnings and the last one's end
+    /// without a limit of jerk.
     ///
     /// `false`: nothing within the limits was found; from rest [`Self::slow_down`] has a plan then.
     pub(super) fn plan(&mut self, cells: &[&Cell], fast: &[f64], from: From, tau: f64) -> bool {
@@ -98,8 +102,8 @@ impl Smooth {
         })
     }
 
-    /// The jerk of the motion at the knots may be a little more than it was in the equations, where the speed changes much
-    /// within a cell: there, plan with less.
+    /// The jerk of the motion at the knots may be a little more than it was in the equations, where
+    /// the speed changes much within a cell: there, plan with less.
     fn refine(&mut self, cells: &[&Cell], from: From) -> bool {
         for round in 0..REFINEMENTS {
             // a little is corrected twice, much until it is gone
@@ -120,8 +124,8 @@ impl Smooth {
         self.tighten(cells) <= ENOUGH
     }
 
-    /// Slower all along, until the motion at the knots is within the limits of jerk; from rest to rest, of the cells that were
-    /// planned last.
+    /// Slower all along, until the motion at the knots is within the limits of jerk; from rest to
+    /// rest, of the cells that were planned last.
     pub(super) fn slow_down(&mut self, cells: &[&Cell]) {
         let from = From::Rest;
         for fine in &mut self.grid {
@@ -137,7 +141,8 @@ impl Smooth {
         }
     }
 
-    /// Less of the acceleration and of the jerk for cells that have too much of it; the most that any has, over its limit.
+    /// Less of the acceleration and of the jerk for cells that have too much of it; the most that
+    /// any has, over its limit.
     fn tighten(&mut self, cells: &[&Cell]) -> f64 {
         let mut all = 0.0_f64;
         for k in 0..self.grid.len() {
@@ -252,7 +257,8 @@ impl Smooth {
         chain.clear();
         self.width.clear();
         let rest_left = matches!(from, From::Rest);
-        // the chain's unknowns: one per cell of the grid, with a cell at rest seen as in the header; in motion one before
+        // the chain's unknowns: one per cell of the grid, with a cell at rest seen as in the
+        // header; in motion one before
         if let From::Moving(state, _) = from {
             let h = self.grid[0].h;
             chain.c.push(state.v * state.v - h * state.a);
@@ -356,8 +362,8 @@ impl Smooth {
         }
     }
 
-    /// How many cells of the grid, and how many of the path, end with the run before cell `commit`; where more motion is to
-    /// follow, there is a run left for it.
+    /// How many cells of the grid, and how many of the path, end with the run before cell `commit`;
+    /// where more motion is to follow, there is a run left for it.
     pub(super) fn until(&self, commit: usize, more: bool) -> (usize, usize) {
         let from = |cell: usize| self.grid.iter().position(|fine| fine.cell >= cell);
         let first = match (from(commit), more) {

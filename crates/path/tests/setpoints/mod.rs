@@ -37,7 +37,8 @@ pub(crate) fn loads(points: &[[f64; AXES]], b: &Bounds) -> [f64; 3] {
     most
 }
 
-/// Largest |speed|, |acceleration|, |jerk| of any axis over its limit, at nine places of every phase.
+/// Largest |speed|, |acceleration|, |jerk| of any axis over its limit, at nine places of every
+/// phase.
 pub(crate) fn inside(pieces: &[Piece], phases: &[Timed], b: &Bounds) -> [f64; 3] {
     let mut most = [0.0_f64; 3];
     for Timed { piece, phase } in phases {

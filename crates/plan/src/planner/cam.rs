@@ -5,8 +5,9 @@
 //!   follow nothing ◄─ X back to where it stood ◄──────────────────────────── next move ◄───┘
 //! ```
 //!
-//! The table is superposed less its top, so that fading it in only moves the wheel away from the top, and a wheel that
-//! stands clear of the top stays clear. Idle turns are made where the wheel stands.
+//! The table is superposed less its top, so that fading it in only moves the wheel away from the
+//! top, and a wheel that stands clear of the top stays clear. Idle turns are made where the wheel
+//! stands.
 use super::{Job, Planner};
 use crate::StepKind;
 use crate::cams::{TURN_ENDED, turned};
@@ -140,8 +141,8 @@ impl Planner {
         self.tell_spindles(job);
     }
 
-    /// Move the wheel's base to a machine coordinate, beside what is superposed: a share of what the axis can is
-    /// left to the profile, and it never stands still to be in position.
+    /// Move the wheel's base to a machine coordinate, beside what is superposed: a share of what
+    /// the axis can is left to the profile, and it never stands still to be in position.
     fn wheel_to(&mut self, job: &mut Job, x: Length) {
         let from = self.position();
         let to = from.with(Axis::X, Coordinate::linear(x));
@@ -333,7 +334,8 @@ impl Planner {
         };
         let highest =
             self.limits.spindles.first().map_or(Spin::ZERO, |s| s.reachable(units::Torque::ZERO));
-        // a speed that varies was planned within the limits; what its mean asks of X is checked as of any other
+        // a speed that varies was planned within the limits; what its mean asks of X is checked as
+        // of any other
         let [slope, bend, jolt] = profile.steepest;
         let mut bounds = Vec::from([
             (highest.value(), "the work spindle's highest speed"),

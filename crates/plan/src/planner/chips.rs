@@ -8,8 +8,9 @@
 //!     │           −U reached: turned round at once
 //! ```
 //!
-//! Both ramps use the torque and power curve. The order goes ahead of the rapid out of the hole, and the kernel
-//! obeys it when the axis passes the R plane; the next cut or tap awaits the spindle as after any other order.
+//! Both ramps use the torque and power curve. The order goes ahead of the rapid out of the hole,
+//! and the kernel obeys it when the axis passes the R plane; the next cut or tap awaits the spindle
+//! as after any other order.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::tap_check::whole_rpm;

@@ -8,10 +8,11 @@
 //!      └───────────────────────────────────────────────┘
 //! ```
 //!
-//! Each motion is swept with the mounted tool's real length, so a length offset that is missing or another tool's shows
-//! as what it does. An error is what surely breaks; what likely does is a warning: a mill's rapid (the work may be
-//! smaller than the machine file says), a pocket that was milled (the simulator mills none), axes that have turned the
-//! work. Tools of no known length (stand-ins) and of no known form are not looked at.
+//! Each motion is swept with the mounted tool's real length, so a length offset that is missing or
+//! another tool's shows as what it does. An error is what surely breaks; what likely does is a
+//! warning: a mill's rapid (the work may be smaller than the machine file says), a pocket that was
+//! milled (the simulator mills none), axes that have turned the work. Tools of no known length
+//! (stand-ins) and of no known form are not looked at.
 use super::{Job, Planner};
 use crate::bar::Outline;
 use crate::chip::Drill;
@@ -45,7 +46,8 @@ const ADVISED: f64 = 0.5;
 const WEAR: f64 = 0.1;
 /// Places of a mill's rapid that are looked at.
 const LOOKS: u32 = 64;
-/// The program's zero may stand so far from the workpiece's along Z: as far as depths of holes may be off (ISO 2768-1 f).
+/// The program's zero may stand so far from the workpiece's along Z: as far as depths of holes may
+/// be off (ISO 2768-1 f).
 const MISPLACED: Length = Length::mm(0.05);
 /// Rounding of a program's numbers, mm.
 const ROUNDING: f64 = 1e-6;
@@ -93,9 +95,11 @@ pub(super) struct Contact {
     mills: Mills,
     /// It was said that the length offset is not the tool's.
     offset_said: bool,
-    /// Code of what the length offset was blamed for: whatever else it causes is no finding of its own.
+    /// Code of what the length offset was blamed for: whatever else it causes is no finding of its
+    /// own.
     blamed: Option<&'static str>,
-    /// It has crashed into solid stock and not come out since: what follows from that is no finding of its own.
+    /// It has crashed into solid stock and not come out since: what follows from that is no finding
+    /// of its own.
     crashed: bool,
 }
 
@@ -194,7 +198,8 @@ impl Contact {
         }
     }
 
-    /// How far a tool that cuts along its axis alone is moved sideways in the work, if that is too far.
+    /// How far a tool that cuts along its axis alone is moved sideways in the work, if that is too
+    /// far.
     fn sideways(&mut self, part: [Point; 2], most: f64) -> Option<(Wrong, Point)> {
         let entered = *self.entered.get_or_insert([part[0][0], part[0][1]]);
         let off = |at: Point| libm::hypot(at[0] - entered[0], at[1] - entered[1]);
@@ -298,7 +303,8 @@ impl Planner {
         Self { contact: Some(Contact::new(stock, rotary)), ..self }
     }
 
-    /// One whose tools are assumed and not the shop's own: what they would do to the stock is worth a warning at most.
+    /// One whose tools are assumed and not the shop's own: what they would do to the stock is worth
+    /// a warning at most.
     #[must_use]
     pub fn with_assumed_tools(mut self) -> Self {
         if let Some(contact) = &mut self.contact {
@@ -434,7 +440,8 @@ impl Planner {
         self.judge_body(job.span, [x, y, (tap.bottom - long).value()]);
     }
 
-    /// Mounted tool of a form that is known, its tip's depth when the axis stands there, and the stock.
+    /// Mounted tool of a form that is known, its tip's depth when the axis stands there, and the
+    /// stock.
     fn depth_at(&self, z: Length) -> Option<(f64, &Tool, &Contact)> {
         let contact = self.contact.as_ref()?;
         let tool = self.tools.get(self.tool)?;
@@ -458,8 +465,8 @@ impl Planner {
         true
     }
 
-    /// Whether the program's zero, without the tool's length offset, is the workpiece's. A work offset other than the first
-    /// states its own.
+    /// Whether the program's zero, without the tool's length offset, is the workpiece's. A work
+    /// offset other than the first states its own.
     fn judge_zero(&mut self, span: diag::Span, zero: Length, own: Option<Length>) {
         let Some(contact) = self.contact.as_ref().filter(|_| own.is_none()) else { return };
         let off = zero - self.frame.tool.linear[2] - contact.stock.zero;

@@ -106,7 +106,8 @@ impl Planner {
         self.spare(work);
     }
 
-    /// From here on the tool may be in the work. It was geared up where it stands, so there it is clear.
+    /// From here on the tool may be in the work. It was geared up where it stands, so there it is
+    /// clear.
     fn enter_geared(&mut self, job: &mut Job, cut: TiedCut, master: u8) {
         let way_out = along_x(cut, master, self.position().linear[0]);
         self.hand_on(job, StepKind::WayOut(Some(way_out)));
@@ -127,7 +128,8 @@ impl Planner {
         self.spare(spin);
     }
 
-    /// Moves of an axis that swings get what the swing leaves of its limits, with the work at this speed or a slower one.
+    /// Moves of an axis that swings get what the swing leaves of its limits, with the work at this
+    /// speed or a slower one.
     fn spare(&mut self, spin: Spin) {
         self.coupled.fastest = self.coupled.fastest.max(spin.abs());
         let n = self.coupled.fastest.value();
@@ -181,7 +183,8 @@ impl Planner {
         self.polygon_end(job);
         self.tell_spindles(job);
         self.await_spindles(job);
-        // a right-hand helix: the section at a greater Z is turned forward, so the work belongs behind
+        // a right-hand helix: the section at a greater Z is turned forward, so the work belongs
+        // behind
         let gear = GearStep {
             follower: hob.work,
             master: hob.hob,

@@ -14,8 +14,8 @@ use path::geometry::Segment;
 use path::geometry::quintic;
 use units::{Coordinate, Length, Spin};
 
-/// Share of P for merging collinear moves, where no Q below P is stated, and the most of it that Q may take: what merging
-/// takes is missing where the curve through the points is made faster.
+/// Share of P for merging collinear moves, where no Q below P is stated, and the most of it that Q
+/// may take: what merging takes is missing where the curve through the points is made faster.
 const MERGED: f64 = 0.02;
 const MERGED_MOST: f64 = 0.3;
 
@@ -44,7 +44,8 @@ impl Planner {
         self.tell_spindles(job);
     }
 
-    /// A rapid that has been judged; after a spindle order that is still open. Where paths are blended it is a part of them.
+    /// A rapid that has been judged; after a spindle order that is still open. Where paths are
+    /// blended it is a part of them.
     pub(super) fn rapid_along(&mut self, job: &mut Job, path: Path) {
         let busy = self.is_open()
             || self.outbox.is_waiting()
@@ -98,7 +99,8 @@ impl Planner {
         }
     }
 
-    /// Along a curve, whose parts each are one polynomial of their length; the last of them ends it.
+    /// Along a curve, whose parts each are one polynomial of their length; the last of them ends
+    /// it.
     pub(super) fn spline(&mut self, job: &mut Job, to: &Position, spline: &Spline, feed: Feed) {
         self.come_down(job);
         let mut from = self.programmed;
@@ -215,15 +217,16 @@ impl Planner {
         }
     }
 
-    /// Rapids are part of a blended path where a tolerance is stated: by G64 P, or by the machine for programs that say
-    /// nothing.
+    /// Rapids are part of a blended path where a tolerance is stated: by G64 P, or by the machine
+    /// for programs that say nothing.
     pub(super) fn joins_rapids(&self) -> bool {
         let PathMode::Blend { tolerance, .. } = self.mode else { return false };
         let always = matches!(self.limits.joining.mode, PathMode::Blend { .. });
         (always || tolerance.is_some()) && self.joined_within().0 > 0.0
     }
 
-    /// How far the joined path may be from the programmed one, and how far merged points from their line.
+    /// How far the joined path may be from the programmed one, and how far merged points from their
+    /// line.
     pub(super) fn joined_within(&self) -> (f64, f64) {
         let PathMode::Blend { tolerance, merge } = self.mode else { return (0.0, 0.0) };
         let whole = tolerance.unwrap_or(self.limits.joining.tolerance).value().max(0.0);
@@ -232,7 +235,8 @@ impl Planner {
         (whole - merge, merge)
     }
 
-    /// Limits along a path; `None` if there is nothing to move, or an axis is missing, which is a finding.
+    /// Limits along a path; `None` if there is nothing to move, or an axis is missing, which is a
+    /// finding.
     pub(super) fn bound(
         &mut self,
         job: &Job,

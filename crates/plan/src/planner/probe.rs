@@ -1,4 +1,5 @@
-//! Probing moves: straight, from rest to rest, joined to nothing; where they end is known when they have been made.
+//! Probing moves: straight, from rest to rest, joined to nothing; where they end is known when they
+//! have been made.
 use super::{Job, Planner};
 use crate::StepKind;
 use crate::findings::number;

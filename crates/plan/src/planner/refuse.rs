@@ -1,4 +1,5 @@
-//! Moves that a machine cannot make: coordinates, feeds and arcs, judged before anything is planned from them.
+//! Moves that a machine cannot make: coordinates, feeds and arcs, judged before anything is planned
+//! from them.
 //!
 //! Every refusal names what was found, what the machine can do, and the number that would work.
 use super::{Job, Planner};
@@ -53,7 +54,8 @@ impl Planner {
         refused
     }
 
-    /// An axis that leaves its travel, in the program's words; all moves beyond one end are one finding.
+    /// An axis that leaves its travel, in the program's words; all moves beyond one end are one
+    /// finding.
     fn beyond_travel(&mut self, span: Span, out: &Beyond, is_straight: bool) {
         let (axis, frame) = (out.axis, self.frame);
         let is_high = out.reaches > out.travel.1;
@@ -126,8 +128,8 @@ impl Planner {
         false
     }
 
-    /// A profile that moves nothing (limits of zero, or numbers out of all range) or lasts too long; its time is in
-    /// units of which `per_second` pass in a second.
+    /// A profile that moves nothing (limits of zero, or numbers out of all range) or lasts too
+    /// long; its time is in units of which `per_second` pass in a second.
     pub(super) fn profile_is_refused(
         &mut self,
         job: &Job,
@@ -166,7 +168,8 @@ impl Planner {
     pub(super) fn arc_is_sound(&mut self, job: &Job, to: &Position, arc: &Arc) -> bool {
         let from = self.programmed;
         let (r, end) = (radius(&from, arc), radius(to, arc));
-        // as RS-274/NGC's interpreters allow, generously: what the interpreter let pass is not refused here
+        // as RS-274/NGC's interpreters allow, generously: what the interpreter let pass is not
+        // refused here
         let sound = arc.sweep.is_finite() && r > 0.0 && (end - r).abs() <= 0.5_f64.max(0.01 * r);
         if !sound {
             let text = format!(
@@ -180,7 +183,8 @@ impl Planner {
     }
 }
 
-/// Whether a coordinate in inches would be within the travel if its number were meant in millimetres.
+/// Whether a coordinate in inches would be within the travel if its number were meant in
+/// millimetres.
 fn is_of_other_unit(frame: &ProgramFrame, out: &Beyond) -> bool {
     let Some(written) = frame.written(out.axis, out.reaches) else { return false };
     let zero = out.reaches - written * frame.unit.in_mm();

@@ -5,10 +5,11 @@
 //!   kernel:   turn ───────► rapid ─────► await ► cut    told early, awaited late
 //! ```
 //!
-//! `ordered` is what the program has in force, `told` what the kernel has been told. While the two differ, rapids
-//! wait in the outbox, because only the op after them shows whether the spindle shall turn (a cut) or stand
-//! still (a tap). A ramp is planned from `told`, so a change of speed begins when the one before is reached. While chips
-//! are thrown off (see the `chips` module) rapids wait for nothing.
+//! `ordered` is what the program has in force, `told` what the kernel has been told. While the two
+//! differ, rapids wait in the outbox, because only the op after them shows whether the spindle
+//! shall turn (a cut) or stand still (a tap). A ramp is planned from `told`, so a change of speed
+//! begins when the one before is reached. While chips are thrown off (see the `chips` module)
+//! rapids wait for nothing.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::tap_check::whole_rpm;
@@ -135,7 +136,8 @@ impl Planner {
     /// Tell the kernel the speeds that are in force, ahead of the rapids that waited.
     pub(super) fn tell_spindles(&mut self, job: &mut Job) {
         if self.is_throwing() {
-            // chips fly off while the axes travel: a ramp after that is awaited where the travel ends, not at R
+            // chips fly off while the axes travel: a ramp after that is awaited where the travel
+            // ends, not at R
             self.outbox.release([], &self.limits, job.emit);
         }
         let mut steps = Vec::new();
@@ -151,8 +153,8 @@ impl Planner {
         }
     }
 
-    /// Steps that make a spindle turn at a speed. A ramp begins where the one before has ended, so that one
-    /// is awaited.
+    /// Steps that make a spindle turn at a speed. A ramp begins where the one before has ended, so
+    /// that one is awaited.
     pub(super) fn turn(&mut self, job: &Job, index: usize, spin: Spin) -> Vec<Step> {
         let SpindleState { told, told_surface, .. } = self.spindles[index];
         let differs = told != spin || told_surface.is_some();

@@ -1,13 +1,15 @@
-//! The operator's spindle override: where the program lets it act (M48, M49, M51), and what needs the programmed speed.
+//! The operator's spindle override: where the program lets it act (M48, M49, M51), and what needs
+//! the programmed speed.
 //!
 //! ```text
 //!   M51 P1, a cut        a thread, a gear, a tap that is not tied       the next cut
 //!   it acts ───────────► locked: the programmed speed, awaited ───────► it acts
 //! ```
 //!
-//! A synchronised tap leads its spindle itself and needs no lock. A turned thread that was begun at another speed would
-//! have its run-in elsewhere, a gear's oscillation was computed for its speed, and a feed that is only as fast as S says needs
-//! S. Between the passes of a thread it stays locked, as on Fanuc's and Siemens' controls.
+//! A synchronised tap leads its spindle itself and needs no lock. A turned thread that was begun at
+//! another speed would have its run-in elsewhere, a gear's oscillation was computed for its speed,
+//! and a feed that is only as fast as S says needs S. Between the passes of a thread it stays
+//! locked, as on Fanuc's and Siemens' controls.
 use super::{Job, Planner};
 use crate::StepKind;
 use crate::limits::TapMethod;

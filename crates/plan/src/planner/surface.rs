@@ -1,12 +1,13 @@
-//! Constant surface speed (G96): what the kernel is told, and what cannot be done while it is in force.
+//! Constant surface speed (G96): what the kernel is told, and what cannot be done while it is in
+//! force.
 //!
 //! ```text
 //!   G96 ──► speed, limit, place of the work's axis ──► kernel: n by X, in every period
 //!           tool or work offset changes: the place again
 //! ```
 //!
-//! The axis of the work is where the program has its X zero, with the tool's offset, as on every lathe. The spindle
-//! follows X in rapids too, and the first cut after one awaits its speed.
+//! The axis of the work is where the program has its X zero, with the tool's offset, as on every
+//! lathe. The spindle follows X in rapids too, and the first cut after one awaits its speed.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::tap_check::whole_rpm;
@@ -84,7 +85,8 @@ impl Planner {
         self.frame.origin.linear[0] + self.frame.tool.linear[0] + self.frame.added.linear[0]
     }
 
-    /// Before an op: the axis of the work may lie elsewhere now, and some ops need revolutions per minute.
+    /// Before an op: the axis of the work may lie elsewhere now, and some ops need revolutions per
+    /// minute.
     pub(super) fn aim_surface(&mut self, job: &Job, kind: &OpKind) {
         let axis = self.work_axis();
         let Some(state) = self.spindles.get_mut(SPINDLE) else { return };
@@ -114,7 +116,8 @@ impl Planner {
         }
     }
 
-    /// After an op: the speed that is in force where X is now. A rapid changes it, and the next cut waits for it.
+    /// After an op: the speed that is in force where X is now. A rapid changes it, and the next cut
+    /// waits for it.
     pub(super) fn follow_surface(&mut self, kind: &OpKind) {
         let x = self.position().linear[0];
         let Some(state) = self.spindles.get_mut(SPINDLE) else { return };

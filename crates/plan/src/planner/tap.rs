@@ -47,7 +47,8 @@ const NO_PECK: f64 = 1e-6;
 pub(super) struct Means {
     pub(super) inward: (AxisLimits, SpindleLimits),
     outward: (AxisLimits, SpindleLimits),
-    /// What the spindle turns up and down with where nothing ties it to the feed: no preset is for that.
+    /// What the spindle turns up and down with where nothing ties it to the feed: no preset is for
+    /// that.
     pub(super) turning: SpindleLimits,
     cut: Torque,
     /// How much deeper than programmed there is room for the tap.
@@ -366,7 +367,8 @@ impl Planner {
             StrokeRequest { revolutions, spin: return_spin, force_ramp, spindle_accel, ..request };
         let inward = self.stroke(request, &means.inward, 0);
         let outward = self.stroke(back, &means.outward, 1);
-        // on the helix through the start: where a peck begins deeper, the spindle stands that much further
+        // on the helix through the start: where a peck begins deeper, the spindle stands that much
+        // further
         let angle = |at: Angle| at + turns(start, peck.from) * sense;
         let start_angle = match tap.start_angle {
             None if tap.peck.is_some() => Some(angle(Angle::ZERO)),
@@ -396,8 +398,8 @@ impl Planner {
         }
     }
 
-    /// How long the run-up of a stroke takes where torque and power do not say it: as the user asked, or as the
-    /// drive makes it.
+    /// How long the run-up of a stroke takes where torque and power do not say it: as the user
+    /// asked, or as the drive makes it.
     fn ramp_of_stroke(&self, spin: Spin) -> Option<Time> {
         let own = self.limits.tapping.own_ramps;
         self.options.force_ramp.or_else(|| own.map(|own| spin / own.accel.min(own.decel)))
@@ -421,8 +423,8 @@ impl Planner {
     }
 }
 
-/// The pecks of a tap, the only one of a tap without Q. A chip is broken only where that leaves the tap on its
-/// way: a retract as long as the peck or longer comes out to the start.
+/// The pecks of a tap, the only one of a tap without Q. A chip is broken only where that leaves the
+/// tap on its way: a retract as long as the peck or longer comes out to the start.
 fn pecks(tap: &Tap, retract: Retract) -> impl Iterator<Item = Peck> {
     let (start, to) = (tap.start.along(tap.axis).of_linear(), tap.bottom);
     let stroke = (to - start).abs();

@@ -1,4 +1,5 @@
-//! Turned threads: stretches are gathered until the chain is over, then their corners are rounded and all is judged.
+//! Turned threads: stretches are gathered until the chain is over, then their corners are rounded
+//! and all is judged.
 //!
 //! ```text
 //!   Threading, Threading, … ─► chain ─┐ anything else comes
@@ -141,7 +142,8 @@ impl Planner {
         }
     }
 
-    /// How the tool comes off the work in this chain; `None` where nothing says from where it was fed in.
+    /// How the tool comes off the work in this chain; `None` where nothing says from where it was
+    /// fed in.
     fn way_out(&self, first: &Waiting, straight: &[Straight]) -> Option<WayOut> {
         let along = first.order.axis;
         let infeed = if along == Axis::X { Axis::Z } else { Axis::X };
@@ -288,7 +290,8 @@ fn far(from: &Vector, to: &Vector) -> f64 {
     libm::sqrt((0..THREADING_AXES).map(|i| (to[i] - from[i]) * (to[i] - from[i])).sum())
 }
 
-/// The lead at the end of a way of so many mm, mm/rev: λ² + 2·growth·way, its root; `None` if it is used up before.
+/// The lead at the end of a way of so many mm, mm/rev: λ² + 2·growth·way, its root; `None` if it is
+/// used up before.
 fn last_lead(order: &Threading, way: f64) -> Option<f64> {
     let (lead, growth) = (order.lead.value(), order.growth.value());
     let squared = lead * lead + 2.0 * growth * way;

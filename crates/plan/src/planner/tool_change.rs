@@ -71,7 +71,8 @@ impl Planner {
         self.tool_mounted();
     }
 
-    /// Whether the changer has the tool: one that stands in a pocket that the magazine does not have is changed by hand.
+    /// Whether the changer has the tool: one that stands in a pocket that the magazine does not
+    /// have is changed by hand.
     fn pocket_is_reached(&mut self, job: &Job, number: u32) -> bool {
         let most = self.limits.tool_change.pockets;
         let pocket = self.tools.get(number).filter(|tool| !tool.stand_in);
@@ -99,7 +100,8 @@ impl Planner {
         }
     }
 
-    /// A rapid of the program comes: in X and Y alone it stays up; any other begins where the program has it.
+    /// A rapid of the program comes: in X and Y alone it stays up; any other begins where the
+    /// program has it.
     pub(super) fn leave_change_position(&mut self, job: &mut Job, to: &Position) {
         let level = to.linear[2] == self.programmed.linear[2];
         if self.away.is_across() && !level {
@@ -107,7 +109,8 @@ impl Planner {
         }
     }
 
-    /// The rapid has been told: what is left of the change position is Z, if the rapid was in X and Y alone.
+    /// The rapid has been told: what is left of the change position is Z, if the rapid was in X and
+    /// Y alone.
     pub(super) fn arrive(&mut self, to: &Position) {
         let level = to.linear[2] == self.programmed.linear[2];
         self.away = Away { across: [None; 2], z: self.away.z.filter(|_| level) };

@@ -10,8 +10,9 @@
 //!   7  rapid back; spindle forward again         rapid back; spindle forward again
 //! ```
 //!
-//! With the clutch, the depth is where the feed stops plus D, whatever the spindle does meanwhile; without it, the
-//! tap runs deeper by H·n·(delay + `t_stop`/2), and as that scatters, so does the depth.
+//! With the clutch, the depth is where the feed stops plus D, whatever the spindle does meanwhile;
+//! without it, the tap runs deeper by H·n·(delay + `t_stop`/2), and as that scatters, so does the
+//! depth.
 use super::tap::Means;
 use super::{Job, Planner};
 use crate::StepKind;
@@ -168,7 +169,8 @@ impl Planner {
         Some((way(from, to)?, way(to, from)?))
     }
 
-    /// A dwell outside the window; told in any case, refused unless the user wants only to be warned.
+    /// A dwell outside the window; told in any case, refused unless the user wants only to be
+    /// warned.
     fn dwell_is_refused(
         &mut self,
         job: &Job,
@@ -218,7 +220,8 @@ impl Planner {
         }
     }
 
-    /// How far a floating holder is pulled out at a speed: coasting down, and running up while the feed goes at once.
+    /// How far a floating holder is pulled out at a speed: coasting down, and running up while the
+    /// feed goes at once.
     fn pulled_out(&self, limits: &SpindleLimits, tap: &Tap, spin: Spin) -> Length {
         let stop = self.ramp_of(limits, spin, Spin::ZERO);
         let start = self.ramp_of(limits, Spin::ZERO, -spin);
@@ -260,7 +263,8 @@ impl Planner {
         true
     }
 
-    /// What a reversal costs at full speed: the dwell less the revolutions turned back over the speed.
+    /// What a reversal costs at full speed: the dwell less the revolutions turned back over the
+    /// speed.
     fn reversal(&self, limits: &SpindleLimits, spin: Spin) -> Time {
         let stop = self.ramp_of(limits, spin, Spin::ZERO);
         let start = self.ramp_of(limits, Spin::ZERO, spin);

@@ -1,4 +1,5 @@
-//! The tapping-centre of docs and machine file, as the planner sees it, and words to write programs with.
+//! The tapping-centre of docs and machine file, as the planner sees it, and words to write programs
+//! with.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 use canon::{
     Axis, Feed, Flute, Holder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, TapTool, Tool,
@@ -108,7 +109,8 @@ pub fn tool(number: u32, diameter: f64, length: f64, kind: ToolKind) -> Tool {
     }
 }
 
-/// T1 drill 5.0, T2 tap M6×1, T3 left-hand M6×1, T4 drill 6.8, T5 tap M8×1.25, T6 drill 5.6, T7 drill 6.5.
+/// T1 drill 5.0, T2 tap M6×1, T3 left-hand M6×1, T4 drill 6.8, T5 tap M8×1.25, T6 drill 5.6, T7
+/// drill 6.5.
 pub fn tools() -> ToolLibrary {
     ToolLibrary::new([
         drill(1, 5.0, 120.0),

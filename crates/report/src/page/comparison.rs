@@ -1,4 +1,5 @@
-//! Two ways of tapping side by side: how deep each of many holes became, and how much that scatters.
+//! Two ways of tapping side by side: how deep each of many holes became, and how much that
+//! scatters.
 use super::{STYLE, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, escape, fixed};

@@ -1,4 +1,5 @@
-//! The tables of features, one for each kind with what matters for it, worst first; a click on a column's head sorts by it.
+//! The tables of features, one for each kind with what matters for it, worst first; a click on a
+//! column's head sorts by it.
 use super::listing::Listing;
 use crate::record::Recorder;
 use crate::record::frames;
@@ -10,7 +11,8 @@ use verify::{
     Thread, TurnedThread,
 };
 
-/// The order of badness: what failed first, then by the share of the nearest tolerance that is left.
+/// The order of badness: what failed first, then by the share of the nearest tolerance that is
+/// left.
 pub(super) fn by_badness(run: &Run, features: &[Feature]) -> Vec<(usize, Headroom)> {
     let mut order: Vec<_> =
         features.iter().map(|f| f.headroom(&run.tolerances)).enumerate().collect();

@@ -5,7 +5,8 @@
 //!            └─► row of the feature in its table (#F3)        path ───────► its line (#L12)
 //! ```
 //!
-//! A long program is shown where it cut: the lines of its features with their neighbours, and how many are left out between.
+//! A long program is shown where it cut: the lines of its features with their neighbours, and how
+//! many are left out between.
 use crate::record::Recorder;
 use crate::svg::{Tag, escape, fixed};
 use crate::{Run, Standing};

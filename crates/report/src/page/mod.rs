@@ -8,8 +8,9 @@
 //!   tool path · the run over time · where the time went · the program, line by line
 //! ```
 //!
-//! Whatever came from a program or a file is text here and cannot become markup: it is escaped where it is
-//! written, and the page's own policy forbids everything but its one style sheet and script.
+//! Whatever came from a program or a file is text here and cannot become markup: it is escaped
+//! where it is written, and the page's own policy forbids everything but its one style sheet and
+//! script.
 
 mod cams;
 mod comparison;

@@ -8,8 +8,8 @@ use verify::{Feature, FeatureKind, Thread};
 /// Rows at most.
 const MOST: usize = 40;
 
-/// One row per size of thread and diameter of hole: how many, and the spread of what matters; nothing where no size has
-/// more than one, for then the tables of features say the same.
+/// One row per size of thread and diameter of hole: how many, and the spread of what matters;
+/// nothing where no size has more than one, for then the tables of features say the same.
 pub(super) fn sizes(features: &[Feature], measure: Measure) -> String {
     let mut by_size: BTreeMap<String, Vec<&Feature>> = BTreeMap::new();
     for feature in features {

@@ -57,8 +57,8 @@ fn nearest(run: &Run, features: &[Feature]) -> Option<u32> {
     threads.find(|f| matches!(f.kind, FeatureKind::Thread(_))).map(|f| f.op)
 }
 
-/// What the first of the threads that were kept is: pictures are kept of those with the largest sync error, and that need
-/// not be the one with the least of its tolerance left.
+/// What the first of the threads that were kept is: pictures are kept of those with the largest
+/// sync error, and that need not be the one with the least of its tolerance left.
 fn role(trace: &TapTrace, standing: Standing, nearest: Option<u32>) -> &'static str {
     match (nearest == Some(trace.op), standing) {
         (_, Standing::NotCut) => "Thread not cut",

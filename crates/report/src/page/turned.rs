@@ -1,4 +1,5 @@
-//! Turned threads: what the insert left of the bar, the sizes against their limits, and how far the tool was from the helix.
+//! Turned threads: what the insert left of the bar, the sizes against their limits, and how far the
+//! tool was from the helix.
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 use units::Length;

@@ -121,7 +121,8 @@ fn chart(
         let other = other.and_then(|other| marks.get(other));
         other.is_none_or(|other| (other.0 - marks[nth].0).abs() * chart.units_per_x() > ROOM)
     };
-    // to the right of its line, else to the left; between lines that stand close a number is left out
+    // to the right of its line, else to the left; between lines that stand close a number is left
+    // out
     let sides: Vec<_> = (0..marks.len())
         .map(|nth| match (apart(nth, Some(nth + 1)), apart(nth, nth.checked_sub(1))) {
             (true, _) => Some(("name start", 3.0)),

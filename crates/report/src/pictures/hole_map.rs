@@ -2,10 +2,12 @@
 //!
 //! A hole is drilled and then tapped in the same place: what lies within a tenth of a millimetre is
 //! one place, and the place is as good as the worst that was cut there. Good is a circle, bad a
-//! crossed square, what was not judged a circle with a question mark, so that the map is read without colours too.
+//! crossed square, what was not judged a circle with a question mark, so that the map is read
+//! without colours too.
 //!
-//! Where all was cut in one work offset the map is drawn in it. Where there are several it is drawn in machine coordinates, as
-//! the parts lie on the table; a pointer that rests on a place shows its coordinates in its own offset.
+//! Where all was cut in one work offset the map is drawn in it. Where there are several it is drawn
+//! in machine coordinates, as the parts lie on the table; a pointer that rests on a place shows its
+//! coordinates in its own offset.
 use super::figure;
 use crate::page::features::hole_name;
 use crate::record::{Recorder, frames};

@@ -1,4 +1,5 @@
-//! What a mill has left of the stock, from above: the deeper, the darker; where a rapid went through it, a cross.
+//! What a mill has left of the stock, from above: the deeper, the darker; where a rapid went
+//! through it, a cross.
 use super::figure;
 use crate::record::Recorder;
 use crate::svg::{Chart, Mark, Range, fixed};

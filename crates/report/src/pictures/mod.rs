@@ -1,5 +1,6 @@
 //! The report's pictures: one file each. A picture takes what was recorded and judged, and gives a
-//! figure: a heading, a drawing with axis titles and units, and a caption that says what to look for.
+//! figure: a heading, a drawing with axis titles and units, and a caption that says what to look
+//! for.
 
 mod chip_removal;
 mod floating;

@@ -1,4 +1,5 @@
-//! The phase plane: the tap's height over the spindle's angle, and below it how far it is off its line.
+//! The phase plane: the tap's height over the spindle's angle, and below it how far it is off its
+//! line.
 //!
 //! ```text
 //!   z │╲             on scale of the thread the way in and the way out are one line;

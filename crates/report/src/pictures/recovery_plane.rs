@@ -1,4 +1,5 @@
-//! The stop's track and the ways back in the (θ, z) plane, and the same as the distance from the coupling.
+//! The stop's track and the ways back in the (θ, z) plane, and the same as the distance from the
+//! coupling.
 //!
 //! ```text
 //!   z │╲               z − g(θ) │      ╭─○ Pb: at rest
@@ -23,7 +24,8 @@ pub(crate) fn recovery_plane(recovery: &ThreadStop, index: usize) -> String {
         + &figure("Distance from the coupling", &residual(recovery, index), off)
 }
 
-/// The end of the stop and the beginning of the ways back: as many turns as the stop took, and one each side.
+/// The end of the stop and the beginning of the ways back: as many turns as the stop took, and one
+/// each side.
 fn window(recovery: &ThreadStop) -> (f64, f64) {
     let angles = recovery.stop.iter().map(|at| at.0.value());
     let (from, to) = angles.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
@@ -77,7 +79,8 @@ fn height(recovery: &ThreadStop, index: usize) -> String {
     draw(recovery, chart, span, y).finish(&format!("recovery-{index}-z"))
 }
 
-/// The stop's distance from the coupling, and that of the way back where the spindle stands at the same angle.
+/// The stop's distance from the coupling, and that of the way back where the spindle stands at the
+/// same angle.
 fn between(recovery: &ThreadStop, span: (f64, f64)) -> Vec<(f64, [f64; 2])> {
     let Some(way) = recovery.ways.first() else { return Vec::new() };
     let back = within(&way.track, span, |at| recovery.off_um(at));

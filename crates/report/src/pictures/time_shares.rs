@@ -6,7 +6,8 @@ use crate::svg::{Tag, escape, fixed};
 use bus::State;
 use units::Time;
 
-/// What a stretch of a bar means, the states it sums up, turns of the work that are waited for, its class.
+/// What a stretch of a bar means, the states it sums up, turns of the work that are waited for, its
+/// class.
 type TimeShare = (&'static str, &'static [State], Option<Turning>, &'static str);
 
 const KINDS: [TimeShare; 10] = [
@@ -33,7 +34,8 @@ const LEAST: f64 = 0.005;
 const MOST_BARS: usize = 16;
 const WIDTH: f64 = 480.0;
 const ROW: f64 = 44.0;
-/// Characters of a tool's name that stand above a bar, on a narrow screen too; the table of tools has it whole.
+/// Characters of a tool's name that stand above a bar, on a narrow screen too; the table of tools
+/// has it whole.
 const NAME: usize = 48;
 
 fn seconds(shares: &Shares, states: &[State], turning: Option<Turning>) -> f64 {

@@ -12,7 +12,8 @@
 //! ```
 //!
 //! The picture is as large as the cutting is; rapids that leave it for the tool change or the
-//! machine's zero are cut off at its edge. In its first picture the path of each line of the program is a link to the line.
+//! machine's zero are cut off at its edge. In its first picture the path of each line of the
+//! program is a link to the line.
 use super::figure;
 use crate::record::{Point, Recorder};
 use crate::svg::{Chart, Linked, Range, Stroke, fixed, ticks};
@@ -81,7 +82,8 @@ struct Drawing {
     looking: Looking,
 }
 
-/// The views of the path, and the lines of the program whose path is in them; nothing if nothing moved.
+/// The views of the path, and the lines of the program whose path is in them; nothing if nothing
+/// moved.
 pub(crate) fn tool_path(
     run: &Run,
     recorder: &Recorder,
@@ -112,7 +114,8 @@ pub(crate) fn tool_path(
     (pictures, drawn)
 }
 
-/// From where the first of the pictures is seen: a lathe's in the plane of its axis, else obliquely.
+/// From where the first of the pictures is seen: a lathe's in the plane of its axis, else
+/// obliquely.
 pub(super) fn looking(run: &Run, recorder: &Recorder) -> Looking {
     let measure = recorder.measure();
     let (frame, unit) = (run.frame(), measure.symbol());

@@ -1,4 +1,5 @@
-//! Chip removal as it happened between two holes: when the spindle turned round, and what the travel hid of it.
+//! Chip removal as it happened between two holes: when the spindle turned round, and what the
+//! travel hid of it.
 //!
 //! ```text
 //!   Z tip  ╲   ╱──────────╲        left R │← hop ───────────────────────►│ cut
@@ -7,9 +8,10 @@
 //!                ╲____╱
 //! ```
 //!
-//! All of it is seen from real positions and speeds; the order says only which speeds were meant. A hop is the way from
-//! leaving one hole's R plane to the beginning of the next hole's cut. What the manoeuvre would cost without overlap is
-//! the time from 1 to 4; a hop without removal is measured where the program has one, else it is the hop less its waits.
+//! All of it is seen from real positions and speeds; the order says only which speeds were meant. A
+//! hop is the way from leaving one hole's R plane to the beginning of the next hole's cut. What the
+//! manoeuvre would cost without overlap is the time from 1 to 4; a hop without removal is measured
+//! where the program has one, else it is the hop less its waits.
 use bus::{Sample, State};
 use canon::{Axis, ChipRemoval, Op, OpKind, SpindleOrder};
 use std::collections::{BTreeMap, VecDeque};

@@ -1,4 +1,5 @@
-//! The first tap of a run that is tied to nothing: where the feed held it, and where its holder let it go.
+//! The first tap of a run that is tied to nothing: where the feed held it, and where its holder let
+//! it go.
 //!
 //! ```text
 //!   z │╲      ╱      feed          a clutch holder lets the tap pull itself in while the feed stands; a holder with
@@ -9,7 +10,8 @@
 use bus::{Sample, State};
 use canon::Tap;
 
-/// Rows kept: beyond them every other one is dropped, and from there on only every other one is taken.
+/// Rows kept: beyond them every other one is dropped, and from there on only every other one is
+/// taken.
 const MOST: usize = 4096;
 
 /// A moment of it.

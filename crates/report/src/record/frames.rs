@@ -1,7 +1,8 @@
 //! How the program wrote each of its operations: work offset, units, rotation.
 //!
-//! Operations carry machine coordinates. What a reader wants to see is the place in the work offset that was in force when
-//! the feature was programmed: a plate in the second vice has its holes in G55.
+//! Operations carry machine coordinates. What a reader wants to see is the place in the work offset
+//! that was in force when the feature was programmed: a plate in the second vice has its holes in
+//! G55.
 use canon::{LengthUnit, OpKind, Position, ProgramFrame};
 use units::{Angle, Length};
 

@@ -1,4 +1,5 @@
-//! What each line of the program took, and which operations stand in the program itself, not in a file that it draws in.
+//! What each line of the program took, and which operations stand in the program itself, not in a
+//! file that it draws in.
 use bus::{Sample, State};
 use canon::{CamOrder, Op, OpKind};
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,7 +57,8 @@ impl Lines {
         }
     }
 
-    /// What the work turns for while the control waits for its turns; `None`: it is no such operation.
+    /// What the work turns for while the control waits for its turns; `None`: it is no such
+    /// operation.
     pub(crate) fn turning(&self, sample: &Sample) -> Option<Turning> {
         let waits = matches!(
             sample.report.state,

@@ -73,7 +73,8 @@ pub struct Recorder {
     pub(crate) frames: Frames,
     /// What its lines took.
     pub(crate) lines: Lines,
-    /// Something was turned: with a single point (X is its radius), or with a tool that turns itself.
+    /// Something was turned: with a single point (X is its radius), or with a tool that turns
+    /// itself.
     turns: Option<bool>,
     /// Unit in which lengths are shown; `None`: the program's.
     unit: Option<LengthUnit>,
@@ -86,7 +87,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A recorder for a run with these tools: their lengths turn axis positions into those of the tip.
+    /// A recorder for a run with these tools: their lengths turn axis positions into those of the
+    /// tip.
     pub fn new(tools: &ToolLibrary) -> Self {
         let lengths = tools.iter().map(|tool| (tool.number, tool.worn_length())).collect();
         Self { lengths, rapid: true, ..Self::default() }
@@ -116,8 +118,8 @@ impl Recorder {
         self.frames.put(index, frame);
     }
 
-    /// Zero of the work offset in which an operation was programmed, in machine coordinates; `None`: the interpreter
-    /// has not reported one, or it is turned.
+    /// Zero of the work offset in which an operation was programmed, in machine coordinates;
+    /// `None`: the interpreter has not reported one, or it is turned.
     pub fn zero_of(&self, op: u32) -> Option<canon::Position> {
         self.frames.of(op).filter(|frame| frame.work_offset > 0).and_then(frames::zero)
     }
@@ -128,8 +130,8 @@ impl Recorder {
         Some(Origin { name: frames::name(frame), at: frames::zero(frame)? })
     }
 
-    /// Whether the path is a lathe's, and if so whether its X is shown as a diameter: of two spindles that turn against each
-    /// other X is the distance of their axes.
+    /// Whether the path is a lathe's, and if so whether its X is shown as a diameter: of two
+    /// spindles that turn against each other X is the distance of their axes.
     pub(crate) fn turned_by_diameter(&self) -> Option<bool> {
         let by_words = self.frames.only().is_some_and(|frame| frame.x_is_diameter);
         (self.turns.is_some() || by_words).then(|| self.turns.unwrap_or(true))

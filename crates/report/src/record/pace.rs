@@ -5,8 +5,9 @@
 //!                                                 of its highest speed, acceleration and jerk
 //! ```
 //!
-//! Along the path, speeds are kept in classes, two to each power of two, so that a picture can show them in colours, and what
-//! limited them likewise. The path is that of X, Y, Z; where none of them moves its speed is that of A, B, C, in degrees.
+//! Along the path, speeds are kept in classes, two to each power of two, so that a picture can show
+//! them in colours, and what limited them likewise. The path is that of X, Y, Z; where none of them
+//! moves its speed is that of A, B, C, in degrees.
 use super::{Point, Series, Track};
 use bus::{AXES, Sample, State};
 use canon::{Arc, Axis, Feed, Op, OpKind, Position};
@@ -114,7 +115,8 @@ impl Pace {
 
     pub(super) fn op(&mut self, index: u32, op: &Op) {
         let (to, arc, feed) = match &op.kind {
-            // a spline's own length takes more than this to know: with G93 its feed is not looked at
+            // a spline's own length takes more than this to know: with G93 its feed is not looked
+            // at
             OpKind::Rapid { to } | OpKind::Spline { to, feed: Feed::Duration(_), .. } => {
                 (to, None, None)
             }
@@ -199,7 +201,8 @@ impl Pace {
         self.limiting.push(Point { class: limiter as u8, rapid, line: 0, ..tip });
     }
 
-    /// The curves fall to zero where the moves end: drawn through to the next move they would show what never was.
+    /// The curves fall to zero where the moves end: drawn through to the next move they would show
+    /// what never was.
     fn between_moves(&mut self, now: Time) {
         if self.count == 4 {
             self.curves().for_each(|curve| curve.push(now.value(), 0.0));

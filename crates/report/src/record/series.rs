@@ -6,8 +6,8 @@
 //!   full?     └─── bin ────┘└── bin ─   two neighbours become one, bins take twice as many
 //! ```
 //!
-//! No sample is ever forgotten that was the extreme of its stretch, so a spike of one servo period in
-//! an hour is still on the picture.
+//! No sample is ever forgotten that was the extreme of its stretch, so a spike of one servo period
+//! in an hour is still on the picture.
 
 /// Bins a series holds at most; it shows two points of each, and two more where the curve rests.
 const BINS: usize = 256;
@@ -17,7 +17,8 @@ struct Bin {
     low: (f64, f64),
     high: (f64, f64),
     low_came_first: bool,
-    /// The longest time at zero between two moves that ends in it: a line straight through would show what never was.
+    /// The longest time at zero between two moves that ends in it: a line straight through would
+    /// show what never was.
     rest: Option<(f64, f64)>,
 }
 
@@ -145,7 +146,8 @@ impl Series {
         }
     }
 
-    /// The curve's points in the order recorded: its ends, and the extremes of each stretch between.
+    /// The curve's points in the order recorded: its ends, and the extremes of each stretch
+    /// between.
     pub(crate) fn points(&self) -> Vec<(f64, f64)> {
         let open = (self.in_open > 0).then_some(&self.open);
         if self.bins.is_empty() && open.is_none() {

@@ -1,5 +1,5 @@
-//! Where the time went: per state of the control, for the whole run and for each tool. While a cam is ground the control
-//! waits for turns of the work: that is no idling, and is counted apart.
+//! Where the time went: per state of the control, for the whole run and for each tool. While a cam
+//! is ground the control waits for turns of the work: that is no idling, and is counted apart.
 use super::Turning;
 use bus::State;
 use units::Time;

@@ -76,7 +76,8 @@ impl Chart {
         }
     }
 
-    /// A chart in which a millimetre is as long along y as along x; as high as that asks for, within reason.
+    /// A chart in which a millimetre is as long along y as along x; as high as that asks for,
+    /// within reason.
     pub(crate) fn to_scale(title: &str, description: &str, mut x: Range, mut y: Range) -> Self {
         let width = Self::WIDTH - LEFT - RIGHT;
         let height = (width * y.span() / x.span()).clamp(130.0, 360.0);
@@ -172,7 +173,8 @@ impl Chart {
         self.path(class, &self.data(lines), Some(label));
     }
 
-    /// Lines that are each a link of their own, so that they can be found from elsewhere on the page.
+    /// Lines that are each a link of their own, so that they can be found from elsewhere on the
+    /// page.
     pub(crate) fn linked(&mut self, stroke: Stroke, line: &Linked, lines: &[Vec<(f64, f64)>]) {
         let data = self.data(lines);
         if data.is_empty() {
@@ -183,7 +185,8 @@ impl Chart {
         self.body += &Tag::new("a").with("href", &line.to).around(&path.around(&title));
     }
 
-    /// Filled rectangles of a class of their own, from corner to corner, with one entry in the legend.
+    /// Filled rectangles of a class of their own, from corner to corner, with one entry in the
+    /// legend.
     pub(crate) fn cells(&mut self, class: &'static str, cells: &[[f64; 4]], label: &str) {
         let mut data = String::new();
         for [left, low, right, high] in cells {

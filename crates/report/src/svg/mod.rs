@@ -6,8 +6,8 @@
 //!                       ticks at 1-2-5 · 10ⁿ
 //! ```
 //!
-//! The pictures stand inside an HTML page and take colours, dashes and fonts from its style sheet by
-//! *class*, so that light, dark and print are decided in one place. Coordinates are rounded to a
+//! The pictures stand inside an HTML page and take colours, dashes and fonts from its style sheet
+//! by *class*, so that light, dark and print are decided in one place. Coordinates are rounded to a
 //! tenth of a picture unit, and a value that is no number breaks a line instead of spoiling it.
 
 mod chart;

@@ -17,7 +17,8 @@ pub(crate) struct Range {
 }
 
 impl Range {
-    /// The range of some values; those that are no numbers are passed over, and without any it is 0 to 1.
+    /// The range of some values; those that are no numbers are passed over, and without any it is 0
+    /// to 1.
     pub(crate) fn of(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         let finite = values.into_iter().filter(|v| v.is_finite());
         let (from, to) =

@@ -36,8 +36,9 @@ pub(crate) fn ticks(from: f64, to: f64, at_most: usize) -> Ticks {
     Ticks { step, values, decimals: (-power).max(0) as usize }
 }
 
-/// Ticks of a logarithmic axis whose ends are these logarithms: 1, 2, 5 and 10 times powers of ten, only the powers where
-/// that would be too many; round numbers between where there is less than one of them.
+/// Ticks of a logarithmic axis whose ends are these logarithms: 1, 2, 5 and 10 times powers of ten,
+/// only the powers where that would be too many; round numbers between where there is less than one
+/// of them.
 pub(crate) fn powers(from: f64, to: f64, at_most: usize) -> Vec<f64> {
     if !(from.is_finite() && to.is_finite() && to > from) {
         return Vec::new();

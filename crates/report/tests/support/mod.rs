@@ -1,5 +1,6 @@
-//! A plate in a made-up world: drilled and tapped holes with a plausible spindle, for looking at the page
-//! and for testing it. Nothing here is simulated: every curve is a formula with a known answer.
+//! A plate in a made-up world: drilled and tapped holes with a plausible spindle, for looking at
+//! the page and for testing it. Nothing here is simulated: every curve is a formula with a known
+//! answer.
 //!
 //! ```text
 //!   v(θ) = min(run-up, run-down)   dv/dt = 0.85·min(M, P/2πn)/(2πJ)   e = friction + ripple + hook at the bottom

@@ -11,7 +11,8 @@ pub(super) fn resident_bytes() -> Option<u64> {
 /// Processor time that it has used, s.
 pub(super) fn processor_s() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // the name of the program stands in brackets and may have blanks; user and system time are the 14th and 15th field
+    // the name of the program stands in brackets and may have blanks; user and system time are the
+    // 14th and 15th field
     let (_, fields) = stat.rsplit_once(')')?;
     let mut times = fields.split_whitespace().skip(11).map(str::parse::<u64>);
     let ticks = times.next()?.ok()? + times.next()?.ok()?;

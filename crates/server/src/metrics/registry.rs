@@ -1,7 +1,7 @@
 //! The metrics: their names, units and labels, and what they are made of.
 //!
-//! Counters and histograms are made of events, so that nothing is missed between two requests; gauges of the latest picture.
-//! No label has values without a limit.
+//! Counters and histograms are made of events, so that nothing is missed between two requests;
+//! gauges of the latest picture. No label has values without a limit.
 use super::process;
 use super::publishing::PublishMetrics;
 use crate::mqtt::PublishStatus;

@@ -1,7 +1,8 @@
-//! From `OpenMetrics` to the older text format of Prometheus (0.0.4), for clients that read no other.
+//! From `OpenMetrics` to the older text format of Prometheus (0.0.4), for clients that read no
+//! other.
 //!
-//! Both have the same series. There a counter is called by the name of its series, `…_total`; it knows neither `info` nor units,
-//! and has no end mark.
+//! Both have the same series. There a counter is called by the name of its series, `…_total`; it
+//! knows neither `info` nor units, and has no end mark.
 use std::collections::HashMap;
 
 /// The same series in the older format.

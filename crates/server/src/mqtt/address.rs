@@ -1,4 +1,5 @@
-//! Which broker, as which user, below which topics: what is written on the command line and in files.
+//! Which broker, as which user, below which topics: what is written on the command line and in
+//! files.
 use std::fmt;
 use std::path::Path;
 

@@ -25,7 +25,8 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Of an address; the broker's certificate is vouched for by those of a file, or by those that this computer trusts.
+    /// Of an address; the broker's certificate is vouched for by those of a file, or by those that
+    /// this computer trusts.
     pub(super) fn of(address: BrokerAddress, authorities: Option<&Path>) -> Result<Self, String> {
         if !address.is_tls {
             return match authorities {

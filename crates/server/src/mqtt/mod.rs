@@ -15,8 +15,9 @@
 //! | `topics` | on which topic |
 //! | `sentence` | why there is no connection |
 //!
-//! Read-only by construction: it subscribes to nothing, and has no way to ask a control for anything. While there is no
-//! connection, observations wait in the agent's buffer, whose size is stated; nothing else is kept.
+//! Read-only by construction: it subscribes to nothing, and has no way to ask a control for
+//! anything. While there is no connection, observations wait in the agent's buffer, whose size is
+//! stated; nothing else is kept.
 mod address;
 mod link;
 mod outbox;
@@ -52,7 +53,8 @@ pub struct PublishOptions {
     pub broker: BrokerAddress,
     /// As whom.
     pub login: Option<BrokerLogin>,
-    /// File of certificates (PEM) that vouch for the broker; `None`: those that this computer trusts.
+    /// File of certificates (PEM) that vouch for the broker; `None`: those that this computer
+    /// trusts.
     pub authorities: Option<PathBuf>,
     /// With what topics begin.
     pub topic: TopicPrefix,
@@ -123,7 +125,8 @@ impl Publisher {
         let link = Link::of(broker, authorities.as_deref())?;
         let agent = monitoring.agent();
         let topics = Topics::of(&topic, agent.uuid());
-        // the same for all connections of this agent: the broker gives up an older one that has broken off
+        // the same for all connections of this agent: the broker gives up an older one that has
+        // broken off
         let digest = Sha256::digest(format!("{}\n{}\n{}", agent.uuid(), agent.instance(), topic.0));
         let client_id = format!("leadscrew{}", &hex(&digest)[..14]);
         drop(agent);

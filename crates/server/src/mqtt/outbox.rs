@@ -5,7 +5,8 @@
 //!                         ▲ of Sample   ▲ of each data item: how far they are on their way
 //! ```
 //!
-//! Both go on from what the broker has acknowledged last when a connection begins. Nothing is kept here but two numbers.
+//! Both go on from what the broker has acknowledged last when a connection begins. Nothing is kept
+//! here but two numbers.
 use super::topics::{Message, Topics};
 use ::mtconnect::{Agent, AssetQuery, CurrentQuery, JsonForm, SampleQuery};
 use std::collections::{HashMap, VecDeque};
@@ -35,7 +36,8 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    /// For a connection that begins: the broker has these and all before; what it keeps for others it may have lost.
+    /// For a connection that begins: the broker has these and all before; what it keeps for others
+    /// it may have lost.
     pub(super) fn begin(
         topics: Topics,
         agent: &Agent,

@@ -27,8 +27,8 @@ pub(super) fn of(connection: Of<'_>, error: &ConnectionError) -> String {
         ConnectionError::MqttState(StateError::ConnectionAborted | StateError::Io(_)) => {
             format!("the connection to {address} has broken off")
         }
-        // before what is no MQTT: the library has what the operating system says, and an end amid a packet (Other),
-        // among what it cannot read
+        // before what is no MQTT: the library has what the operating system says, and an end amid a
+        // packet (Other), among what it cannot read
         ConnectionError::MqttState(StateError::Deserialization(Unreadable::Io(error)))
             if was_accepted || error.kind() != ErrorKind::Other =>
         {

@@ -131,7 +131,8 @@ fn ended(
     }
 }
 
-/// Bytes are read and written in a task of their own, so that nothing that is awaited beside it cuts a message in two.
+/// Bytes are read and written in a task of their own, so that nothing that is awaited beside it
+/// cuts a message in two.
 async fn poll(mut events: EventLoop, accepted: watch::Sender<bool>) -> ConnectionError {
     loop {
         match events.poll().await {

@@ -1,4 +1,5 @@
-//! The table of addresses: router and OpenAPI document are made from it, so that each address stands in both.
+//! The table of addresses: router and OpenAPI document are made from it, so that each address
+//! stands in both.
 mod openapi;
 mod programs;
 mod requests;

@@ -1,4 +1,5 @@
-//! The folder of programs. Writing is for who commands: a program under a running machine is not another client's to change.
+//! The folder of programs. Writing is for who commands: a program under a running machine is not
+//! another client's to change.
 use super::on_disk;
 use crate::answer::{ApiError, bytes, json};
 use crate::app::App;

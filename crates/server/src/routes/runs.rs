@@ -9,7 +9,8 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use std::sync::Arc;
 
-/// A report has its script and its style within it, and asks for nothing; in a frame of the page it is on its own.
+/// A report has its script and its style within it, and asks for nothing; in a frame of the page it
+/// is on its own.
 const POLICY_OF_REPORT: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox allow-scripts";
 
 fn wrong(query: &QueryRejection) -> ApiError {

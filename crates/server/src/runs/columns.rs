@@ -1,5 +1,5 @@
-//! A trace in so many columns: of each signal the least and the greatest value within a column's span of time, so that no peak is
-//! lost however few columns are drawn.
+//! A trace in so many columns: of each signal the least and the greatest value within a column's
+//! span of time, so that no peak is lost however few columns are drawn.
 use super::TraceQuery;
 use crate::wire::{RunTraceBody, RunTraceSignal};
 use std::path::Path;

@@ -186,7 +186,8 @@ pub(crate) fn size_of(folder: &Path) -> u64 {
     files.filter_map(|file| file.metadata().ok()).map(|about| about.len()).sum()
 }
 
-/// Milliseconds since 1970, with a number of those within the same one: digits and `-` alone, so that no path hides in it.
+/// Milliseconds since 1970, with a number of those within the same one: digits and `-` alone, so
+/// that no path hides in it.
 fn is_id(name: &str) -> bool {
     name.len() <= 24
         && name.starts_with(|c: char| c.is_ascii_digit())

@@ -1,5 +1,5 @@
-//! Programs that have ended become runs of the history: certificate, report and what the list says, written in a thread of its own,
-//! so that neither the control nor a client waits for them.
+//! Programs that have ended become runs of the history: certificate, report and what the list says,
+//! written in a thread of its own, so that neither the control nor a client waits for them.
 //!
 //! ```text
 //!   control's thread ──EndedProgram──► bounded queue ──► thread "runs": Finished ─► report.html, certificate.json, run.json
@@ -29,7 +29,8 @@ pub(crate) struct Recorder {
 type ToldClient = Arc<OnceLock<Client>>;
 
 impl Recorder {
-    /// Start it, if anything is to be kept. `shown` makes of a program's path what clients see of it.
+    /// Start it, if anything is to be kept. `shown` makes of a program's path what clients see of
+    /// it.
     ///
     /// # Errors
     /// The system gives no thread.

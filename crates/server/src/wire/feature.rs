@@ -60,7 +60,8 @@ pub(crate) struct FeatureBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[ts(optional)]
     pub sync_error_rms_um: Option<f64>,
-    /// Finest class whose gauges agree, `none` if not even the coarsest; `not gauged`: there is no full thread.
+    /// Finest class whose gauges agree, `none` if not even the coarsest; `not gauged`: there is no
+    /// full thread.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[ts(optional)]
     pub class: Option<&'static str>,

@@ -1,5 +1,5 @@
-//! What goes over the wire: plain values with their units in their names. From these types come the TypeScript of the page
-//! and the schemas of the OpenAPI document.
+//! What goes over the wire: plain values with their units in their names. From these types come the
+//! TypeScript of the page and the schemas of the OpenAPI document.
 mod answers;
 mod feature;
 mod lists;

@@ -1,4 +1,5 @@
-//! What each request needs: the control's own table, for clients that say before they ask what would be refused.
+//! What each request needs: the control's own table, for clients that say before they ask what
+//! would be refused.
 use control::job::restart::From as Begin;
 use control::operation::{Jog, Need, Request, ToolField};
 use serde::Serialize;
@@ -13,7 +14,8 @@ pub(crate) struct RequestNeeds {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[ts(optional)]
     pub on: Option<bool>,
-    /// Names of what has to be so, in the order in which it is looked at; `unmet` of the status says which is not so now.
+    /// Names of what has to be so, in the order in which it is looked at; `unmet` of the status
+    /// says which is not so now.
     pub needs: Vec<&'static str>,
 }
 

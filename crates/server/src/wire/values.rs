@@ -1,4 +1,5 @@
-//! Values of requests: axes by their letters, coordinates in the unit of their axis, percents, work offsets.
+//! Values of requests: axes by their letters, coordinates in the unit of their axis, percents, work
+//! offsets.
 use canon::Axis;
 use control::operation::hosted::{RefusalData, RefusalKind};
 use store::machine::MachineFile;
@@ -9,7 +10,8 @@ pub(super) fn wrong(reason: String) -> RefusalData {
     RefusalData { kind: RefusalKind::Request, reason, remedy: None, findings: Vec::new() }
 }
 
-/// An axis and a coordinate of it, which is named in mm of a linear axis and in degrees of a rotary one.
+/// An axis and a coordinate of it, which is named in mm of a linear axis and in degrees of a rotary
+/// one.
 pub(super) fn of_axis(
     letter: &str,
     machine: &MachineFile,

@@ -95,8 +95,9 @@ fn a_hard_stop_holds_an_axis_that_is_driven_into_it_with_all_its_force() {
         fastest = fastest.max(axis.motor.v);
         farthest = farthest.max(axis.table_mm());
     }
-    // undamped, the whole mass m at speed v and under force F goes F/k + √((F/k)² + m·v²/k) deep into a spring k; the screw
-    // is another spring behind it, so that half the mass's way is its own
+    // undamped, the whole mass m at speed v and under force F goes F/k + √((F/k)² + m·v²/k) deep
+    // into a spring k; the screw is another spring behind it, so that half the mass's way is its
+    // own
     let (mass, k) = (model.table.value() + model.motor_mass().value(), 8e7);
     let static_mm = force / k * 1e3;
     let deepest = static_mm + (force / k).hypot(fastest * (mass / k).sqrt()) * 1e3;
@@ -178,7 +179,8 @@ fn a_brake_does_not_clamp_an_axis_that_turns_about_and_catches_one_that_falls() 
     }
     let (when, place) = caught.expect("it falls, and is caught");
     assert!(f64::from(when) * H > 0.02, "not while it rises: {when}");
-    // 20 mm/s downwards at 1.1 m/s² of weight less friction on all that moves: about 0.2 mm below its highest
+    // 20 mm/s downwards at 1.1 m/s² of weight less friction on all that moves: about 0.2 mm below
+    // its highest
     assert!((0.05..0.5).contains(&(highest - place)), "{highest} mm, caught at {place} mm");
 }
 

@@ -8,9 +8,9 @@
 //!      └── tip above the surface ──────────────┘
 //! ```
 //!
-//! The tool is in spindle 0 and cuts along Z. A tool enters the work from above; one that gets below the
-//! surface in another way (beside the work, or changed down there) meets nothing that is simulated. A hole is
-//! known by its place: what comes down within [`SAME_HOLE`] of it is in it.
+//! The tool is in spindle 0 and cuts along Z. A tool enters the work from above; one that gets
+//! below the surface in another way (beside the work, or changed down there) meets nothing that is
+//! simulated. A hole is known by its place: what comes down within [`SAME_HOLE`] of it is in it.
 use crate::drilling::{self, Drilling};
 use crate::rng::Rng;
 use crate::scatter::Draws;
@@ -21,8 +21,8 @@ use crate::{Tap, Tool, ToolKind};
 use bus::ToolBreak;
 use units::{Angle, Length, Spread};
 
-/// A tip that is deeper than this when it is first seen below the surface has not come from above: at 100 m/min
-/// a step of 25 µs brings it 0.04 mm down.
+/// A tip that is deeper than this when it is first seen below the surface has not come from above:
+/// at 100 m/min a step of 25 µs brings it 0.04 mm down.
 const ENTRY_DEPTH_MM: f64 = 0.5;
 
 /// Depth of an assumed hole in work without a lower side: more than any tap is long.
@@ -81,7 +81,8 @@ pub(crate) struct Cutting {
     at: [Length; 2],
     entered: [Length; 2],
     load: Load,
-    /// From this depth on a tool enters the work: 0, or a little more for one that rests at the surface, mm.
+    /// From this depth on a tool enters the work: 0, or a little more for one that rests at the
+    /// surface, mm.
     enters_mm: f64,
     /// How far a clutch has left the tap ahead of the spindle, rev.
     slip: f64,
@@ -148,7 +149,8 @@ impl Cutting {
         }
     }
 
-    /// Nothing to do at this pose: no tool, or above the surface and not in a thread. From above it enters as deep as it is.
+    /// Nothing to do at this pose: no tool, or above the surface and not in a thread. From above it
+    /// enters as deep as it is.
     #[inline]
     pub(crate) fn is_idle(&mut self, axis_mm: f64) -> bool {
         match (self.mounted, &self.engagement) {
@@ -253,8 +255,8 @@ impl Cutting {
         })
     }
 
-    /// Where nobody has drilled, and the user said that somebody has: D − P, through. Beside a hole that was
-    /// drilled off its place nothing is assumed: there the tap meets the wall.
+    /// Where nobody has drilled, and the user said that somebody has: D − P, through. Beside a hole
+    /// that was drilled off its place nothing is assumed: there the tap meets the wall.
     fn assume_bore(&mut self, tap: &Tap, index: usize) {
         let drilled = |hole: &Hole| hole.bores.iter().any(|bore| bore.full_depth() > Length::ZERO);
         let [x, y] = self.at;

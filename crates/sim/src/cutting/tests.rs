@@ -135,8 +135,8 @@ fn an_extended_holder_keeps_the_tap_in_the_thread_until_it_is_screwed_out() {
     assert_eq!(hand.cutting.load().force, 0.0);
 }
 
-/// τ = 0.11·3900 N/mm², A = 0.875·π·6 mm: 7.07 kN for a millimetre of full thread, and the core tears at 17.6 kN. The chamfer is
-/// 2.5 mm long.
+/// τ = 0.11·3900 N/mm², A = 0.875·π·6 mm: 7.07 kN for a millimetre of full thread, and the core
+/// tears at 17.6 kN. The chamfer is 2.5 mm long.
 #[test]
 fn a_tap_that_is_pulled_straight_out_strips_a_short_thread_and_breaks_in_a_long_one() {
     let pulled_at = |depth: f64| {
@@ -225,7 +225,8 @@ fn a_second_tap_in_the_same_hole_follows_the_first_ones_helix() {
 
 #[test]
 fn a_tool_that_stops_at_the_surface_is_out_and_may_go_elsewhere() {
-    // a stroke from the surface and back to it, some micrometres off in either sense, in the axis and in the spindle
+    // a stroke from the surface and back to it, some micrometres off in either sense, in the axis
+    // and in the spindle
     for (tip, turns) in [(0.0, 0.0), (-0.004, 0.0), (0.003, 0.002), (-0.002, 0.004), (0.0, 0.015)] {
         let mut hand = Hand::usual();
         hand.take(TAP, 0.0).lead(0.0, 0.0);

@@ -4,8 +4,8 @@
 //!   y(t) = 1 − e^{−t/τ}          ∫₀ᵗ y = t − τ(1 − e^{−t/τ})
 //! ```
 //!
-//! Source: any text on linear systems; e.g. Franklin, Powell, Emami-Naeini, *Feedback Control of Dynamic
-//! Systems*, 7th ed. 2015, §3.3.
+//! Source: any text on linear systems; e.g. Franklin, Powell, Emami-Naeini, *Feedback Control of
+//! Dynamic Systems*, 7th ed. 2015, §3.3.
 
 /// y(t).
 pub fn step_response(t: f64, tau: f64) -> f64 {

@@ -1,7 +1,8 @@
 //! Exact solutions: what the equations must give, in closed form, with the source.
 //!
-//! The simulator is tested against these before anything else is tested on the simulator. They are public
-//! so that the tests of the control can use them too. None of them shares a line with the integration.
+//! The simulator is tested against these before anything else is tested on the simulator. They are
+//! public so that the tests of the control can use them too. None of them shares a line with the
+//! integration.
 
 pub mod friction;
 pub mod lag;

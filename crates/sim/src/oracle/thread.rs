@@ -16,7 +16,8 @@ pub fn helix(from: Length, lead: Lead, turned: Angle) -> Length {
     from + lead * turned
 }
 
-/// Magnitude of the axial force when spindle and thread are apart by `offset`, the holder within its travel.
+/// Magnitude of the axial force when spindle and thread are apart by `offset`, the holder within
+/// its travel.
 pub fn force_at_offset(offset: Length, holder: Stiffness, flank: Stiffness, play: Length) -> Force {
     let pressed = (offset.abs() - play / 2.0).max(Length::ZERO);
     let (kh, kf) = (holder.value(), flank.value());

@@ -1,4 +1,5 @@
-//! What a certificate's verdict rests on: counts, tolerances, the inputs of the run, and contact of each feature.
+//! What a certificate's verdict rests on: counts, tolerances, the inputs of the run, and contact of
+//! each feature.
 use super::Measured;
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +55,8 @@ pub struct Inputs {
 pub struct Contact {
     /// The edges were in the stock, and something resisted them where that can be known.
     pub cut: bool,
-    /// Way of the edges within the stock, along the depth of the cut; null where the stock's place was not known.
+    /// Way of the edges within the stock, along the depth of the cut; null where the stock's place
+    /// was not known.
     pub reach_mm: Measured,
     /// Largest torque of the cut, where it can be known.
     pub torque_max_n_m: Measured,

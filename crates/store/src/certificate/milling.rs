@@ -2,7 +2,8 @@
 use super::{Common, Measured};
 use serde::{Deserialize, Serialize};
 
-/// What a mill has done while it was in the spindle: the largest of each, with its line and its place in G54.
+/// What a mill has done while it was in the spindle: the largest of each, with its line and its
+/// place in G54.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Milling {
     /// What every feature has.
@@ -38,7 +39,8 @@ pub struct Milling {
     pub deflection_mm: At,
     /// Fastest speed of the spindle in the cut.
     pub rpm_max: Measured,
-    /// Rapids through the stock: how many, and the first ones with the height that stood in their way.
+    /// Rapids through the stock: how many, and the first ones with the height that stood in their
+    /// way.
     pub rapids: usize,
     /// The first ones of them.
     pub rapids_mm: Vec<At>,

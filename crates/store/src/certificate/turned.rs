@@ -15,7 +15,8 @@ pub struct TurnedThread {
     /// By how much it grows with each revolution; negative where it shrinks.
     #[serde(default)]
     pub lead_growth_mm: Measured,
-    /// Turn by turn, where the lead is not the same everywhere: depth at which the turn begins, lead ordered, lead cut.
+    /// Turn by turn, where the lead is not the same everywhere: depth at which the turn begins,
+    /// lead ordered, lead cut.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub leads_mm: Vec<[Measured; 3]>,
     /// Where the spindle stood when the thread began, as the last pass was cut.

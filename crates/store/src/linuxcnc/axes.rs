@@ -155,7 +155,8 @@ impl AxisOf {
         found
     }
 
-    /// Speeds and accelerations, which a machine file has per minute and in m/s², or degrees; the approach.
+    /// Speeds and accelerations, which a machine file has per minute and in m/s², or degrees; the
+    /// approach.
     fn motion(&self, w: &mut MachineWriter, speed: &Cited, acceleration: &Cited) -> (f64, f64) {
         /// In it LinuxCNC's acceleration, which jumps, is built up.
         const RISE_S: f64 = 0.05;

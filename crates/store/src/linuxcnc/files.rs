@@ -1,4 +1,5 @@
-//! The files of a configuration: beside the INI file, and in the folders of LinuxCNC's library of HAL files.
+//! The files of a configuration: beside the INI file, and in the folders of LinuxCNC's library of
+//! HAL files.
 use super::hal::Hal;
 use super::ini::{Ini, MOST_FILES};
 use super::writer::{Remark, RemarkKind};
@@ -22,7 +23,8 @@ pub struct Import {
 /// Import a configuration: its INI file, the HAL files that it names, and `more`.
 ///
 /// # Errors
-/// When the INI file, or one of `more`, cannot be read; what the INI file names and is not there is a remark.
+/// When the INI file, or one of `more`, cannot be read; what the INI file names and is not there is
+/// a remark.
 pub fn read(path: &Path, more: &[PathBuf]) -> Result<Import, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let text = lossy(path)?;

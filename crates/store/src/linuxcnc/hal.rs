@@ -1,4 +1,5 @@
-//! LinuxCNC's HAL files, as far as they say what a machine is: values that are set, and which pins a signal connects.
+//! LinuxCNC's HAL files, as far as they say what a machine is: values that are set, and which pins
+//! a signal connects.
 //!
 //! ```text
 //!   setp encoder.0.position-scale [SPINDLE_0]ENCODER_SCALE      net spindle-pos encoder.0.position => spindle.0.revs
@@ -20,7 +21,8 @@ pub struct Hal {
 }
 
 impl Hal {
-    /// Read a file's text, and what it sources by `file`, which answers with a file's text, or why there is none.
+    /// Read a file's text, and what it sources by `file`, which answers with a file's text, or why
+    /// there is none.
     pub fn read(
         &mut self,
         name: &str,

@@ -7,7 +7,8 @@
 //! | not 0 | not 0 | no | to the switch's edge | `switch` |
 //! | not 0 | not 0 | yes | to the mark behind the switch | `switch`, the mark is missing |
 //!
-//! `HOME_ABSOLUTE_ENCODER` is `absolute`. `HOME_OFFSET` is where switch or mark stand, `HOME` where the axis goes afterwards.
+//! `HOME_ABSOLUTE_ENCODER` is `absolute`. `HOME_OFFSET` is where switch or mark stand, `HOME` where
+//! the axis goes afterwards.
 use super::axes::{AxisOf, Written};
 use super::ini::Ini;
 use super::writer::{Cited, MachineWriter, RemarkKind, plain};

@@ -72,7 +72,8 @@ pub struct Ini {
 }
 
 impl Ini {
-    /// Read a text, and what it includes by `file`, which answers with a file's text, or why there is none.
+    /// Read a text, and what it includes by `file`, which answers with a file's text, or why there
+    /// is none.
     pub fn read(
         name: &str,
         text: &str,
@@ -133,7 +134,8 @@ impl Ini {
     }
 }
 
-/// Lines with their numbers, without white space around them; one that ends with a backslash goes on in the next.
+/// Lines with their numbers, without white space around them; one that ends with a backslash goes
+/// on in the next.
 pub(super) fn joined(text: &str) -> Vec<(usize, String)> {
     let mut lines: Vec<(usize, String)> = Vec::new();
     let mut goes_on = false;

@@ -1,4 +1,5 @@
-//! A LinuxCNC configuration as a machine file: INI and HAL files in, one of our files and a list of remarks out.
+//! A LinuxCNC configuration as a machine file: INI and HAL files in, one of our files and a list of
+//! remarks out.
 //!
 //! ```text
 //!   mill.ini ─► ini ──┐                        ┌─► text of the machine file, or none
@@ -6,11 +7,13 @@
 //!   *.hal ────► hal ──┘                        └   (each with its key, and where it comes from)
 //! ```
 //!
-//! Everything is said at once. One remark that is *wrong* and there is no file; what is *guessed* or *missing* stands in the file with
-//! the value that was put in its place. Lengths are in mm from here on, whatever the configuration counts in.
+//! Everything is said at once. One remark that is *wrong* and there is no file; what is *guessed*
+//! or *missing* stands in the file with the value that was put in its place. Lengths are in mm from
+//! here on, whatever the configuration counts in.
 //!
-//! LinuxCNC's rules, from its documentation of INI files and homing: names are in capitals; the first of several equal keys counts;
-//! a remark is a line of its own; an axis obeys the tightest of its own limits, its joints' and `[TRAJ]`'s.
+//! LinuxCNC's rules, from its documentation of INI files and homing: names are in capitals; the
+//! first of several equal keys counts; a remark is a line of its own; an axis obeys the tightest of
+//! its own limits, its joints' and `[TRAJ]`'s.
 mod axes;
 mod files;
 mod hal;

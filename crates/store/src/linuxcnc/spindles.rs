@@ -127,7 +127,8 @@ fn encoder(w: &mut MachineWriter, hal: &Hal, number: usize) -> bool {
     true
 }
 
-/// Whether the drive orients the spindle by itself: what M19 asks of it and what it answers are both wired.
+/// Whether the drive orients the spindle by itself: what M19 asks of it and what it answers are
+/// both wired.
 fn orientation(w: &mut MachineWriter, hal: &Hal, number: usize) {
     let wired = |what: &str| {
         let names = [format!("spindle.{number}.{what}"), format!("motion.spindle-{what}")];

@@ -1,4 +1,5 @@
-//! Small configurations, and what becomes of them; expected values by hand from LinuxCNC's documentation.
+//! Small configurations, and what becomes of them; expected values by hand from LinuxCNC's
+//! documentation.
 #![allow(clippy::unwrap_used)] // a test may panic
 use super::{Hal, Ini, PINS, RemarkKind, import, renamed};
 use crate::machine::{self, HomingMethod, MachineFile, PositionFrom};

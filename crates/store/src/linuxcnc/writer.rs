@@ -9,7 +9,8 @@ pub enum RemarkKind {
     Taken,
     /// The configuration does not say it; what is in the file works on most machines.
     Guessed,
-    /// The machine needs it, and nothing in the configuration tells it: the value in the file only stands in for it.
+    /// The machine needs it, and nothing in the configuration tells it: the value in the file only
+    /// stands in for it.
     Missing,
     /// A pin of LinuxCNC's motion controller, and the one of Leadscrew in its place.
     Rewire,

@@ -8,8 +8,9 @@
 //!   mm = (Jm + Jscrew)·(2π/lead)²        largest force = torque·2π/lead        [kg] [N]
 //! ```
 //!
-//! LuGre friction: dz/dt = v − σ0·|v|·z/g(v), F = σ0·z + σ1·ż + σ2·v, g = Fc + (Fs − Fc)·exp(−(v/vs)²);
-//! Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40 (1995) 419–425.
+//! LuGre friction: dz/dt = v − σ0·|v|·z/g(v), F = σ0·z + σ1·ż + σ2·v, g = Fc + (Fs −
+//! Fc)·exp(−(v/vs)²); Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40
+//! (1995) 419–425.
 use super::homing::{Ends, Homing, Of};
 use super::plant::AxisErrors;
 use super::setup::percent;
@@ -24,7 +25,8 @@ const GRAVITY_M_PER_S2: f64 = 9.806_65;
 /// Farthest from zero that any coordinate may be, mm.
 pub(super) const FARTHEST_MM: f64 = 100_000.0;
 
-/// One axis, linear or rotary; its drive and what it moves are those of a linear one, as in [`super::rotary`].
+/// One axis, linear or rotary; its drive and what it moves are those of a linear one, as in
+/// [`super::rotary`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Which.

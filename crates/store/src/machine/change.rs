@@ -1,7 +1,8 @@
-//! A machine file with values changed: the text goes through the same reader afterwards, which checks key, unit and bounds.
+//! A machine file with values changed: the text goes through the same reader afterwards, which
+//! checks key, unit and bounds.
 //!
-//! A key is named by its tables, `axes.z.structure.backlash_um`; spindles by their number or their name,
-//! `spindles.0.inertia_kg_m2`, `spindles.spindle.inertia_kg_m2`.
+//! A key is named by its tables, `axes.z.structure.backlash_um`; spindles by their number or their
+//! name, `spindles.0.inertia_kg_m2`, `spindles.spindle.inertia_kg_m2`.
 use super::embedded;
 use serde_json::Value as Json;
 use toml::{Table, Value};
@@ -9,10 +10,12 @@ use toml::{Table, Value};
 /// Machines that extend one another, at most.
 const MOST_BASES: usize = 8;
 
-/// The text of a machine file with one value changed, or added where it stands in none. Comments are not kept.
+/// The text of a machine file with one value changed, or added where it stands in none. Comments
+/// are not kept.
 ///
 /// # Errors
-/// A text that is no TOML, a key that leads through something that is no table, and a value that TOML has no form for.
+/// A text that is no TOML, a key that leads through something that is no table, and a value that
+/// TOML has no form for.
 pub fn changed(text: &str, key: &str, value: &Json) -> Result<String, String> {
     let mut root: Table = text.parse().map_err(|e: toml::de::Error| e.message().to_owned())?;
     let spindles = spindle_names(&root);
@@ -45,7 +48,8 @@ pub fn changed(text: &str, key: &str, value: &Json) -> Result<String, String> {
     toml::to_string(&root).map_err(|e| format!("{key}: {e}"))
 }
 
-/// What a key is, here or in a machine that this one extends; `None`: it is stated nowhere. Tables come as they stand here.
+/// What a key is, here or in a machine that this one extends; `None`: it is stated nowhere. Tables
+/// come as they stand here.
 pub fn value(text: &str, key: &str) -> Option<Json> {
     let mut text = text.to_owned();
     for _ in 0..=MOST_BASES {

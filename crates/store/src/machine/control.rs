@@ -20,15 +20,18 @@ pub struct Control {
     pub cycle_depth: Option<CycleDepth>,
     /// Chip removal in cycles whose blocks do not say it, if stated.
     pub chip_removal: Option<ChipRemoval>,
-    /// Where the tool moves aside in Fanuc's boring cycles G76 and G87: along which axis of the plane, and which way.
+    /// Where the tool moves aside in Fanuc's boring cycles G76 and G87: along which axis of the
+    /// plane, and which way.
     pub boring_aside: Option<BoringAside>,
-    /// Folders in which subprogram files are looked for, beside the program's own; separated by `:`.
+    /// Folders in which subprogram files are looked for, beside the program's own; separated by
+    /// `:`.
     pub subprogram_path: Option<String>,
     /// What follows what in a synchronised move.
     pub synchronisation: Synchronisation,
     /// How long each wait may last before it is an alarm.
     pub waits: Waits,
-    /// What is done when a geared spindle loses its phase, if it is stated; else everything stops at once.
+    /// What is done when a geared spindle loses its phase, if it is stated; else everything stops
+    /// at once.
     pub phase_loss: Option<PhaseLoss>,
     /// What the operator may change.
     pub overrides: Overrides,
@@ -86,7 +89,8 @@ pub struct Fanuc {
 /// What programs may leave to the machine: `[control.programs]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Programs {
-    /// `unknown_m_codes = "ignored"`: M codes that neither dialect nor `[user_codes]` know have no effect.
+    /// `unknown_m_codes = "ignored"`: M codes that neither dialect nor `[user_codes]` know have no
+    /// effect.
     pub ignores_unknown_codes: bool,
     /// `end = "text"`: a program may lack M2 and M30.
     pub end_with_text: bool,
@@ -195,7 +199,8 @@ pub struct Synchronisation {
     pub observer_bandwidth_hz: f64,
 }
 
-/// What is done when a geared spindle loses its phase: the tool leaves the work before anything stops.
+/// What is done when a geared spindle loses its phase: the tool leaves the work before anything
+/// stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseLoss {
     /// So far off the gear is lost.

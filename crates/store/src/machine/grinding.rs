@@ -1,4 +1,5 @@
-//! What a cam grinder grinds with: the wheel, what it costs to cut with it, and how stiffly it is held.
+//! What a cam grinder grinds with: the wheel, what it costs to cut with it, and how stiffly it is
+//! held.
 use super::axis::n_per_um;
 use crate::keys::Keys;
 use units::{Length, Speed, Stiffness};
@@ -8,7 +9,8 @@ use units::{Length, Speed, Stiffness};
 pub struct Grinding {
     /// Wheel, work and centres together.
     pub stiffness: Stiffness,
-    /// Least step of the tables of the infeed axis that are sent; zero: as fine as they are computed.
+    /// Least step of the tables of the infeed axis that are sent; zero: as fine as they are
+    /// computed.
     pub table_pulse: Length,
     /// The wheel that is mounted.
     pub wheel: Wheel,

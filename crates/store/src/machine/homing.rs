@@ -7,9 +7,10 @@
 //!        ◄─ hard_stops ─►◄── travel_from          …          travel_to ──►     ◄─ beyond the travel ─►
 //! ```
 //!
-//! A file that does not say how an axis is homed means what builders do most: a home switch at the end of travel that is
-//! nearer to machine zero, the next index mark of the encoder behind it, the approach speed to the switch and a tenth of it to the
-//! mark; vertical axes first, then the other linear ones, then rotary ones.
+//! A file that does not say how an axis is homed means what builders do most: a home switch at the
+//! end of travel that is nearer to machine zero, the next index mark of the encoder behind it, the
+//! approach speed to the switch and a tenth of it to the mark; vertical axes first, then the other
+//! linear ones, then rotary ones.
 use super::axis::{Approach, Axis, FARTHEST_MM, Friction, PositionFrom, Travel};
 use super::setup::percent;
 use crate::keys::Keys;
@@ -398,7 +399,8 @@ impl Homing {
         }
     }
 
-    /// Where the home switch is actuated, and after how far its cam comes again: from its edge to the end of travel and beyond.
+    /// Where the home switch is actuated, and after how far its cam comes again: from its edge to
+    /// the end of travel and beyond.
     pub fn cam(
         &self,
         letter: Letter,

@@ -18,11 +18,12 @@
 //! ```
 //!
 //! Every key carries its unit in its name, and becomes a quantity of `units` here and nowhere else.
-//! Machine coordinates: zero of each axis where the file's travel says; on the embedded machines it is
-//! the positive end of the travel, so Z0 is the top.
+//! Machine coordinates: zero of each axis where the file's travel says; on the embedded machines it
+//! is the positive end of the travel, so Z0 is the top.
 //!
-//! `extends = "NAME"` at the top bases a file on an embedded machine: it then states only what differs. What
-//! a base states cannot be taken away, only changed; `[[spindles]]` are paired in their order.
+//! `extends = "NAME"` at the top bases a file on an embedded machine: it then states only what
+//! differs. What a base states cannot be taken away, only changed; `[[spindles]]` are paired in
+//! their order.
 //!
 //! Symbols without a quantity of their own, with the unit in the name of the field:
 //!
@@ -209,8 +210,9 @@ impl MachineFile {
         self.axes[letter.index()].as_ref()
     }
 
-    /// Radius of the bar that the machine's first spindle turns; `None`: the machine is no lathe. That it is one is stated by
-    /// its key `lathe`: the form of a stock does not tell a bar from a square plate.
+    /// Radius of the bar that the machine's first spindle turns; `None`: the machine is no lathe.
+    /// That it is one is stated by its key `lathe`: the form of a stock does not tell a bar from a
+    /// square plate.
     pub fn turned_bar(&self) -> Option<units::Length> {
         self.setup.stock.bar_radius().filter(|_| self.is_lathe)
     }

@@ -1,8 +1,8 @@
 //! What a machine really is, as far as it differs from what its file says and its control believes.
 //!
-//! Two kinds: what is not known, drawn from the seed as `[scatter]` says ([`super::Scatter`]), and errors that are stated to
-//! see what they do, in `[axes.x.errors]`, `[spindles.errors]` and `[simulation.screw_growth]`. The simulated plant alone
-//! reads either; the control is never told.
+//! Two kinds: what is not known, drawn from the seed as `[scatter]` says ([`super::Scatter`]), and
+//! errors that are stated to see what they do, in `[axes.x.errors]`, `[spindles.errors]` and
+//! `[simulation.screw_growth]`. The simulated plant alone reads either; the control is never told.
 use super::scatter::StatedBefore;
 use crate::keys::Keys;
 use units::{Angle, Length, Time};

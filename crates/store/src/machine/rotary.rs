@@ -1,8 +1,8 @@
 //! A rotary axis of a machine file, A, B or C: a table or a head that a motor turns through a gear.
 //!
-//! Its coordinates and their rates are in degrees, of a type that says no unit without its axis. Its drive and what it
-//! moves are computed as those of a linear axis on which 1000° are a metre. By the work that is done, with
-//! r = 1000·π/180 rad a "metre":
+//! Its coordinates and their rates are in degrees, of a type that says no unit without its axis.
+//! Its drive and what it moves are computed as those of a linear axis on which 1000° are a metre.
+//! By the work that is done, with r = 1000·π/180 rad a "metre":
 //!
 //! ```text
 //!   F = r·M      m = r²·J      k = r²·kt      c = r²·ct        degrees of the table a turn of the motor: its lead

@@ -1,12 +1,14 @@
-//! `[scatter]`: how each value of a real machine, its tools and its work varies about what the file says, by the seed.
+//! `[scatter]`: how each value of a real machine, its tools and its work varies about what the file
+//! says, by the seed.
 //!
 //! ```toml
 //! [scatter]
 //! backlash = { percent = 20, distribution = "uniform", per = "machine" }
 //! ```
 //!
-//! The simulated plant alone reads it; the control is never told. A value that the section does not name varies as
-//! [`Scatter::TYPICAL`] says. The number is the farthest to either side, of a normal distribution one standard deviation.
+//! The simulated plant alone reads it; the control is never told. A value that the section does not
+//! name varies as [`Scatter::TYPICAL`] says. The number is the farthest to either side, of a normal
+//! distribution one standard deviation.
 //!
 //! | value | unit | per | what it is |
 //! |---|---|---|---|
@@ -65,8 +67,8 @@ pub struct Scatter {
     pub alignment: Spread,
 }
 
-/// What the version before stated elsewhere: in `[simulation.plant]`, and as `scatter_percent` in `[simulation]`. In the
-/// units of the keys.
+/// What the version before stated elsewhere: in `[simulation.plant]`, and as `scatter_percent` in
+/// `[simulation]`. In the units of the keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StatedBefore {
     pub(super) backlash: Option<f64>,

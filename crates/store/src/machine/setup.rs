@@ -88,11 +88,13 @@ pub struct Simulation {
     pub tap_seat: TapSeat,
     /// How taps wear; `None`: they do not.
     pub tap_wear: Option<TapWear>,
-    /// How far the work really is from where the set-up has it, in X, Y and Z: what probing is there to find.
+    /// How far the work really is from where the set-up has it, in X, Y and Z: what probing is
+    /// there to find.
     pub work_shift: [Length; 3],
     /// What stands on the inputs.
     pub inputs: Vec<InputModel>,
-    /// What the spindle's own drive really does, where that differs from what `[spindles.drive]` says.
+    /// What the spindle's own drive really does, where that differs from what `[spindles.drive]`
+    /// says.
     pub spindle_drive: SpindleDrive,
 }
 

@@ -49,9 +49,11 @@ pub struct Spindle {
     pub orient_acceleration: SpinAccel,
     /// What holds it back.
     pub friction: SpindleFriction,
-    /// Its drive is only told a speed and makes its own ramps; `None`: it is told a torque, or an angle.
+    /// Its drive is only told a speed and makes its own ramps; `None`: it is told a torque, or an
+    /// angle.
     pub own_ramps: Option<OwnRamps>,
-    /// Its drive closes its own position loop and is told an angle: `[spindles.drive]` of the kind "position".
+    /// Its drive closes its own position loop and is told an angle: `[spindles.drive]` of the kind
+    /// "position".
     pub closes_position: bool,
     /// How it is controlled.
     pub loops: Loops,
@@ -76,7 +78,8 @@ pub struct OwnRamps {
     pub repeats_delay: Time,
     /// How far its ramp may be from what a stroke has taught.
     pub repeats_share: f64,
-    /// A stroke turns back straight from its speed if it repeats so well; else it creeps to its bottom.
+    /// A stroke turns back straight from its speed if it repeats so well; else it creeps to its
+    /// bottom.
     pub turns_within: Length,
     /// Share of a tap's speed at which strokes creep to their bottom.
     pub creep_share: f64,

@@ -20,8 +20,8 @@ pub struct Tapping {
     pub sync_stop: Length,
     /// How the spindle is brought to speed and back.
     pub ramp: Ramp,
-    /// The spindle cannot be synchronised: feed and spindle only run at their speeds, and a tension/compression
-    /// holder takes the difference.
+    /// The spindle cannot be synchronised: feed and spindle only run at their speeds, and a
+    /// tension/compression holder takes the difference.
     pub floating: bool,
     /// The preset of a run that asks for none.
     pub preset: Preset,
@@ -69,7 +69,8 @@ pub enum Peck {
 pub enum Ramp {
     /// As fast as torque, power and the feed axis allow.
     PowerCurve,
-    /// From rest to the programmed speed in a straight line in this time, whatever the power curve says.
+    /// From rest to the programmed speed in a straight line in this time, whatever the power curve
+    /// says.
     Linear(Time),
 }
 
@@ -82,7 +83,8 @@ impl Preset {
         ("max", Self::Max),
     ];
 
-    /// What it asks where the file does not say it; `standard` is the share that the spindle is planned with.
+    /// What it asks where the file does not say it; `standard` is the share that the spindle is
+    /// planned with.
     const fn usual(self, standard: f64) -> Effort {
         let (planned_share, jerk_share) = match self {
             Self::Gentle => (0.5, 0.5),

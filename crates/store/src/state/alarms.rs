@@ -4,8 +4,8 @@
 //!   {"alarm":{"number":2101,"text":"…",…},"checksum":1234567890}
 //! ```
 //!
-//! A line that was cut short by a power cut, or changed, does not fit its checksum and is passed over. Of more than
-//! [`MOST_ALARMS`] the older half is forgotten.
+//! A line that was cut short by a power cut, or changed, does not fit its checksum and is passed
+//! over. Of more than [`MOST_ALARMS`] the older half is forgotten.
 use super::plain;
 use crate::{Error, output};
 use serde::{Deserialize, Serialize};

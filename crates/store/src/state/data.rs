@@ -113,7 +113,8 @@ pub struct Machine {
     pub name: String,
 }
 
-/// Text of a plain struct. Its keys are names and its values numbers, text and lists: that cannot fail.
+/// Text of a plain struct. Its keys are names and its values numbers, text and lists: that cannot
+/// fail.
 fn to_toml<T: Serialize>(value: &T) -> String {
     toml::to_string(value).unwrap_or_default()
 }

@@ -1,4 +1,5 @@
-//! One control a folder: the file `lock` is locked as long as a control lives, and holds its process id.
+//! One control a folder: the file `lock` is locked as long as a control lives, and holds its
+//! process id.
 use super::plain;
 use crate::Error;
 use std::fs::{File, TryLockError};
@@ -9,8 +10,8 @@ use std::time::Duration;
 
 /// The file that is locked.
 const LOCK: &str = "lock";
-/// How often, and how long apart, a second control looks for the first one's process id, which is written a moment
-/// after the lock is taken.
+/// How often, and how long apart, a second control looks for the first one's process id, which is
+/// written a moment after the lock is taken.
 const LOOKS: u32 = 10;
 const APART: Duration = Duration::from_millis(5);
 
@@ -25,7 +26,8 @@ struct Locked(File);
 
 impl Drop for Locked {
     fn drop(&mut self) {
-        // a child process that is just being started has a copy of the file, with which the lock would live on
+        // a child process that is just being started has a copy of the file, with which the lock
+        // would live on
         let _ = self.0.unlock();
     }
 }
@@ -34,7 +36,8 @@ impl FolderLock {
     /// Lock a folder that is there.
     ///
     /// # Errors
-    /// Another control has it locked, whose process is named; the folder is missing or cannot be written.
+    /// Another control has it locked, whose process is named; the folder is missing or cannot be
+    /// written.
     pub fn take(folder: &Path) -> Result<Self, Error> {
         let failed = |action| move |cause| Error::file(action, folder, cause);
         // not truncated before it is locked: until then it is the other control's

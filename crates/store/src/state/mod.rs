@@ -1,4 +1,5 @@
-//! What a control keeps when it is switched off, or killed: one folder, one file a datum, each written whole or not at all.
+//! What a control keeps when it is switched off, or killed: one folder, one file a datum, each
+//! written whole or not at all.
 //!
 //! ```text
 //!   parameters.var  work offsets and numbered parameters    alarms.jsonl   alarms, a line each
@@ -9,9 +10,10 @@
 //!   save: new file, fsync ─► link the one in force as NAME.previous ─► rename the new one to NAME ─► fsync the folder
 //! ```
 //!
-//! The first line of each file says what it is, its version and the checksum of all that follows ([`seal`]). What does
-//! not fit is not believed: the version before it is used, and that is said. Nothing that was in the folder is removed:
-//! what was not believed is kept as `NAME.rejected-1`, `-2` … when the datum is saved next.
+//! The first line of each file says what it is, its version and the checksum of all that follows
+//! ([`seal`]). What does not fit is not believed: the version before it is used, and that is said.
+//! Nothing that was in the folder is removed: what was not believed is kept as `NAME.rejected-1`,
+//! `-2` … when the datum is saved next.
 mod alarms;
 mod data;
 pub mod lock;
@@ -34,7 +36,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Names of files that are being written; one that a killed control has left is removed by the next.
+/// Names of files that are being written; one that a killed control has left is removed by the
+/// next.
 const NEW: &str = ".state-new-";
 /// Files of one name that are kept because they were not believed.
 const MOST_REJECTED: u32 = 99;
@@ -103,10 +106,12 @@ pub struct StateFolder {
 }
 
 impl StateFolder {
-    /// Open a folder, make it if it is missing; what it says, and what the operator should know about it.
+    /// Open a folder, make it if it is missing; what it says, and what the operator should know
+    /// about it.
     ///
     /// # Errors
-    /// The folder cannot be made or read, or another control has it open: then its process is named.
+    /// The folder cannot be made or read, or another control has it open: then its process is
+    /// named.
     pub fn open(path: &Path) -> Result<(Self, State, Vec<Finding>), Error> {
         fs::create_dir_all(path)
             .map_err(|cause| Error::file("create the state folder", path, cause))?;
@@ -144,7 +149,8 @@ impl StateFolder {
     /// This folder is that machine's: it is marked so, or it is another one's.
     ///
     /// # Errors
-    /// The folder of another machine, whose offsets and tools this one must not use; a disk that refuses.
+    /// The folder of another machine, whose offsets and tools this one must not use; a disk that
+    /// refuses.
     pub fn claim(&mut self, machine: &str) -> Result<Vec<Finding>, Error> {
         let mut found = Vec::new();
         match self.read::<Machine>(&mut found) {

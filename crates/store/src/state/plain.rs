@@ -1,4 +1,5 @@
-//! Bytes of a plain file of a state folder: nothing else in its place is followed, waited for or believed.
+//! Bytes of a plain file of a state folder: nothing else in its place is followed, waited for or
+//! believed.
 use super::Untrusted;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read};

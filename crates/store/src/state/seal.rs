@@ -1,4 +1,5 @@
-//! The first line of a file of state: what it is, its version, and the checksum of all that follows.
+//! The first line of a file of state: what it is, its version, and the checksum of all that
+//! follows.
 //!
 //! ```text
 //!   # leadscrew tools 1, checksum 5d0c01b2
@@ -6,8 +7,8 @@
 //!   number = 1 …
 //! ```
 //!
-//! A file that was cut short, or in which a byte has changed, is found by it. Who edits a file by hand writes `edited`
-//! in place of `checksum …`, and so says that the file is as it should be.
+//! A file that was cut short, or in which a byte has changed, is found by it. Who edits a file by
+//! hand writes `edited` in place of `checksum …`, and so says that the file is as it should be.
 use std::fmt;
 
 /// Something that is kept.

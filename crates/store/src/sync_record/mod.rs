@@ -1,5 +1,5 @@
-//! The sync record: what must be known to take a tool out of its work after the control has died: a tap out of its hole, or one
-//! that is tied to a spindle without being screwed to the work.
+//! The sync record: what must be known to take a tool out of its work after the control has died: a
+//! tap out of its hole, or one that is tied to a spindle without being screwed to the work.
 //!
 //! ```text
 //!   (θ, z) plane          z(θ) = z₀ + H·(θ − θ₀)          written before the tap touches the work,
@@ -10,12 +10,13 @@
 //!   positioning ──► Inward ──► (braking) Outward ──► Out    each arrow is a generation on the disk
 //! ```
 //!
-//! A record that is not certainly right is worse than none: axes would move a tap off its thread. So it
-//! carries a checksum, a version, the machine's identity and the *epoch* of its encoders (a new number each time a
-//! reference was lost), and every way of not being right has a sentence of its own in [`Untrusted`].
+//! A record that is not certainly right is worse than none: axes would move a tap off its thread.
+//! So it carries a checksum, a version, the machine's identity and the *epoch* of its encoders (a
+//! new number each time a reference was lost), and every way of not being right has a sentence of
+//! its own in [`Untrusted`].
 //!
-//! Layout, little-endian: `LSYN`, version u16, length u32 of the whole, generation u64, [`SyncRecord`] as postcard writes
-//! it, CRC-32 of all before it. [`slots`] keeps two generations.
+//! Layout, little-endian: `LSYN`, version u16, length u32 of the whole, generation u64,
+//! [`SyncRecord`] as postcard writes it, CRC-32 of all before it. [`slots`] keeps two generations.
 pub mod slots;
 mod stroke;
 mod untrusted;
@@ -67,7 +68,8 @@ pub struct Place {
     pub line: u32,
     /// Which of the program's holes and threads, counted from 1 in the order in which they are cut.
     pub hole: u32,
-    /// What was typed behind `leadscrew run`, but for where the machine simulator is and where to begin: all that is needed to go on.
+    /// What was typed behind `leadscrew run`, but for where the machine simulator is and where to
+    /// begin: all that is needed to go on.
     #[serde(serialize_with = "whole_command")]
     pub command: Vec<String>,
 }
@@ -171,7 +173,8 @@ impl SyncRecord {
             Ok((read, [])) => {
                 read.makes_sense()?;
                 let generation = u64::from_le_bytes(generation);
-                // a longer name, more words, a number with more bytes than it needs: no writer of this version's writes that
+                // a longer name, more words, a number with more bytes than it needs: no writer of
+                // this version's writes that
                 if read.encode(generation) != bytes {
                     return Err(Untrusted::Senseless("it is not as this version would write it"));
                 }
@@ -224,8 +227,8 @@ impl SyncRecord {
     /// Whether it is about this machine and its encoders as they are.
     ///
     /// # Errors
-    /// [`Untrusted::OtherMachine`] or [`Untrusted::OldEpoch`]. A record that says that nothing is in the work does not
-    /// depend on the encoders' reference.
+    /// [`Untrusted::OtherMachine`] or [`Untrusted::OldEpoch`]. A record that says that nothing is
+    /// in the work does not depend on the encoders' reference.
     pub fn belongs_to(&self, identity: &Identity) -> Result<(), Untrusted> {
         let own = &self.identity;
         if own.machine != identity.machine || own.serial != identity.serial {

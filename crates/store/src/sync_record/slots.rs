@@ -7,11 +7,12 @@
 //!                                                       fsync the folder
 //! ```
 //!
-//! A kill at any byte leaves the file `sync-record.new` in pieces, which is never read, and both generations as
-//! they were. What is torn or changed in a generation has therefore been damaged otherwise. Of two whole ones the
-//! newer counts. If one is damaged, the other is believed where it says that a tap is in the work: the damaged one
-//! can then only be older, or say the same, or say that the tap is out, which the encoders show. Where it says that nothing is in
-//! the work, the damaged one may be newer and say the contrary: that is refused.
+//! A kill at any byte leaves the file `sync-record.new` in pieces, which is never read, and both
+//! generations as they were. What is torn or changed in a generation has therefore been damaged
+//! otherwise. Of two whole ones the newer counts. If one is damaged, the other is believed where it
+//! says that a tap is in the work: the damaged one can then only be older, or say the same, or say
+//! that the tap is out, which the encoders show. Where it says that nothing is in the work, the
+//! damaged one may be newer and say the contrary: that is refused.
 use super::{Identity, LONGEST, Stage, SyncRecord, Untrusted};
 use crate::state::lock::FolderLock;
 use std::fs::{self, File};
@@ -21,7 +22,8 @@ use std::path::{Path, PathBuf};
 /// Where a generation is written before it counts.
 const NEW: &str = "sync-record.new";
 
-/// What is asked of a disk, in the order in which it is asked: so a crash can be tried at every point.
+/// What is asked of a disk, in the order in which it is asked: so a crash can be tried at every
+/// point.
 pub trait Disk {
     /// Create a file anew, write the bytes, and put them on the disk.
     ///
@@ -156,7 +158,8 @@ impl<D: Disk> Slots<D> {
         Ok((Self { disk, generation }, Kept { record: Some(record), beside }))
     }
 
-    /// Forget what is there, whatever it is: the operator has seen to it that no tap is in the work.
+    /// Forget what is there, whatever it is: the operator has seen to it that no tap is in the
+    /// work.
     ///
     /// # Errors
     /// When the disk refuses.

@@ -15,7 +15,8 @@ pub enum Cut {
     Polygon,
     /// A gear is hobbed.
     Gear,
-    /// It taps in a holder that gives or has a clutch: the spindle is not tied to the feed, so there is no line to go back along.
+    /// It taps in a holder that gives or has a clutch: the spindle is not tied to the feed, so
+    /// there is no line to go back along.
     FloatingTap,
 }
 
@@ -77,7 +78,8 @@ pub struct Stroke {
     pub z0: Length,
     /// H: axis travel per positive turn of the spindle; zero where no thread is cut.
     pub lead: Lead,
-    /// By how much H grows with each turn from θ₀ on, of a thread whose lead is not the same everywhere.
+    /// By how much H grows with each turn from θ₀ on, of a thread whose lead is not the same
+    /// everywhere.
     pub growth: LeadGrowth,
     /// PS: where the way out ends.
     pub start: Length,
@@ -154,8 +156,8 @@ impl Geared {
         Angle::rev(cycles * turns + rest * turns / q + swing) + along + self.phase
     }
 
-    /// How far a follower at this angle is from there, of all its turns the nearest; where the master has lost count of
-    /// its turns, of all the places that they allow.
+    /// How far a follower at this angle is from there, of all its turns the nearest; where the
+    /// master has lost count of its turns, of all the places that they allow.
     pub fn error(
         &self,
         theta: Angle,

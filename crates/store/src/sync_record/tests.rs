@@ -47,7 +47,8 @@ fn record(hole: u32, stage: Stage) -> SyncRecord {
     }
 }
 
-/// A disk in memory that dies after so many bytes and steps. What was not put on it may or may not be there after.
+/// A disk in memory that dies after so many bytes and steps. What was not put on it may or may not
+/// be there after.
 #[derive(Clone, Debug, Default)]
 struct DyingDisk {
     /// What a reader sees while the machine lives.
@@ -63,7 +64,8 @@ impl DyingDisk {
         Ok(())
     }
 
-    /// After the restart: of what was not safe, by `luck`, nothing, all, or a part padded with zeros.
+    /// After the restart: of what was not safe, by `luck`, nothing, all, or a part padded with
+    /// zeros.
     fn survivor(&self, luck: u64) -> Self {
         let mut files = self.safe.clone();
         for (at, (name, bytes)) in (0u64..).zip(&self.seen) {
@@ -74,7 +76,8 @@ impl DyingDisk {
             match luck.rotate_right((at * 8) as u32) % 4 {
                 0 => {}
                 1 => drop(files.insert(name.clone(), bytes.clone())),
-                // a generation's file holds what was synced before the rename: the old bytes or the new ones
+                // a generation's file holds what was synced before the rename: the old bytes or the
+                // new ones
                 _ if whole => drop(files.insert(name.clone(), bytes.clone())),
                 _ => {
                     let cut = (luck % (bytes.len() as u64 + 1)) as usize;
@@ -126,7 +129,8 @@ fn kept(disk: &mut DyingDisk) -> Result<Kept, Untrusted> {
     Slots::open(disk, &identity()).map(|(_, kept)| kept)
 }
 
-/// The stages of a program's life: in, turned, out, hole after hole; out of the last one the tap is taken by a recovery.
+/// The stages of a program's life: in, turned, out, hole after hole; out of the last one the tap is
+/// taken by a recovery.
 fn life() -> Vec<SyncRecord> {
     let out = |hole| if hole < 3 { Stage::Out } else { Stage::Recovered };
     let stages = |hole| [Stage::Inward, Stage::Outward, out(hole)];

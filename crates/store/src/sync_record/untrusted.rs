@@ -53,9 +53,11 @@ pub enum Untrusted {
         /// and the other.
         newer: u64,
     },
-    /// One generation is damaged, and the other says that nothing is in the work: the damaged one may be the newer.
+    /// One generation is damaged, and the other says that nothing is in the work: the damaged one
+    /// may be the newer.
     Unsure(Box<Untrusted>),
-    /// One generation is missing, and the other says that nothing is in the work: the missing one may be the newer.
+    /// One generation is missing, and the other says that nothing is in the work: the missing one
+    /// may be the newer.
     Missing,
     /// The file system does not give it.
     Unreadable(String),

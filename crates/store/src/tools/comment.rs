@@ -113,7 +113,8 @@ pub(super) fn understand(comment: &str) -> Understood {
     understood
 }
 
-/// Whether a comment names a diameter in inches that is this number: `1/4 end mill` and 0.25, `1/4-20 tap` and 0.25.
+/// Whether a comment names a diameter in inches that is this number: `1/4 end mill` and 0.25,
+/// `1/4-20 tap` and 0.25.
 pub(super) fn is_in_inches(comment: &str, number: f64) -> bool {
     const ALIKE: f64 = 0.003;
     let lower = comment.to_lowercase();

@@ -1,5 +1,5 @@
-//! Tool tables: the shop's own TOML, which says what each tool is, and LinuxCNC's `.tbl`, which says
-//! only length and diameter and leaves the rest to a comment.
+//! Tool tables: the shop's own TOML, which says what each tool is, and LinuxCNC's `.tbl`, which
+//! says only length and diameter and leaves the rest to a comment.
 //!
 //! ```text
 //!   tools.toml   [[tool]] number, length_mm, kind, thread, holder …  ─┐
@@ -87,8 +87,8 @@ pub fn parse_toml(text: &str, file: u16) -> Result<ToolTable, Vec<Diagnostic>> {
     Ok(ToolTable { library, ..ToolTable::default() })
 }
 
-/// Read a table that [`to_toml`] has written, of a control that has perhaps changed lengths and diameters to what no
-/// shop's table would say.
+/// Read a table that [`to_toml`] has written, of a control that has perhaps changed lengths and
+/// diameters to what no shop's table would say.
 ///
 /// # Errors
 /// Everything that is wrong with the text, in its order.
@@ -120,8 +120,8 @@ pub fn load(path: &Path, unit: TableUnit) -> Result<ToolTable, Error> {
     table.map_err(|findings| Error::refused(path, text, findings))
 }
 
-/// The tap that a bare designation stands for: bottoming chamfer, spiral flutes, class ISO 2, in a rigid
-/// holder. Typical values; a TOML table states them.
+/// The tap that a bare designation stands for: bottoming chamfer, spiral flutes, class ISO 2, in a
+/// rigid holder. Typical values; a TOML table states them.
 pub fn usual_tap(thread: &ThreadSize) -> TapTool {
     const CHAMFER_PITCHES: f64 = 2.5;
     const LENGTH_IN_DIAMETERS: f64 = 3.5;
@@ -136,8 +136,8 @@ pub fn usual_tap(thread: &ThreadSize) -> TapTool {
     }
 }
 
-/// Pitch diameter of a tap of class ISO 2 (for 6H) over the basic one: the middle of its field, which
-/// reaches from 0.3 to 0.5 of TD2 of grade 5 (ISO 2857).
+/// Pitch diameter of a tap of class ISO 2 (for 6H) over the basic one: the middle of its field,
+/// which reaches from 0.3 to 0.5 of TD2 of grade 5 (ISO 2857).
 fn usual_oversize(thread: &ThreadSize) -> Length {
     const MIDDLE: f64 = 0.4;
     Length::um(MIDDLE * pitch_tolerance_grade_5_um(thread))

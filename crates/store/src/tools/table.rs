@@ -30,7 +30,8 @@ enum Kind {
 pub(super) enum Origin {
     /// A shop's: real tools have a length and a diameter.
     Shop,
-    /// A control's: what it was told counts, such as the negative lengths of tools that are touched off on the work.
+    /// A control's: what it was told counts, such as the negative lengths of tools that are touched
+    /// off on the work.
     Control,
 }
 

@@ -9,8 +9,9 @@
 //!   └ number              I J Q (angles and orientation of a turning tool) have no effect either
 //! ```
 //!
-//! Lengths are in the machine's unit, which the table does not state: who reads it says it. A diameter that is what the
-//! comment says in inches, in a table that is read in millimetres, is remarked upon.
+//! Lengths are in the machine's unit, which the table does not state: who reads it says it. A
+//! diameter that is what the comment says in inches, in a table that is read in millimetres, is
+//! remarked upon.
 //!
 //! | code | what was found |
 //! |---|---|
@@ -96,7 +97,8 @@ pub struct TableLine {
     pub remark: String,
 }
 
-/// The text of a table, which LinuxCNC reads too. Words that are zero are left out, but for Z and D.
+/// The text of a table, which LinuxCNC reads too. Words that are zero are left out, but for Z and
+/// D.
 pub fn to_tbl(lines: &[TableLine]) -> String {
     let mut text = String::new();
     for line in lines {

@@ -4,7 +4,8 @@
 //!   canon::ToolLibrary ──to_toml──► [[tool]] … ──parse_controls_toml──► the same library
 //! ```
 //!
-//! Derived units (degrees, µm) are written as the number whose conversion gives the value again, bit for bit.
+//! Derived units (degrees, µm) are written as the number whose conversion gives the value again,
+//! bit for bit.
 use super::mill;
 use canon::{
     AtLimit, Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind,
@@ -43,7 +44,8 @@ fn quoted(value: &str) -> String {
     toml::Value::String(value.to_owned()).to_string()
 }
 
-/// The number that reads back as `wanted`: the conversion's own answer, or one of its nearest neighbours.
+/// The number that reads back as `wanted`: the conversion's own answer, or one of its nearest
+/// neighbours.
 pub(super) fn exact(shown: f64, wanted: f64, read: impl Fn(f64) -> f64) -> String {
     let up = [shown.next_up(), shown.next_up().next_up()];
     let down = [shown.next_down(), shown.next_down().next_down()];

@@ -4,7 +4,8 @@
 //!   trace.parquet, what the page's scope has saved ─► Reader ─► group after group ─► MCAP, CSV, plain Parquet
 //! ```
 //!
-//! Each format says the unit of each column and what the recording says of itself (program, machine, …).
+//! Each format says the unit of each column and what the recording says of itself (program,
+//! machine, …).
 use super::protobuf::{self, PeriodMessage};
 use super::{Group, Reader, unit_of};
 use crate::Error;

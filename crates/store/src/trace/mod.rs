@@ -17,15 +17,16 @@
 //! | `line` | i32 | program line at work, 0 for none | 1 |
 //! | `state` | text | what the kernel was doing | — |
 //!
-//! The control never sees the ground truth: where `truth` and `encoder` differ is what play, springs, screws and encoders hide
-//! from it. Figures of report and certificate are the judge's, from the truth; the kernel's own monitor is named as such.
+//! The control never sees the ground truth: where `truth` and `encoder` differ is what play,
+//! springs, screws and encoders hide from it. Figures of report and certificate are the judge's,
+//! from the truth; the kernel's own monitor is named as such.
 //!
-//! The steps are finer than any encoder here and are powers of two, so that the low bits of each number
-//! are zero and compress to nothing: the byte planes of a column lie together (byte-stream split), then
-//! zstd. What is read is a plain double of the stated unit, at most half a step off.
+//! The steps are finer than any encoder here and are powers of two, so that the low bits of each
+//! number are zero and compress to nothing: the byte planes of a column lie together (byte-stream
+//! split), then zstd. What is read is a plain double of the stated unit, at most half a step off.
 //!
-//! Three axes and a spindle take about 0.3 µs and 24 bytes a row (`cargo bench -p store`): ten minutes of
-//! machining are 2.4 million rows, 60 MB.
+//! Three axes and a spindle take about 0.3 µs and 24 bytes a row (`cargo bench -p store`): ten
+//! minutes of machining are 2.4 million rows, 60 MB.
 //!
 //! Rows go out in groups of [`GROUP_ROWS`]; what is held in memory does not grow with the run.
 mod convert;
@@ -86,7 +87,8 @@ impl Columns {
         }
     }
 
-    /// Names of the columns between `time_s` and `control_sync_error_um`: four to an axis, then five to a spindle.
+    /// Names of the columns between `time_s` and `control_sync_error_um`: four to an axis, then
+    /// five to a spindle.
     pub fn names(&self) -> Vec<String> {
         let linear = ["control_setpoint_mm", "truth_mm", "encoder_mm", "drive_force_n"];
         let rotary = ["control_setpoint_deg", "truth_deg", "encoder_deg", "drive_torque_n_m"];

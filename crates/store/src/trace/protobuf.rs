@@ -5,8 +5,9 @@
 //!   descriptor           FileDescriptorSet { file { name, package, message { name, field { name, number, label, type } }, syntax } }
 //! ```
 //!
-//! After the encoding and `descriptor.proto` of protobuf.dev. What has no value is NaN: readers that draw leave it out, and take a
-//! field that is not there for 0. Names of fields have letters, digits and `_` alone: `X.setpoint_mm` is `X_setpoint_mm`.
+//! After the encoding and `descriptor.proto` of protobuf.dev. What has no value is NaN: readers
+//! that draw leave it out, and take a field that is not there for 0. Names of fields have letters,
+//! digits and `_` alone: `X.setpoint_mm` is `X_setpoint_mm`.
 
 const VARINT: u32 = 0;
 const EIGHT_BYTES: u32 = 1;

@@ -169,8 +169,8 @@ fn with_gaps(values: &[f64], known: &[i16]) -> Vec<f64> {
         .collect()
 }
 
-/// The format's library asserts what a whole file always fulfils (a column's place is not negative, a
-/// page's size fits); in a damaged one that is an answer like any other.
+/// The format's library asserts what a whole file always fulfils (a column's place is not negative,
+/// a page's size fits); in a damaged one that is an answer like any other.
 fn guarded<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     // nothing outlives the closure half-changed: what it made is dropped
     panic::catch_unwind(AssertUnwindSafe(read))

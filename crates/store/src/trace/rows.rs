@@ -19,7 +19,8 @@ pub struct Rows {
     pub line: Vec<i32>,
     /// What the kernel was doing.
     pub state: Vec<State>,
-    /// Time and spindle angles of the sample before, for speeds that the sample itself does not hold.
+    /// Time and spindle angles of the sample before, for speeds that the sample itself does not
+    /// hold.
     before: Option<(Time, [Angle; bus::SPINDLES])>,
 }
 

@@ -31,7 +31,8 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begin a trace in a new file. `about` is kept as the file's metadata, such as the program's name.
+    /// Begin a trace in a new file. `about` is kept as the file's metadata, such as the program's
+    /// name.
     ///
     /// # Errors
     /// When the file cannot be created.

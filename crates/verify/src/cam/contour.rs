@@ -1,4 +1,5 @@
-//! The figures of a ground contour: its errors at equal steps of the turn against the profile that was asked.
+//! The figures of a ground contour: its errors at equal steps of the turn against the profile that
+//! was asked.
 //!
 //! ```text
 //!   x, D at each step ─► e = x − centre − D ─► largest, rms, phase, run-out, waviness
@@ -14,7 +15,8 @@ const BASE: f64 = 0.5e-3;
 /// Waves a turn in which chatter shows.
 const CHATTER: std::ops::RangeInclusive<usize> = 30..=180;
 
-/// Where the wheel's edge came nearest to the work's axis at each step, and the speed of the work there.
+/// Where the wheel's edge came nearest to the work's axis at each step, and the speed of the work
+/// there.
 pub(super) struct Contour<'a> {
     /// mm.
     pub(super) nearest: &'a [f64],
@@ -77,7 +79,8 @@ fn around(v: &[f64], i: usize) -> f64 {
     (v[(i + 1) % STEPS] - v[(i + STEPS - 1) % STEPS]) / 2.0
 }
 
-/// Spread of the error on the base circle: a stretch of at least an eighth of a turn; a lobe has none.
+/// Spread of the error on the base circle: a stretch of at least an eighth of a turn; a lobe has
+/// none.
 fn run_out(ideal: &[f64], errors: &[f64]) -> Option<Length> {
     let lowest = ideal.iter().copied().fold(f64::INFINITY, f64::min);
     let base: Vec<f64> =
@@ -127,8 +130,9 @@ fn amplitude(values: &[f64], k: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// A circle of radius 220 about a point 4 mm off: the contact runs at its constant radius R where the wheel's centre is
-    /// led along the crank's equation; peak over mean follows from the angle at which the work stands.
+    /// A circle of radius 220 about a point 4 mm off: the contact runs at its constant radius R
+    /// where the wheel's centre is led along the crank's equation; peak over mean follows from the
+    /// angle at which the work stands.
     #[test]
     fn the_removal_rate_of_an_eccentric_turned_evenly_peaks_as_its_geometry_says() {
         let (e, pitch, wheel) = (4.0, 220.0_f64, 195.0);
@@ -140,7 +144,8 @@ mod tests {
             .collect();
         let along = contact_speed(&path, wheel);
         for (i, speed) in along.iter().enumerate() {
-            // the centre of the circle, seen from the wheel's: α = ψ + asin(e/p·sin ψ), so ds = (p − R)·dα
+            // the centre of the circle, seen from the wheel's: α = ψ + asin(e/p·sin ψ), so ds = (p
+            // − R)·dα
             let (sin, cos) = (TAU * i as f64 / STEPS as f64).sin_cos();
             let turning = 1.0 + e * cos / (pitch * pitch - (e * sin).powi(2)).sqrt();
             assert!((speed / ((pitch - wheel) * turning) - 1.0).abs() < 1e-3, "{i}: {speed}");

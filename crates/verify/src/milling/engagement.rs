@@ -8,7 +8,8 @@
 //!          ╰───────╯
 //! ```
 //!
-//! Closed forms that this meets: a slot has width D and 180°; a shoulder of width ae has acos(1 − 2·ae/D).
+//! Closed forms that this meets: a slot has width D and 180°; a shoulder of width ae has acos(1 −
+//! 2·ae/D).
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -38,8 +39,8 @@ pub(crate) struct Window {
     /// Way across the tool, and all of it, mm.
     across: f64,
     way: f64,
-    /// How deep the tip was below the material that it met, mm; the outermost [`RIM`] cells do not count: whether a wall
-    /// stands there is within the error of the grid.
+    /// How deep the tip was below the material that it met, mm; the outermost [`RIM`] cells do not
+    /// count: whether a wall stands there is within the error of the grid.
     deepest: f64,
     time: f64,
     turns: f64,
@@ -159,8 +160,8 @@ impl ToolEngagement {
         Some((per_tooth, thinned))
     }
 
-    /// Largest tangential force of a mill with so many teeth, N: each tooth in the cut at its largest chip, over the whole
-    /// depth. `kc`: N/mm².
+    /// Largest tangential force of a mill with so many teeth, N: each tooth in the cut at its
+    /// largest chip, over the whole depth. `kc`: N/mm².
     pub(crate) fn force(&self, teeth: u32, kc: f64) -> Option<f64> {
         let (_, chip) = self.chip(teeth)?;
         let spacing = std::f64::consts::TAU / f64::from(teeth);
@@ -169,7 +170,8 @@ impl ToolEngagement {
     }
 }
 
-/// Deflection of a cantilever by a force at its tip, mm: F·L³/(3·E·I), I = π·d⁴/64 with d = 0.8·D for the flutes.
+/// Deflection of a cantilever by a force at its tip, mm: F·L³/(3·E·I), I = π·d⁴/64 with d = 0.8·D
+/// for the flutes.
 pub(crate) fn deflection(force: f64, length: f64, diameter: f64, modulus: f64) -> f64 {
     let stiff = 0.8 * diameter;
     let inertia = std::f64::consts::PI * stiff.powi(4) / 64.0;

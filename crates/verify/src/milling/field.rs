@@ -11,9 +11,9 @@
 //! | c | side of a cell | mm |
 //! | D, R | diameter, radius of the cutter | mm |
 //!
-//! A cell is what stands at its middle: a wall may stand half a cell off, at every wall. Cells are as small as
-//! D/[`CELLS_ACROSS`] of the smallest mill so far, unless the whole grid would have more than [`MOST_CELLS`]. Only what is
-//! open from above is known: no undercuts.
+//! A cell is what stands at its middle: a wall may stand half a cell off, at every wall. Cells are
+//! as small as D/[`CELLS_ACROSS`] of the smallest mill so far, unless the whole grid would have
+//! more than [`MOST_CELLS`]. Only what is open from above is known: no undercuts.
 use crate::Stock;
 use crate::hole::Drilled;
 use canon::{MillForm, Tool, ToolKind};
@@ -25,8 +25,8 @@ const CELLS_ACROSS: f64 = 40.0;
 pub(crate) const MOST_CELLS: f64 = 4e6;
 /// No cell is smaller, mm.
 const SMALLEST_CELL: f64 = 0.01;
-/// The grid begins so much of a cell before the block: walls at round coordinates then do not run along the middles of cells, where a
-/// micrometre decides over a row of them.
+/// The grid begins so much of a cell before the block: walls at round coordinates then do not run
+/// along the middles of cells, where a micrometre decides over a row of them.
 const OFF_GRID: f64 = 0.381_966;
 
 /// What a mill's edges sweep in a turn.
@@ -189,8 +189,8 @@ impl Field {
         })
     }
 
-    /// The cutter stands with its tip here: what it meets within this share of its radius is given to `each`, and, if `takes`,
-    /// removed.
+    /// The cutter stands with its tip here: what it meets within this share of its radius is given
+    /// to `each`, and, if `takes`, removed.
     pub(crate) fn meet(
         &mut self,
         cutter: &Cutter,
@@ -232,7 +232,8 @@ impl Field {
         self.meet(&drill, [x, y, hole.bottom_mm], (radius, true), |_| {});
     }
 
-    /// Depths over the block in a picture of at most this many cells a side, rows from small Y to large.
+    /// Depths over the block in a picture of at most this many cells a side, rows from small Y to
+    /// large.
     pub(crate) fn picture(&self, most: usize) -> Vec<Vec<f64>> {
         let size = [0, 1].map(|i| (self.stock.to[i] - self.stock.from[i]).value());
         let longest = size[0].max(size[1]);

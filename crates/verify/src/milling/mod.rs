@@ -1,5 +1,5 @@
-//! Milling, from recorded motion: what each mill has removed of the stock, how it was engaged, and where it went in a rapid
-//! through what was left.
+//! Milling, from recorded motion: what each mill has removed of the stock, how it was engaged, and
+//! where it went in a rapid through what was left.
 //!
 //! ```text
 //!   sample ─► tip = axis − tool length ─┬─ fed ───► Field: removed ─► Window ─► largest depth, width, chip, force …
@@ -7,8 +7,8 @@
 //!   another tool, or the end ─► one Feature for the use of the mill
 //! ```
 //!
-//! No grid is made before a mill comes to the stock. Only X, Y and Z are looked at: once a rotary axis has moved, what
-//! is cut is not judged.
+//! No grid is made before a mill comes to the stock. Only X, Y and Z are looked at: once a rotary
+//! axis has moved, what is cut is not judged.
 mod engagement;
 mod field;
 mod found;
@@ -62,7 +62,8 @@ pub struct MillStock {
 
 /// A rapid scrapes so deep without a finding, mm.
 const SCRAPES: f64 = 0.2;
-/// Of a mill's radius so many cells are left out for rapids: whether a wall stands there is within the error of the grid.
+/// Of a mill's radius so many cells are left out for rapids: whether a wall stands there is within
+/// the error of the grid.
 const RAPID_RIM: f64 = 1.5;
 /// A rotary axis has moved, °.
 const TURNED: f64 = 0.01;
@@ -185,7 +186,8 @@ impl Milling {
         })
     }
 
-    /// Neither fed nor in a rapid: the time does not count. What has moved it meanwhile is not known.
+    /// Neither fed nor in a rapid: the time does not count. What has moved it meanwhile is not
+    /// known.
     fn rests(&mut self, sample: &Sample, tool: &Tool) {
         if let (Some(at), Some(field), Some(last), Some(seen)) =
             (&mut self.at, &mut self.field, self.last, self.seen)

@@ -1,4 +1,5 @@
-//! Milling against closed forms: slots, shoulders, balls, cones, ramps, arcs; rapids; what is not known.
+//! Milling against closed forms: slots, shoulders, balls, cones, ramps, arcs; rapids; what is not
+//! known.
 #![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 use super::*;
 use crate::feature::{FeatureKind, Verdict};
@@ -458,7 +459,8 @@ fn forms() -> impl Strategy<Value = MillForm> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
-    /// What is removed only grows, is never more than the block has, and never more than what the mill has swept.
+    /// What is removed only grows, is never more than the block has, and never more than what the
+    /// mill has swept.
     #[test]
     fn removal_grows_and_is_within_what_was_swept(
         form in forms(),

@@ -9,7 +9,8 @@ use units::Length;
 /// Rapids that are named one by one.
 const NAMED: usize = 3;
 
-/// Specific cutting force, N/mm²: the material's one of tapping, whose chips are thin; thicker ones take less.
+/// Specific cutting force, N/mm²: the material's one of tapping, whose chips are thin; thicker ones
+/// take less.
 pub(super) fn force_basis(config: &Config) -> Option<f64> {
     config.material.map(Material::cutting_force_n_per_mm2)
 }
@@ -107,8 +108,8 @@ fn still(found: &Found) -> Vec<String> {
     at_rest.into_iter().chain(backwards).collect()
 }
 
-/// What is over a limit that the tool table states. In a stock that is only assumed, what depends on how much was there is not
-/// known.
+/// What is over a limit that the tool table states. In a stock that is only assumed, what depends
+/// on how much was there is not known.
 fn exceeded(milled: &Milled, mill: &Mill, tool: &Tool, assumed: bool) -> Vec<String> {
     let over = |what: &str, largest: Option<Largest<Length>>, most: Option<Length>| {
         let (largest, most) = largest.zip(most)?;

@@ -282,8 +282,8 @@ impl Part<'_> {
         all
     }
 
-    /// Distance of a facet from the axis that is ordered by this machine X: the program's zero is where the program has the
-    /// work's axis.
+    /// Distance of a facet from the axis that is ordered by this machine X: the program's zero is
+    /// where the program has the work's axis.
     fn flat(&self, x: f64) -> f64 {
         x - self.ordered.polygon.zero.linear[0].value() - self.cutter.radius.value()
     }
@@ -326,7 +326,8 @@ impl Part<'_> {
         polygon.lay = Length::mm(self.lay(normals, polygon));
     }
 
-    /// Peak to valley along Z in the middle of the first facet, over a millimetre in the middle of the part.
+    /// Peak to valley along Z in the middle of the first facet, over a millimetre in the middle of
+    /// the part.
     fn lay(&self, normals: &Normals, polygon: &Polygon) -> f64 {
         let middle = f64::midpoint(polygon.z_from.value(), polygon.z_to.value());
         let span = (polygon.z_to - polygon.z_from).value().min(1.0) / 2.0;
@@ -356,7 +357,8 @@ impl Part<'_> {
     }
 }
 
-/// Mean over opposite pairs, which is twice the mean over all; what has no opposite is stated likewise.
+/// Mean over opposite pairs, which is twice the mean over all; what has no opposite is stated
+/// likewise.
 fn across_flats(section: &Section) -> f64 {
     let distance = |f: &Facet| f.distance.value();
     2.0 * section.facets.iter().map(distance).sum::<f64>() / section.facets.len() as f64

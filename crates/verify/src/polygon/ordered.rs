@@ -71,7 +71,8 @@ impl Ordered {
         self.cuts.iter().flatten().map(|end| end[0]).min_by(f64::total_cmp)
     }
 
-    /// X where the tool cuts at a height: by the deepest of the cuts that pass there, else the deepest of all.
+    /// X where the tool cuts at a height: by the deepest of the cuts that pass there, else the
+    /// deepest of all.
     pub(super) fn x_at(&self, z: f64) -> Option<f64> {
         let passes = self.cuts.iter().filter_map(|[a, b]| {
             let (low, high) = (a[1].min(b[1]), a[1].max(b[1]));

@@ -10,7 +10,8 @@ use std::collections::VecDeque;
 
 /// Steps between two records.
 const STEPS: u32 = 16;
-/// Points that are kept at most: about 40 minutes of cutting a hexagon. Beyond it the part's end is not judged.
+/// Points that are kept at most: about 40 minutes of cutting a hexagon. Beyond it the part's end is
+/// not judged.
 const MOST_POINTS: usize = 12_000_000;
 
 /// One coming-by of one insert. mm, in the work's frame; z is the tip's machine coordinate.
@@ -171,7 +172,8 @@ impl Passes {
         }
     }
 
-    /// The tool spindle from the work's axis: x, y, and cosine and sine of where its first insert points.
+    /// The tool spindle from the work's axis: x, y, and cosine and sine of where its first insert
+    /// points.
     fn tool(&self, state: &State) -> [f64; 4] {
         let (sine, cosine) = fraction_rad(0.5 + state.0[4]).sin_cos();
         [state.0[0] - self.axis[0], state.0[1] - self.axis[1], cosine, sine]
@@ -193,7 +195,8 @@ fn square([x, y]: [f64; 2]) -> f64 {
     x * x + y * y
 }
 
-/// A turn's fraction in radians: whole turns are taken off before, or their digits would be missing behind.
+/// A turn's fraction in radians: whole turns are taken off before, or their digits would be missing
+/// behind.
 fn fraction_rad(turns: f64) -> f64 {
     (turns - turns.round()) * core::f64::consts::TAU
 }

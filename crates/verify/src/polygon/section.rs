@@ -45,7 +45,8 @@ pub(super) struct Cutters<'p> {
     pub(super) passes: Vec<&'p Pass>,
 }
 
-/// How high a nose of radius `nose` stands over the point it leaves, at a distance; `None` out of reach.
+/// How high a nose of radius `nose` stands over the point it leaves, at a distance; `None` out of
+/// reach.
 pub(super) fn nose_height(nose: f64, distance: f64) -> Option<f64> {
     if nose <= 0.0 {
         return (distance.abs() < 0.5).then_some(0.0); // no nose stated: as if the edge were parallel to Z
@@ -121,7 +122,8 @@ fn middle_zone(raw: &Raw) -> Option<Zone> {
     Some(Zone { middle: lowest[1], slope: 0.0, width: 0.0 })
 }
 
-/// Where a facet meets its neighbours: first where their middle lines meet, then where the profiles do.
+/// Where a facet meets its neighbours: first where their middle lines meet, then where the profiles
+/// do.
 fn corners(raws: &[Raw], zones: &[Zone], k: usize, stock_radius: f64) -> Option<[f64; 2]> {
     let count = raws.len();
     let meet = |other: usize, side: f64| {
@@ -143,7 +145,8 @@ fn corners(raws: &[Raw], zones: &[Zone], k: usize, stock_radius: f64) -> Option<
     (ends[0] < ends[1]).then_some(ends)
 }
 
-/// Newton's step by secants from where the lines meet: at s the neighbour's surface is at the same point.
+/// Newton's step by secants from where the lines meet: at s the neighbour's surface is at the same
+/// point.
 fn refine(own: &Raw, other: &Raw, turn: f64, start: f64) -> f64 {
     let mut s = start;
     for _ in 0..8 {

@@ -1,4 +1,5 @@
-//! The minimum zone of a profile: two parallel lines, as near to each other as may be, that hold it between them.
+//! The minimum zone of a profile: two parallel lines, as near to each other as may be, that hold it
+//! between them.
 //!
 //! ```text
 //!    n │  ___ upper line, through two points …      At the optimum one line goes through an edge of the convex

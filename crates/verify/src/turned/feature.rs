@@ -11,13 +11,15 @@ use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Torque};
 /// A thread that was turned with a single point, in one or more passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnedThread {
-    /// Advance along its axis for each revolution, without sign, where the longest of its blocks begins.
+    /// Advance along its axis for each revolution, without sign, where the longest of its blocks
+    /// begins.
     pub lead: Lead,
     /// By how much that grows with each revolution of that block; negative where it shrinks.
     pub growth: LeadGrowth,
     /// Turn by turn, where the lead is not the same everywhere; of the last pass.
     pub leads: Vec<LeadOfTurn>,
-    /// Where the spindle stood when the last pass was where it begins, as it was cut: in (−½, ½] turns.
+    /// Where the spindle stood when the last pass was where it begins, as it was cut: in (−½, ½]
+    /// turns.
     pub start_angle: Angle,
     /// Which way it winds.
     pub hand: Hand,
@@ -45,13 +47,15 @@ pub struct TurnedThread {
     pub pass_means: Vec<Length>,
     /// Largest distance from the ordered infeed in the deepest pass.
     pub infeed_error: Length,
-    /// Of the pass with the largest error, along the thread from the surface on: depth and distance from the helix.
+    /// Of the pass with the largest error, along the thread from the surface on: depth and distance
+    /// from the helix.
     pub profile: Vec<[Length; 2]>,
     /// In a bore, not on a shaft.
     pub internal: bool,
     /// Starts: grooves side by side.
     pub starts: u32,
-    /// The standard thread that it was taken for, such as "M20x1.5"; `None`: there is none of this pitch and diameter.
+    /// The standard thread that it was taken for, such as "M20x1.5"; `None`: there is none of this
+    /// pitch and diameter.
     pub size: Option<String>,
     /// Class asked of it, such as "6g"; empty without a standard size.
     pub class: &'static str,
@@ -59,7 +63,8 @@ pub struct TurnedThread {
     pub before: Option<Length>,
     /// The insert, and where its form was taken from.
     pub insert: String,
-    /// Share of the ordered length in which the point was in the material, in the pass that cut most; `None` where it is not known.
+    /// Share of the ordered length in which the point was in the material, in the pass that cut
+    /// most; `None` where it is not known.
     pub contact: Option<f64>,
     /// Deepest that the point was below the bar or bore, radial; negative: it passed it by so much.
     pub groove_depth: Option<Length>,
@@ -158,7 +163,8 @@ impl TurnedThread {
         self.size.as_ref().map_or_else(String::new, |size| format!("{size}-{}", self.class))
     }
 
-    /// Distances of the pitch diameters from their limits: the virtual one from Go, the simple one from No-go.
+    /// Distances of the pitch diameters from their limits: the virtual one from Go, the simple one
+    /// from No-go.
     fn margins(&self) -> Option<[Length; 2]> {
         let (sizes, limits) = (self.sizes.as_ref()?, self.limits.as_ref()?);
         Some(if self.internal {

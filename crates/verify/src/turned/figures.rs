@@ -1,4 +1,5 @@
-//! Figures of a thread from what was seen of a pass: points of depth and distance from the helix, mm, and turns.
+//! Figures of a thread from what was seen of a pass: points of depth and distance from the helix,
+//! mm, and turns.
 use super::feature::LeadOfTurn;
 use super::law::Law;
 use units::{Angle, Lead, Length};
@@ -28,7 +29,8 @@ pub(super) fn leads(law: &Law<'_>, at: &[[f64; 3]]) -> Vec<LeadOfTurn> {
     (0..whole).filter_map(turn).collect()
 }
 
-/// Where the spindle stood when the tool was where the chain begins, by the mean of what was seen: in (−½, ½] turns.
+/// Where the spindle stood when the tool was where the chain begins, by the mean of what was seen:
+/// in (−½, ½] turns.
 pub(super) fn start_angle(law: &Law<'_>, at: &[[f64; 3]], sense: f64) -> Angle {
     let late =
         |[_, error, turn]: &[f64; 3]| -error / (law.place(turn + 0.5) - law.place(turn - 0.5));
@@ -37,7 +39,8 @@ pub(super) fn start_angle(law: &Law<'_>, at: &[[f64; 3]], sense: f64) -> Angle {
     Angle::rev(0.5 - (0.5 - turns).rem_euclid(1.0))
 }
 
-/// Slope of the distance from the helix by least squares, times the length over which it was seen, mm.
+/// Slope of the distance from the helix by least squares, times the length over which it was seen,
+/// mm.
 pub(super) fn lead_error(at: &[[f64; 3]]) -> f64 {
     let count = at.len() as f64;
     if at.len() < 2 {

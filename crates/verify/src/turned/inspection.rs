@@ -1,4 +1,5 @@
-//! A turned thread as the bar has it: the passes cut out of the bar that was there before, and what is measured of it.
+//! A turned thread as the bar has it: the passes cut out of the bar that was there before, and what
+//! is measured of it.
 //!
 //! ```text
 //!   passes of the point through sections ─► contact with the bar as it was ─► cut out of it ─► grooves ─► starts, pitch
@@ -96,7 +97,8 @@ impl Ordered<'_> {
         [begins, if law.sign() < 0.0 { ends.max(rests) } else { ends.min(rests) }]
     }
 
-    /// How far behind the end of the chain the point has cut, where the passes took something off between `low` and `high`.
+    /// How far behind the end of the chain the point has cut, where the passes took something off
+    /// between `low` and `high`.
     fn overrun(&self, [low, high]: [f64; 2]) -> Length {
         let end = (self.end - self.tool.map_or(Length::ZERO, canon::Tool::worn_length)).value();
         let behind = if self.law.sign() < 0.0 { end - low } else { high - end };

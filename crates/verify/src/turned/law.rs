@@ -1,4 +1,5 @@
-//! What a chain of blocks orders of a turned thread: where the tool belongs at each turn of the spindle.
+//! What a chain of blocks orders of a turned thread: where the tool belongs at each turn of the
+//! spindle.
 //!
 //! ```text
 //!   along a block's way s, after n turns of it:      s(n) = λ·n + κ·n²/2        λ lead, κ its growth, both along the way
@@ -6,8 +7,8 @@
 //!   its lead there:                                  λ + κ·n
 //! ```
 //!
-//! Blocks that go on in the same direction are one thread. Where the lead steps from one to the next no axis can follow, and a
-//! revolution to each side is not judged.
+//! Blocks that go on in the same direction are one thread. Where the lead steps from one to the
+//! next no axis can follow, and a revolution to each side is not judged.
 use canon::{Axis, Position, Threading};
 use units::{Angle, Length};
 
@@ -109,7 +110,8 @@ impl Stretch {
 pub(super) struct Law<'a>(&'a [Stretch]);
 
 impl<'a> Law<'a> {
-    /// The longest stretch of a pass, and what goes on from it in the same direction, before and after.
+    /// The longest stretch of a pass, and what goes on from it in the same direction, before and
+    /// after.
     pub(super) fn of(pass: &'a [Stretch]) -> Option<Self> {
         let longest =
             (0..pass.len()).max_by(|a, b| pass[*a].way().abs().total_cmp(&pass[*b].way().abs()))?;
@@ -199,7 +201,8 @@ impl<'a> Law<'a> {
             || self.0.windows(2).any(|p| (p[1].lead() - p[0].lead()).abs() > SAME_LEAD)
     }
 
-    /// The surface of the first stretch that passes one; `None` where the thread begins and ends in the material.
+    /// The surface of the first stretch that passes one; `None` where the thread begins and ends in
+    /// the material.
     fn passed(&self) -> Option<Length> {
         let inside = |stretch: &&Stretch| {
             stretch.order.surface != stretch.from.along(stretch.order.axis).of_linear()
@@ -212,8 +215,8 @@ impl<'a> Law<'a> {
         self.axis() == Axis::Z && self.sign() > 0.0
     }
 
-    /// Where the material begins, in the direction of the cut: the surface that is passed, or where a thread begins that runs out of the
-    /// work.
+    /// Where the material begins, in the direction of the cut: the surface that is passed, or where
+    /// a thread begins that runs out of the work.
     pub(super) fn surface(&self) -> Length {
         match self.passed() {
             Some(surface) if !self.runs_out() => surface,
@@ -227,7 +230,8 @@ impl<'a> Law<'a> {
         [self.surface(), end.unwrap_or(self.ends()[1].along(self.axis()).of_linear())]
     }
 
-    /// The tool is to come out of the air, or to go into it: the thread is to reach the end of the work.
+    /// The tool is to come out of the air, or to go into it: the thread is to reach the end of the
+    /// work.
     pub(super) fn is_open(&self) -> bool {
         self.passed().is_some()
     }

@@ -41,7 +41,8 @@ pub(super) struct Groove {
     pub(super) crests: [f64; 2],
     /// Where it is half a pitch wide.
     pub(super) level: f64,
-    /// Width at the level where the Go gauge's crest must find room; `None` where it does not reach that level.
+    /// Width at the level where the Go gauge's crest must find room; `None` where it does not reach
+    /// that level.
     pub(super) width_at_go: f64,
     /// Largest distance of a flank from the V through the pitch level, along the axis.
     pub(super) flank_error: f64,
@@ -125,7 +126,8 @@ impl Section {
     }
 }
 
-/// Distance of neighbouring grooves along the axis, as a whole share of the lead: the number of starts. `None` where there are not two.
+/// Distance of neighbouring grooves along the axis, as a whole share of the lead: the number of
+/// starts. `None` where there are not two.
 pub(super) fn starts(frame: &Frame, bars: [&TurnedBar; 2]) -> Option<u32> {
     let (_, step) = bars[1].places();
     let (mut length, mut count) = (0, 0);
@@ -154,7 +156,8 @@ pub(super) fn touched(side: Side, bars: [&TurnedBar; 2]) -> Option<[f64; 2]> {
     ends
 }
 
-/// All grooves that lie wholly within, by rising Z. `go`: the level at which the Go gauge's crest must find room.
+/// All grooves that lie wholly within, by rising Z. `go`: the level at which the Go gauge's crest
+/// must find room.
 pub(super) fn grooves(
     frame: &Frame,
     bars: [&TurnedBar; 2],

@@ -1,7 +1,8 @@
 //! Which standard thread a turned thread is, and its limits of size.
 //!
-//! A program states the lead alone. The size is the standard one of that pitch (ISO 261, ASME B1.1) whose diameter is the bar's, or whose
-//! minor diameter is the bore's. Of an external metric thread the class asked is 6g, of ISO 965-1:
+//! A program states the lead alone. The size is the standard one of that pitch (ISO 261, ASME B1.1)
+//! whose diameter is the bar's, or whose minor diameter is the bore's. Of an external metric thread
+//! the class asked is 6g, of ISO 965-1:
 //!
 //! ```text
 //!   es = −(15 + 11·P) µm       Td = 180·P^⅔ − 3.15/√P µm       Td2 = 90·P^0.4·d^0.1 µm       rounded to R 40
@@ -10,17 +11,19 @@
 //!   minor  d2min − H … d1 + es          the root from the sharp V to the Go gauge's crest
 //! ```
 //!
-//! A root radius of at least P/8 is asked of fasteners of strength 8.8 and more only; it is the insert's, and not judged.
+//! A root radius of at least P/8 is asked of fasteners of strength 8.8 and more only; it is the
+//! insert's, and not judged.
 //!
-//! Of an external unified thread it is 2A of ASME B1.1: the allowance is 0.3·Td2 and Td = 0.06·P^⅔ in, Td2 as in
-//! [`crate::tolerance`]. Internal threads are 6H and 2B: [`Limits`].
+//! Of an external unified thread it is 2A of ASME B1.1: the allowance is 0.3·Td2 and Td = 0.06·P^⅔
+//! in, Td2 as in [`crate::tolerance`]. Internal threads are 6H and 2B: [`Limits`].
 use crate::class::ThreadClass;
 use crate::insert::{Side, TRIANGLE};
 use crate::tolerance::{Limits, preferred, step_mean_mm};
 use canon::{Family, Hand, ThreadSize, standard_sizes};
 use units::{Length, MM_PER_INCH};
 
-/// Fundamental deviations of g and tolerances Td of grade 6, by pitch: mm and µm (ISO 965-1, tables 1 and 4).
+/// Fundamental deviations of g and tolerances Td of grade 6, by pitch: mm and µm (ISO 965-1, tables
+/// 1 and 4).
 const TABLE: [(f64, f64, f64); 21] = [
     (0.35, 19.0, 85.0),
     (0.4, 19.0, 95.0),
@@ -44,7 +47,8 @@ const TABLE: [(f64, f64, f64); 21] = [
     (5.5, 75.0, 560.0),
     (6.0, 80.0, 600.0),
 ];
-/// A bar may be so much larger or smaller than the nominal diameter, in pitches: a full profile tops it, and it is turned down before.
+/// A bar may be so much larger or smaller than the nominal diameter, in pitches: a full profile
+/// tops it, and it is turned down before.
 const BAR: [f64; 2] = [0.25, 0.4];
 /// Likewise a bore beyond or below the basic minor diameter.
 const BORE: [f64; 2] = [0.4, 0.25];

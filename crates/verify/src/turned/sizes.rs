@@ -8,7 +8,8 @@
 //!   run-out        from there to where the tool last touched
 //! ```
 //!
-//! A pitch at each end is left out of the diameters: the first one is cut by the bar's end, the last one by the run-out.
+//! A pitch at each end is left out of the diameters: the first one is cut by the bar's end, the
+//! last one by the run-out.
 use super::profile::Groove;
 use crate::insert::Side;
 use units::Length;
@@ -35,7 +36,8 @@ pub struct TurnedSizes {
     pub pitch_error: Length,
     /// Largest distance of a flank from the V through the pitch diameter, along the axis.
     pub flank_error: Length,
-    /// Radial overlap with the flanks of a mating thread of the basic profile, as a share of that profile's 5/8·H.
+    /// Radial overlap with the flanks of a mating thread of the basic profile, as a share of that
+    /// profile's 5/8·H.
     pub flank_contact: f64,
     /// Width of the groove where the crest of the Go gauge must find room, least.
     pub width_at_go: Length,
@@ -103,7 +105,8 @@ impl Against {
         if grooves.is_empty() {
             return None;
         }
-        // heights of an inside are radii with their sign changed: the least height is the largest diameter
+        // heights of an inside are radii with their sign changed: the least height is the largest
+        // diameter
         let diameters = |[low, high]: [f64; 2]| match self.side {
             Side::External => [low, high].map(|h| Length::mm(2.0 * h)),
             Side::Internal => [high, low].map(|h| Length::mm(-2.0 * h)),

@@ -21,7 +21,8 @@ fn bar(radius: f64) -> Option<crate::Bar> {
     Some(crate::Bar { radius, bore, face, rear })
 }
 
-/// Two passes from Z5 over Z0 to Z−20, as this machine has made them: distance from the helix by pass and depth.
+/// Two passes from Z5 over Z0 to Z−20, as this machine has made them: distance from the helix by
+/// pass and depth.
 fn judged(error: impl Fn(usize, f64) -> f64) -> TurnedThread {
     let mut judge = Judge::new(Config::new(ToolLibrary::default()));
     let (passes, n) = ([10.0, 9.5], 10.0);
@@ -98,8 +99,9 @@ fn a_wave_is_found_with_its_peak_and_its_rms_and_the_run_out_is_not_judged() {
     assert!((thread.sync_error_rms.in_um() - 8.0 / 2.0_f64.sqrt()).abs() < 0.1);
 }
 
-/// A pass from Z5 over Z0: 2 mm for 10 turns up to Z−15, then growing by 0.1 mm in each of 20 turns to 4 mm at Z−75, on
-/// with that for 5 turns to Z−95; X goes 1 mm out on 100 of Z. `error` by turn and depth.
+/// A pass from Z5 over Z0: 2 mm for 10 turns up to Z−15, then growing by 0.1 mm in each of 20 turns
+/// to 4 mm at Z−75, on with that for 5 turns to Z−95; X goes 1 mm out on 100 of Z. `error` by turn
+/// and depth.
 fn growing(sense: f64, error: impl Fn(f64) -> f64) -> (TurnedThread, Verdict) {
     let bar = bar(12.0);
     let mut judge = Judge::new(Config { bar, ..Config::new(ToolLibrary::default()) });
@@ -228,7 +230,8 @@ fn a_hold_in_the_first_pass_already_is_known_to_take_the_tool_off_the_work() {
         (0..((to - from) / step) as u32).map(move |k| from + f64::from(k) * step)
     };
     turns(0.0, 10.0).for_each(|turn| see(10.0, thread(turn), turn));
-    // out within a turn, still on the thread; back in another three, and the pass again from turn 20 on
+    // out within a turn, still on the thread; back in another three, and the pass again from turn
+    // 20 on
     turns(10.0, 11.0).for_each(|turn| see(10.0 + 2.0 * (turn - 10.0), thread(turn), turn));
     turns(11.0, 14.0).for_each(|turn| {
         see(12.0, thread(11.0) + (5.0 - thread(11.0)) * (turn - 11.0) / 3.0, turn);
@@ -243,7 +246,8 @@ fn a_hold_in_the_first_pass_already_is_known_to_take_the_tool_off_the_work() {
 
 #[test]
 fn rounding_across_the_way_in_takes_no_tool_off_the_work() {
-    // Y of the place before and of the pass differ by the rounding of a conversion; the axis stands a micrometre off
+    // Y of the place before and of the pass differ by the rounding of a conversion; the axis stands
+    // a micrometre off
     let place = |x: f64, y: f64| {
         let [x, y] = [x, y].map(Length::mm);
         Position { linear: [x, y, Length::ZERO], ..Position::default() }

@@ -10,13 +10,15 @@ use crate::insert::Side;
 use canon::Axis;
 use units::Length;
 
-/// Ordered length that may be left uncut or not be full, in pitches: the threads that bar's end and run-out cut.
+/// Ordered length that may be left uncut or not be full, in pitches: the threads that bar's end and
+/// run-out cut.
 const UNCUT_PITCHES: f64 = 1.5;
 /// Turns that a full thread needs to be measured: one, and one at each end that is left out.
 const FEWEST_TURNS: f64 = 3.0;
 /// The diameter of a limit is met to this: the sections' grid.
 const NEAR: Length = Length::um(1.0);
-/// Width of the Go gauge's crest, in pitches: outside, and inside (ISO 1502, basic profile of ISO 68-1).
+/// Width of the Go gauge's crest, in pitches: outside, and inside (ISO 1502, basic profile of ISO
+/// 68-1).
 const GO_CREST: [f64; 2] = [0.25, 0.125];
 
 /// Everything that is wrong; else what makes the thread one that cannot be judged.

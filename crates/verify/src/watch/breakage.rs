@@ -1,4 +1,5 @@
-//! What is said of a tool that broke: which, by what against what it withstands, and where its tip was.
+//! What is said of a tool that broke: which, by what against what it withstands, and where its tip
+//! was.
 use crate::config::Config;
 use bus::{Sample, ToolBreak};
 use canon::{Tool, ToolKind};

@@ -90,7 +90,8 @@ fn a_hole_drilled_as_ordered_breaks_nothing() {
     assert_eq!(breaches(4990.0, -20.0), Vec::<String>::new());
 }
 
-/// M6 at 3000 rpm, fed in by its helix but for `lag_mm` that the axis runs on after the spindle has turned back.
+/// M6 at 3000 rpm, fed in by its helix but for `lag_mm` that the axis runs on after the spindle has
+/// turned back.
 fn tapped(lag_mm: f64) -> Vec<String> {
     let tap = canon::TapTool {
         designation: "M6x1".into(),

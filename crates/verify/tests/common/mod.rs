@@ -52,7 +52,8 @@ pub fn drill(number: u32, diameter_mm: f64) -> Tool {
     }
 }
 
-/// T1 a 5 mm drill, T2 M6, T3 M8 left-hand, T4 1/4-20 UNC, T5 an M6 tap with another name in the table.
+/// T1 a 5 mm drill, T2 M6, T3 M8 left-hand, T4 1/4-20 UNC, T5 an M6 tap with another name in the
+/// table.
 pub fn tools() -> ToolLibrary {
     ToolLibrary::new([
         drill(1, 5.0),

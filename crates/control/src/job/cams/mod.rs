@@ -1,4 +1,5 @@
-//! Cams of a session: the library that is read, the table of phase errors, and what is sent of each profile.
+//! Cams of a session: the library that is read, the table of phase errors, and what is sent of each
+//! profile.
 //!
 //! ```text
 //!   cams.toml, lift.csv ─► forms::cam ─► profile D(θ) ─► course: D(φ + lead(φ)) where the work speed varies
@@ -64,13 +65,14 @@ pub struct CamSetup {
     /// What X makes of a sine by its loops: where nothing was measured.
     assumed: Response,
     bounds: Option<(AxisBounds, f64)>,
-    /// Half a count of C's encoder and of X's: a reading says in which count a place is, its middle is the best guess.
+    /// Half a count of C's encoder and of X's: a reading says in which count a place is, its middle
+    /// is the best guess.
     pub half_counts: (Angle, Length),
 }
 
 impl CamSetup {
-    /// As the options say, for a program at this path. A library that only lies beside the program counts where the
-    /// machine grinds cams.
+    /// As the options say, for a program at this path. A library that only lies beside the program
+    /// counts where the machine grinds cams.
     ///
     /// # Errors
     /// A library or a record that cannot be read.
@@ -200,7 +202,8 @@ impl CamSetup {
         self.courses.push(Course { profile, spin, lead, nodes });
     }
 
-    /// Where the wheel belongs over the even turn at a speed, and by how much the work is ahead of it.
+    /// Where the wheel belongs over the even turn at a speed, and by how much the work is ahead of
+    /// it.
     pub fn course(&self, profile: u32, spin: Spin) -> Option<&Course> {
         self.courses.iter().find(|c| (c.profile, c.spin) == (profile, spin))
     }
@@ -210,8 +213,9 @@ impl CamSetup {
         self.grinding.is_some() && !self.clamped.is_empty()
     }
 
-    /// What is clamped on the work spindle, for the simulator; `None`: no cam is ground. The shaft has its cams where the
-    /// program's frame has them, and its own zero where the set-up has the work's.
+    /// What is clamped on the work spindle, for the simulator; `None`: no cam is ground. The shaft
+    /// has its cams where the program's frame has them, and its own zero where the set-up has the
+    /// work's.
     pub fn grinding(&self, zero: &canon::Position) -> Option<sim::Grinding> {
         let Grinding { wheel, stiffness, .. } = self.grinding.filter(|_| self.grinds())?;
         let centre = zero.linear[0];
@@ -258,8 +262,9 @@ impl CamSetup {
         }
     }
 
-    /// A table in the steps in which it can be sent. What rounding takes from a node is given to the next one, so that the
-    /// rounding's error lies where the axis does not follow: a node is half a degree, friction's mark on a cam is ten.
+    /// A table in the steps in which it can be sent. What rounding takes from a node is given to
+    /// the next one, so that the rounding's error lies where the axis does not follow: a node is
+    /// half a degree, friction's mark on a cam is ten.
     pub fn pulsed(&self, mut nodes: Vec<f64>) -> Vec<f64> {
         let pulse = self.grinding.map_or(0.0, |g| g.table_pulse.value());
         if pulse > 0.0 {
@@ -372,7 +377,8 @@ fn learnt(measured: &[&Measured], ideal: &[f64], spin: Spin) -> Option<Vec<f64>>
         .then(|| ideal.iter().zip(&same.learnt_nm).map(|(d, nm)| d + nm * 1e-6).collect())
 }
 
-/// What is known of the machine's answer, measured at the slowest speed that is not slower than this one.
+/// What is known of the machine's answer, measured at the slowest speed that is not slower than
+/// this one.
 fn fastest(measured: &[&Measured], spin: Spin) -> Option<Response> {
     let reaches = measured
         .iter()

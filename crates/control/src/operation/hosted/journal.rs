@@ -35,7 +35,8 @@ impl Journal {
         self.kept.push_back(Journaled { id: self.last, time, event: Arc::new(event) });
     }
 
-    /// What has happened after an event, oldest first; how many are no longer kept; the last one that there is.
+    /// What has happened after an event, oldest first; how many are no longer kept; the last one
+    /// that there is.
     pub fn after(&self, id: u64) -> (Vec<Journaled>, u64, u64) {
         let oldest = self.kept.front().map_or(self.last + 1, |event| event.id);
         let lost = oldest.saturating_sub(id.saturating_add(1));

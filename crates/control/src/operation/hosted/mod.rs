@@ -1,4 +1,5 @@
-//! A control in a thread of its own, paced by the clock: what a panel, a terminal and a server share.
+//! A control in a thread of its own, paced by the clock: what a panel, a terminal and a server
+//! share.
 //!
 //! ```text
 //!   clients ──request──► bounded channel ──► control's thread: Control::begin, periods by the clock
@@ -9,9 +10,10 @@
 //!      └── rows_from(row) ◄──── ring of rows ◄──────────────────┘
 //! ```
 //!
-//! A text that a request needs is proved in a thread beside it, while the control goes on.
-//! A client takes what it wants, when it wants: the thread keeps one picture and two rings, whose sizes are fixed, and knows
-//! no client. So a client that is slow, or gone, costs it nothing; what the client has missed is counted when it asks again.
+//! A text that a request needs is proved in a thread beside it, while the control goes on. A client
+//! takes what it wants, when it wants: the thread keeps one picture and two rings, whose sizes are
+//! fixed, and knows no client. So a client that is slow, or gone, costs it nothing; what the client
+//! has missed is counted when it asks again.
 mod journal;
 mod lead;
 mod picture;
@@ -58,7 +60,8 @@ pub struct HostOptions {
 pub struct ProgramRecording {
     /// That one.
     pub folder: PathBuf,
-    /// Called in the control's thread when a program is over; it must not wait. An error is said to the operator.
+    /// Called in the control's thread when a program is over; it must not wait. An error is said to
+    /// the operator.
     pub ended: EndedTaken,
 }
 
@@ -126,7 +129,8 @@ impl Drop for Hosted {
 }
 
 impl Client {
-    /// Ask for something and go on; the answer is handed to `answer` in the control's thread, which must not wait there.
+    /// Ask for something and go on; the answer is handed to `answer` in the control's thread, which
+    /// must not wait there.
     ///
     /// # Errors
     /// Too much waits for the control already, or it has ended: `answer` is not called.
@@ -154,8 +158,8 @@ impl Client {
         receiver.recv().unwrap_or_else(|_| Err(RefusalData::ended()))
     }
 
-    /// For a front end in the same process: something short that is done in the control's thread, and what comes of it; `None`:
-    /// the control has ended.
+    /// For a front end in the same process: something short that is done in the control's thread,
+    /// and what comes of it; `None`: the control has ended.
     pub fn with<T: Send + 'static>(
         &self,
         work: impl FnOnce(&mut Control) -> T + Send + 'static,
@@ -173,7 +177,8 @@ impl Client {
         Arc::clone(&held(&self.shared.picture))
     }
 
-    /// What has happened after an event, oldest first; how many are no longer kept; the last one that there is.
+    /// What has happened after an event, oldest first; how many are no longer kept; the last one
+    /// that there is.
     pub fn events_after(&self, id: u64) -> (Vec<Journaled>, u64, u64) {
         held(&self.shared.journal).after(id)
     }

@@ -1,4 +1,5 @@
-//! How a control is, with all that a client may ask to see: made by the control's thread, read by any other.
+//! How a control is, with all that a client may ask to see: made by the control's thread, read by
+//! any other.
 use crate::operation::{Alarm, Control, LoadedProgram, Status};
 use canon::{Axis, Tool};
 use std::sync::Arc;

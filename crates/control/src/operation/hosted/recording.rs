@@ -1,6 +1,7 @@
 //! The signals of the last moments, every period of them, recorded as long as a client takes them.
 //!
-//! Rows are numbered by the servo period; a client reads on from where it has come to, and is told when rows are gone.
+//! Rows are numbered by the servo period; a client reads on from where it has come to, and is told
+//! when rows are gone.
 use super::held;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicUsize, Ordering};

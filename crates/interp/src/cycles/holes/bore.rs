@@ -5,10 +5,11 @@
 //!   G86   feed down, wait, stop, out fast, turn  G89   feed down, wait, feed out
 //! ```
 //!
-//! LinuxCNC leaves the way out of G88 to the operator and goes on from the clear level as if he had been there;
-//! here the axis is brought there after the stop, straight up, wherever he left it.
+//! LinuxCNC leaves the way out of G88 to the operator and goes on from the clear level as if he had
+//! been there; here the axis is brought there after the stop, straight up, wherever he left it.
 //!
-//! Source: NISTIR 6556, sections 3.5.16.5, .6, .8 and .9; the order of the calls was measured on LinuxCNC 2.9.
+//! Source: NISTIR 6556, sections 3.5.16.5, .6, .8 and .9; the order of the calls was measured on
+//! LinuxCNC 2.9.
 use crate::{
     call::{Call, CycleHole, Sense, Sink, out::Out},
     cycles::holes::pattern::{Pattern, at_level},

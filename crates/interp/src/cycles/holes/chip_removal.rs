@@ -10,12 +10,13 @@
 //!    bottom ┴    │
 //! ```
 //!
-//! Brother's dialect knows the words always, the others where the machine is set to it (`U` is the name of an
-//! axis there). A machine's setting holds for cycles that do not say U. Repetitions are counted from the block
-//! that names the cycle; blocks that repeat it by their position alone go on counting.
+//! Brother's dialect knows the words always, the others where the machine is set to it (`U` is the
+//! name of an axis there). A machine's setting holds for cycles that do not say U. Repetitions are
+//! counted from the block that names the cycle; blocks that repeat it by their position alone go on
+//! counting.
 //!
-//! Source: Brother's description of the cycle, paragraphs 21 to 51; its text breaks off, and what follows the
-//! reversal is deduced: forward again at S after drilling, at rest after a tap.
+//! Source: Brother's description of the cycle, paragraphs 21 to 51; its text breaks off, and what
+//! follows the reversal is deduced: forward again at S after drilling, at rest after a tap.
 use crate::{
     call::out::Out, codes::spelling::Written, modes::Modes, state::executor::Settings, words::Words,
 };
@@ -141,8 +142,8 @@ pub(crate) fn throw_after_this(modes: &mut Modes, chips: Option<Chips>) -> Optio
     modes.repetition.is_multiple_of(chips.every).then_some(chips.rpm)
 }
 
-/// Chips are thrown off on the way out of a hole; afterwards the spindle has the cut's speed again, or stands
-/// after a tap.
+/// Chips are thrown off on the way out of a hole; afterwards the spindle has the cut's speed again,
+/// or stands after a tap.
 pub(crate) fn throw_chips(
     resolver: &mut Resolver,
     hole: &CycleHole,

@@ -1,4 +1,5 @@
-//! Fanuc's boring cycles in which the tool moves aside by Q, along an axis that the machine has set: G76 and G87.
+//! Fanuc's boring cycles in which the tool moves aside by Q, along an axis that the machine has
+//! set: G76 and G87.
 //!
 //! ```text
 //!   G76  fine boring:  feed down to Z, wait, stop at angle 0, aside by Q, out fast, back, turn

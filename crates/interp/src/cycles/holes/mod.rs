@@ -1,7 +1,7 @@
 //! The drilling, tapping and boring cycles, written once for the three planes.
 //!
-//! What they have in common is here: where the holes are, how often, at which levels. [`hole`] makes one hole of a
-//! [`Pattern`], and each cycle has its own file.
+//! What they have in common is here: where the holes are, how often, at which levels. [`hole`]
+//! makes one hole of a [`Pattern`], and each cycle has its own file.
 //!
 //! ```text
 //!   initial ┬ · · · ·●━━━━━━━━━━━┓ · · · · G98 returns here
@@ -17,8 +17,9 @@
 //! ```
 //!
 //! R and Z are kept as written for the blocks that repeat the cycle; L repeats it in place (G90) or
-//! step by step (G91, where R counts from the initial level and Z from R or, as the machine is set, from the
-//! initial level too). A tap without P waits as long as the last cycle that had one, whichever it was.
+//! step by step (G91, where R counts from the initial level and Z from R or, as the machine is set,
+//! from the initial level too). A tap without P waits as long as the last cycle that had one,
+//! whichever it was.
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 pub(crate) mod back_bore;

@@ -17,9 +17,11 @@ use crate::{
     words::Words,
 };
 
-/// How far above the last depth the rapid back into the hole ends, and how far G73 backs off: 0.010 inch.
+/// How far above the last depth the rapid back into the hole ends, and how far G73 backs off: 0.010
+/// inch.
 const CLEARANCE_INCH: f64 = 0.010;
-/// More pecks than this in one hole are a slip of the pen, and more in all holes of a block: each is held until the block is over.
+/// More pecks than this in one hole are a slip of the pen, and more in all holes of a block: each
+/// is held until the block is over.
 const MAX_PECKS: f64 = 10_000.0;
 const MAX_PECKS_OF_BLOCK: f64 = 100_000.0;
 

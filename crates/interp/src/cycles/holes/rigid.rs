@@ -8,8 +8,8 @@
 //!      └── G80, another motion ◄──────────┘
 //! ```
 //!
-//! In rigid mode the cycle turns the spindle itself, so no M3 or M4 is asked for. Between M29 and its
-//! cycle nothing may move, and the plane stays as it is until the mode ends.
+//! In rigid mode the cycle turns the spindle itself, so no M3 or M4 is asked for. Between M29 and
+//! its cycle nothing may move, and the plane stays as it is until the mode ends.
 //!
 //! Source: Fanuc, operator's manual of series 0i, "Rigid tapping" (M29, G84.2, G84.3 and the alarms
 //! PS0203 to PS0206).

@@ -12,8 +12,8 @@
 //!
 //! G78 is the same with a left-hand thread. The pitch means the same whatever G20 or G21 say.
 //!
-//! Source: the word lists of posts for these controls (Autodesk's for CNC-A00, -B00 and -C00), where they agree. The posts
-//! for CNC-A00 have P in G77, the later ones have not: it is read.
+//! Source: the word lists of posts for these controls (Autodesk's for CNC-A00, -B00 and -C00),
+//! where they agree. The posts for CNC-A00 have P in G77, the later ones have not: it is read.
 use crate::{
     call::ReturnSpeed,
     cycles::holes::tap,

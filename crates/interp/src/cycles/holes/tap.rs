@@ -1,4 +1,5 @@
-//! Tapping: G84, G74, G84.2, G84.3. The words of the cycle, and the one [`canon::Tap`] that it orders for each hole.
+//! Tapping: G84, G74, G84.2, G84.3. The words of the cycle, and the one [`canon::Tap`] that it
+//! orders for each hole.
 //!
 //! ```text
 //!   G84, G84.2   lead = F/S (G94), F (G95), else the tap's pitch: right-hand; starts at the angle A
@@ -14,9 +15,11 @@
 //! | `Q` | depth of each peck, above 0; Q0 ends it | all the way at once |
 //!
 //! A tap starts at the same spindle angle every time, so that a hole can be tapped again in its own
-//! thread; in a clutch holder nothing ties it to the spindle and no angle is asked. Whether the lead is the tap's own is judged before motion, where the tool is known.
+//! thread; in a clutch holder nothing ties it to the spindle and no angle is asked. Whether the
+//! lead is the tap's own is judged before motion, where the tool is known.
 //!
-//! Source: Fanuc, operator's manual of series 0i, "Rigid tapping"; J as a factor: Haas mill operator's manual, G84.
+//! Source: Fanuc, operator's manual of series 0i, "Rigid tapping"; J as a factor: Haas mill
+//! operator's manual, G84.
 use crate::{
     call::{CycleTap, ReturnSpeed, Sense},
     codes::spelling::Written,
@@ -40,7 +43,8 @@ const LARGEST_FACTOR: f64 = 20.0;
 const LEAST_SHARE: f64 = 0.01;
 /// More pecks than this in one thread are a slip of the pen.
 const MAX_PECKS: f64 = 200.0;
-/// An F of an earlier block whose lead is this much off the tap's own (as a fraction) was not meant for it.
+/// An F of an earlier block whose lead is this much off the tap's own (as a fraction) was not meant
+/// for it.
 const LEAD_TOLERANCE: f64 = 0.01;
 
 /// No F is in force, but the tap in the spindle has a pitch.

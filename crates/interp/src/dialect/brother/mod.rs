@@ -9,8 +9,9 @@
 //!
 //! In this dialect G84 and G74 turn the spindle themselves as well: S in their block is enough.
 //!
-//! Source: the word lists of posts for these controls (Autodesk's for CNC-A00, -B00 and -C00), where they agree; what the
-//! control's parameters choose (I and J of other cycles) is left to them.
+//! Source: the word lists of posts for these controls (Autodesk's for CNC-A00, -B00 and -C00),
+//! where they agree; what the control's parameters choose (I and J of other cycles) is left to
+//! them.
 use crate::dialect::{
     linuxcnc,
     rules::{DepthFrom, Family, OwnCode, Rules},

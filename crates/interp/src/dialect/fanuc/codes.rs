@@ -113,7 +113,8 @@ const fn mapping(tenths: u16) -> &'static str {
     }
 }
 
-/// M codes that are the same in the shared language. M29 announces a rigid tap on Fanuc's controls alone.
+/// M codes that are the same in the shared language. M29 announces a rigid tap on Fanuc's controls
+/// alone.
 pub(crate) const fn is_shared_m(kind: Kind, number: u16) -> bool {
     match number {
         29 => kind.variant().has_m29,
@@ -121,7 +122,8 @@ pub(crate) const fn is_shared_m(kind: Kind, number: u16) -> bool {
     }
 }
 
-/// A G code of a Fanuc machine, for people: what it is in the shared language, or its name and whether it is executed.
+/// A G code of a Fanuc machine, for people: what it is in the shared language, or its name and
+/// whether it is executed.
 pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str, bool)> {
     match meaning(kind, tenths) {
         _ if tenths == 650 => Some((None, "macro call", true)),

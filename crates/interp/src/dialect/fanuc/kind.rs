@@ -24,7 +24,8 @@ pub(crate) enum Kind {
     Mill,
     /// Haas' machining centres: [`haas`](crate::dialect::haas) says what differs.
     Haas,
-    /// Mitsubishi's machining centres: [`mitsubishi`](crate::dialect::mitsubishi) says what differs.
+    /// Mitsubishi's machining centres: [`mitsubishi`](crate::dialect::mitsubishi) says what
+    /// differs.
     Mitsubishi,
     /// Lathes, system A: G90, G92, G94 are cycles, U and W are increments.
     LatheA,
@@ -52,7 +53,8 @@ impl Kind {
         }
     }
 
-    /// A code in tenths as machining centres and system B write it; none if this system has no such code.
+    /// A code in tenths as machining centres and system B write it; none if this system has no such
+    /// code.
     pub(crate) const fn common(self, tenths: u16) -> Option<u16> {
         Some(match (self, tenths) {
             (Self::LatheA, 330 | 770 | 780 | 790 | 910 | 950) | (Self::LatheC, 790) => return None,

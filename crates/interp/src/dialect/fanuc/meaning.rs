@@ -33,7 +33,8 @@ pub(crate) enum Meaning {
     Box(u16),
     /// G34, G70 to G76 of lathes.
     Multiple(u16),
-    /// G12 (true), G13 of Haas and Mitsubishi: a circle is milled from its centre, clockwise or counter-clockwise.
+    /// G12 (true), G13 of Haas and Mitsubishi: a circle is milled from its centre, clockwise or
+    /// counter-clockwise.
     Circle(bool),
     /// G110 to G129 of Haas: the work offset with this number beyond the sixth.
     WorkOffset(u8),

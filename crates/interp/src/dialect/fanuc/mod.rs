@@ -1,4 +1,5 @@
-//! Fanuc's controls in the shared language: what they differ in once the front end has read their words.
+//! Fanuc's controls in the shared language: what they differ in once the front end has read their
+//! words.
 #![allow(clippy::match_same_arms)] // a row of a table each
 pub(crate) mod catalogue;
 pub(crate) mod codes;

@@ -1,4 +1,5 @@
-//! Grbl 1.1, and what took its place on small machines (`grblHAL`, `FluidNC`): the shared language as senders stream it.
+//! Grbl 1.1, and what took its place on small machines (`grblHAL`, `FluidNC`): the shared language
+//! as senders stream it.
 //!
 //! ```text
 //!   $H  ?  ~  !       for the sender or the controller: left out, with a remark
@@ -8,9 +9,11 @@
 //!   G2 … K0, D1       words that no code takes have no effect, with a remark
 //! ```
 //!
-//! What Grbl itself lacks (cycles, tool lengths, O-words) is read all the same: grblHAL has most of it.
+//! What Grbl itself lacks (cycles, tool lengths, O-words) is read all the same: grblHAL has most of
+//! it.
 //!
-//! Source: Grbl's documentation, "Grbl v1.1 Interface" and "Commands"; the code lists of `grblHAL` and `FluidNC`.
+//! Source: Grbl's documentation, "Grbl v1.1 Interface" and "Commands"; the code lists of `grblHAL`
+//! and `FluidNC`.
 use crate::codes::set;
 use crate::dialect::{
     linuxcnc,

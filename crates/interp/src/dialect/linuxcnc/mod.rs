@@ -1,4 +1,5 @@
-//! RS-274/NGC as LinuxCNC 2.9 reads it: the shared language, of which the other dialects say where they differ.
+//! RS-274/NGC as LinuxCNC 2.9 reads it: the shared language, of which the other dialects say where
+//! they differ.
 //!
 //! Source: NISTIR 6556; LinuxCNC 2.9 manual, "G codes", "M codes", "O codes".
 use crate::dialect::rules::{DepthFrom, Family, FrontEndKind, Rules, StartUp};

@@ -1,4 +1,5 @@
-//! What a block's words do, once they are in the shared language: cycles of a lathe, all else as everywhere.
+//! What a block's words do, once they are in the shared language: cycles of a lathe, all else as
+//! everywhere.
 use crate::{
     call::{Call, Corners, Sink, out::Out},
     coordinates::target,

@@ -7,10 +7,11 @@
 //!                                  │ next
 //! ```
 //!
-//! The corner lies between two straight feeds of the plane. A lathe's G1 needs no comma before R, and none before C if
-//! the machine has no C axis; I and K of its G1 are chamfers too.
+//! The corner lies between two straight feeds of the plane. A lathe's G1 needs no comma before R,
+//! and none before C if the machine has no C axis; I and K of its G1 are chamfers too.
 //!
-//! Source: Fanuc, operator's manual of series 30i, "Optional chamfering and corner R", "Chamfering and corner R".
+//! Source: Fanuc, operator's manual of series 30i, "Optional chamfering and corner R", "Chamfering
+//! and corner R".
 use crate::{
     call::{Sink, out::Out},
     coordinates::target,

@@ -8,9 +8,10 @@
 //!   G84 K3    three repetitions: L of the shared cycles                      G99, G98   lathe A: feed modes
 //! ```
 //!
-//! The front end decides which block comes next, what its variables are worth, and what its words mean
-//! in the shared language (millimetres or inches, seconds, the shared codes); everything that moves is
-//! the [`Executor`](crate::state::executor::Executor)'s. A variable without a value makes its word vanish.
+//! The front end decides which block comes next, what its variables are worth, and what its words
+//! mean in the shared language (millimetres or inches, seconds, the shared codes); everything that
+//! moves is the [`Executor`](crate::state::executor::Executor)'s. A variable without a value makes
+//! its word vanish.
 //!
 //! ```text
 //!   tape/, calls/    programs, blocks and loops of a tape; jumps, subprograms, macros

@@ -1,6 +1,6 @@
-//! Blocks that tapes of machining centres have by the thousand: lines and arcs, and nothing that changes the meaning
-//! of another word; calls of subprograms. They are put in the shared language in fewer steps than all others, with the
-//! same outcome.
+//! Blocks that tapes of machining centres have by the thousand: lines and arcs, and nothing that
+//! changes the meaning of another word; calls of subprograms. They are put in the shared language
+//! in fewer steps than all others, with the same outcome.
 use crate::{
     call::{Sink, out::Out},
     codes::{AXES, g_code, number::tenths},

@@ -1,5 +1,5 @@
-//! A block while a surface is in force ([`surface`](crate::front_end::fanuc::mapping::surface)): what it may say, and
-//! how it is executed.
+//! A block while a surface is in force ([`surface`](crate::front_end::fanuc::mapping::surface)):
+//! what it may say, and how it is executed.
 use crate::{
     call::{Sink, out::Out},
     codes::number::tenths,

@@ -1,7 +1,8 @@
-//! Reference points: G27, which asks whether the axes stand at the first one, and G29, the way back from there.
+//! Reference points: G27, which asks whether the axes stand at the first one, and G29, the way back
+//! from there.
 //!
-//! G27 is a rapid move. What counts is where the axes stand then, with all offsets: as on the machine, offsets are
-//! cancelled before it, or the words allow for them.
+//! G27 is a rapid move. What counts is where the axes stand then, with all offsets: as on the
+//! machine, offsets are cancelled before it, or the words allow for them.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Reference position".
 use crate::{

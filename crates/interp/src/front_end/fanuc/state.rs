@@ -202,7 +202,8 @@ pub(crate) struct Surface {
     pub(crate) in_mm: f64,
 }
 
-/// A variable that goes on while it is read: so it is set behind a shared reference, from whatever thread.
+/// A variable that goes on while it is read: so it is set behind a shared reference, from whatever
+/// thread.
 #[derive(Debug, Default)]
 pub(crate) struct Timer(AtomicU64);
 
@@ -260,7 +261,8 @@ pub(crate) struct FirstLines {
     pub(crate) times: Option<u32>,
     /// G74, G75: back after each peck.
     pub(crate) back: f64,
-    /// G76: finishing passes, pull-off in tenths of the lead, angle of the tool, least depth, left for finishing.
+    /// G76: finishing passes, pull-off in tenths of the lead, angle of the tool, least depth, left
+    /// for finishing.
     pub(crate) thread: Option<[f64; 5]>,
 }
 

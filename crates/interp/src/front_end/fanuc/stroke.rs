@@ -1,7 +1,8 @@
 //! G22 and G23: the box of the stored stroke check.
 //!
-//! `G22 X Y Z I J K`: the largest and the smallest coordinates of the machine; a lathe has X, Z, I and K, diameters along X.
-//! G22 alone brings the last box back. Whether its inside or its outside is forbidden is a parameter of the machine.
+//! `G22 X Y Z I J K`: the largest and the smallest coordinates of the machine; a lathe has X, Z, I
+//! and K, diameters along X. G22 alone brings the last box back. Whether its inside or its outside
+//! is forbidden is a parameter of the machine.
 use crate::{
     StrokeZone,
     fault::{Outcome, refuse},

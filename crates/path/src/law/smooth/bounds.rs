@@ -1,4 +1,5 @@
-//! The bounds of acceleration and jerk at the knots of the grid; what no speed could reach is left out.
+//! The bounds of acceleration and jerk at the knots of the grid; what no speed could reach is left
+//! out.
 use super::Smooth;
 use crate::law::cell::{Cell, Demand, Row, Start};
 use crate::law::fine::each;

@@ -6,8 +6,9 @@
 //!   rapid ─────────► nothing deeper in the outline than scraping, or it is said with the X that is clear of it
 //! ```
 //!
-//! The tip lies where the program has it across the axis, with the tool's offset in X; along Z the real length of the tool
-//! counts, as with every tool. Tools of which it is not known what they leave end what is known of the bar.
+//! The tip lies where the program has it across the axis, with the tool's offset in X; along Z the
+//! real length of the tool counts, as with every tool. Tools of which it is not known what they
+//! leave end what is known of the bar.
 use super::{DRILL_SIDEWAYS, Job, Planner, Run, SCRAPES, SLIDES, places};
 use crate::bar::Met;
 use crate::findings::Cause;

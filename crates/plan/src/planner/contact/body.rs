@@ -1,4 +1,5 @@
-//! What stands behind a tool's edges against the stock: shank and holder, as far as the tool table states them.
+//! What stands behind a tool's edges against the stock: shank and holder, as far as the tool table
+//! states them.
 //!
 //! ```text
 //!     ┌────────┐ holder             a part is clear where the stock is open as wide as it is:
@@ -154,7 +155,8 @@ impl Planner {
         self.say_part(span, which, over, said);
     }
 
-    /// The shank of an insert along a path, before it cuts there: of a boring bar along Z, of a turning tool across.
+    /// The shank of an insert along a path, before it cuts there: of a boring bar along Z, of a
+    /// turning tool across.
     pub(in crate::planner) fn sweep_shank(&mut self, job: &Job, path: &Path) {
         let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
             return;

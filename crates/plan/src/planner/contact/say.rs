@@ -1,4 +1,5 @@
-//! What is said of a tool that would break: the tool, what it would do, the number that works, and why it stands there.
+//! What is said of a tool that would break: the tool, what it would do, the number that works, and
+//! why it stands there.
 use super::{ADVISED, BREAKS, Contact, Planner, Point, SLIDES, WEAR, Wrong};
 use crate::findings::{Cause, number};
 use crate::planner::tap::kind_name;

@@ -7,7 +7,8 @@ use alloc::format;
 use canon::Axis;
 use diag::{Diagnostic, Span};
 
-/// Ends of passes that are no farther from one another are those of one thread, which may be fed in along a flank; mm.
+/// Ends of passes that are no farther from one another are those of one thread, which may be fed in
+/// along a flank; mm.
 const SAME: f64 = 0.5;
 
 /// The passes of a thread so far.
@@ -17,7 +18,8 @@ pub(super) struct Passes {
     span: Span,
     /// Z of the tip where the last one ends.
     end: f64,
-    /// How far off the bar the nearest of them went, and below zero, how deep in it; mm. Infinite: all stayed beside its ends.
+    /// How far off the bar the nearest of them went, and below zero, how deep in it; mm. Infinite:
+    /// all stayed beside its ends.
     gap: f64,
 }
 

@@ -6,11 +6,11 @@
 //!   T5            "subprogram O9000"   #149 = 5, then M98 P9000  parameter 6001#5
 //! ```
 //!
-//! In a program that was called so, and in what it calls, all such words are the plain ones: M6 in the macro of M6
-//! changes the tool.
+//! In a program that was called so, and in what it calls, all such words are the plain ones: M6 in
+//! the macro of M6 changes the tool.
 //!
-//! Source: Fanuc, operator's manual of series 30i, "Macro call using G codes", "Macro call using an M code", "Subprogram
-//! call using an M code", "Subprogram calls using a T code".
+//! Source: Fanuc, operator's manual of series 30i, "Macro call using G codes", "Macro call using an
+//! M code", "Subprogram call using an M code", "Subprogram calls using a T code".
 use crate::{
     codes::number::near_whole,
     fault::{Outcome, refuse},
@@ -45,7 +45,8 @@ pub(crate) fn calling_word(fanuc: &Fanuc, it: &Program<'_>) -> Option<(Said, Mac
     })
 }
 
-/// What a call without arguments leaves of the block at hand, which is executed before it; how often it calls.
+/// What a call without arguments leaves of the block at hand, which is executed before it; how
+/// often it calls.
 pub(crate) fn words_beside_call(fanuc: &mut Fanuc, word: Said) -> Outcome<u32> {
     let times = repeats_of_call(fanuc)?;
     fanuc.said.retain(|said| said.span != word.span && said.letter != b'L');

@@ -6,8 +6,8 @@
 //!   G67           ends O2
 //! ```
 //!
-//! M99 in the main program goes back to its first block. That has no end, unless a variable counts: where nothing has
-//! changed since the round before, the program is over here, and it is said.
+//! M99 in the main program goes back to its first block. That has no end, unless a variable counts:
+//! where nothing has changed since the round before, the program is over here, and it is said.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Subprogram", "Custom macro".
 pub(crate) mod arguments;
@@ -314,7 +314,8 @@ fn jump(it: &mut Program<'_>, to: TapePosition) {
     it.jump(to.at);
 }
 
-/// Programs that a tape calls by M98, G65 or G66, in their order, and those that it has: their numbers, or their names.
+/// Programs that a tape calls by M98, G65 or G66, in their order, and those that it has: their
+/// numbers, or their names.
 pub(crate) fn programs(source: &[u8]) -> (Vec<String>, HashSet<String>) {
     let (mut parser, mut block) = (Parser::with_grammar(source, 0, Grammar::Fanuc), Block::new());
     let (mut called, mut there) = (Vec::new(), HashSet::new());

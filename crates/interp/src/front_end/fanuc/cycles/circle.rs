@@ -15,10 +15,12 @@
 //! | `D` | offset whose radius is taken away; left out, the last D | offset; a must |
 //! | `Z`, `L` | level that is fed to first; under G91 a step that is taken L times, each with all rings | refused |
 //!
-//! How the tool comes to the circle and back is in Mitsubishi's manual (and in that of the TC-32B, which has the cycle
-//! too). Haas' manual draws such a way, and does not say on which side it begins: Leadscrew begins at the same.
+//! How the tool comes to the circle and back is in Mitsubishi's manual (and in that of the TC-32B,
+//! which has the cycle too). Haas' manual draws such a way, and does not say on which side it
+//! begins: Leadscrew begins at the same.
 //!
-//! Source: Mitsubishi Electric, programming manual of M700V, "Circle cutting"; Haas, mill operator's manual, "G12, G13".
+//! Source: Mitsubishi Electric, programming manual of M700V, "Circle cutting"; Haas, mill
+//! operator's manual, "G12, G13".
 use crate::{
     call::{Call, Sink, out::Out},
     codes::{

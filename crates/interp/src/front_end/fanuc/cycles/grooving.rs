@@ -11,7 +11,8 @@
 //!
 //! The older form has one line: G74 X Z I(step along X) K(step along Z) D(relief) F.
 //!
-//! Source: Fanuc, operator's manual of series 30i for lathes, "End face peck drilling", "Outer diameter drilling".
+//! Source: Fanuc, operator's manual of series 30i for lathes, "End face peck drilling", "Outer
+//! diameter drilling".
 use crate::{
     call::{Sink, out::Out},
     cycles::turning,

@@ -5,8 +5,8 @@
 //!                                  its lead is then F + K·n, and √(F² + 2·K·z) at z: it has to stay above zero
 //! ```
 //!
-//! G34 is modal, as G32 is: `Z` and `X` alone in the blocks after it turn on, with the F in force. A K that is left out is zero, so
-//! that the lead stays as it is.
+//! G34 is modal, as G32 is: `Z` and `X` alone in the blocks after it turn on, with the F in force.
+//! A K that is left out is zero, so that the lead stays as it is.
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "Variable lead threading".
 use crate::{

@@ -47,7 +47,8 @@ pub(crate) fn begin<S: Sink>(fanuc: &Fanuc, ex: &mut Executor, out: &mut Out<'_,
     out.say(&Call::FeedMode { per_revolution: true });
 }
 
-/// G83, G84, G85: a hole along Z, whatever plane is in force. R counts from the initial level, W from R.
+/// G83, G84, G85: a hole along Z, whatever plane is in force. R counts from the initial level, W
+/// from R.
 pub(crate) fn drill<S: Sink>(
     fanuc: &Fanuc,
     ex: &mut Executor,
@@ -138,7 +139,8 @@ pub(crate) fn lathe_move<S: Sink>(
     Ok(after)
 }
 
-/// The corners of the way, the first of them reached along `axis` (0 is X, 2 is Z); the fourth is the start.
+/// The corners of the way, the first of them reached along `axis` (0 is X, 2 is Z); the fourth is
+/// the start.
 fn path(start: &Point, corner: &Point, taper: f64, axis: usize) -> [Point; 3] {
     let mut first = *start;
     first[axis] = corner[axis] + taper;

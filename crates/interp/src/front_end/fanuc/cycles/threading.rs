@@ -143,7 +143,8 @@ fn thread_words(fanuc: &mut Fanuc, it: &Program<'_>, said: &[Said]) -> Outcome<T
     Ok(thread)
 }
 
-/// What the older form leaves to what was said before: one finishing pass, no pull-off; A is the tool's angle.
+/// What the older form leaves to what was said before: one finishing pass, no pull-off; A is the
+/// tool's angle.
 fn one_line(fanuc: &Fanuc, said: &[Said]) -> Outcome<[f64; 5]> {
     if let Some(way) = word(said, b'P').filter(|way| way.value != 1.0) {
         let text =

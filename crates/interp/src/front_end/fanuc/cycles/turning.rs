@@ -8,11 +8,11 @@
 //!   G70 P(first) Q(last)                  along it once, with the feeds of its own blocks
 //! ```
 //!
-//! The older form says all in one line: `G71 P Q U W D(depth)`, `G73 P Q I(X) K(Z) D(times) U W`. It comes away by what a
-//! first line has said, else by 0.5 mm.
+//! The older form says all in one line: `G71 P Q U W D(depth)`, `G73 P Q I(X) K(Z) D(times) U W`.
+//! It comes away by what a first line has said, else by 0.5 mm.
 //!
-//! The profile's blocks are taken down (`profile`), not moved along. After G71 to G73 the program goes on behind them,
-//! after G70 behind its own block.
+//! The profile's blocks are taken down (`profile`), not moved along. After G71 to G73 the program
+//! goes on behind them, after G70 behind its own block.
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple repetitive cycles".
 use crate::{

@@ -1,5 +1,5 @@
-//! Coordinates of a figure that is scaled, turned and mirrored, and those of the work it is cut from: the arithmetic of
-//! [`mapping`](crate::front_end::fanuc::mapping).
+//! Coordinates of a figure that is scaled, turned and mirrored, and those of the work it is cut
+//! from: the arithmetic of [`mapping`](crate::front_end::fanuc::mapping).
 //!
 //! ```text
 //!   work = M · R · S · figure      S  c + k·(p − c)     R  about c' = S·c by the angle     M  2·m − p

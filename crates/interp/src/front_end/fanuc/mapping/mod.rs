@@ -1,4 +1,5 @@
-//! Polar coordinates, scaling, mirroring and rotation: from a block's coordinates to those of the work offset.
+//! Polar coordinates, scaling, mirroring and rotation: from a block's coordinates to those of the
+//! work offset.
 //!
 //! ```text
 //!   words ──G16──► radius, angle ──G51──► c + k·(p − c) ──G68──► turned about c ──G51.1──► 2·m − p ──► move
@@ -12,15 +13,16 @@
 //! | G68 | the plane's two axes centre, R degrees counter-clockwise | G69 |
 //! | G51.1 | X Y Z where the mirror stands on that axis | G50.1 X Y Z |
 //!
-//! Whoever names no centre means the place where the tool stands. The centre of a rotation is scaled with the rest.
-//! Cutter radius, tool length and work offsets are added afterwards, so none of this changes them; nor does it change
-//! Q of the drilling cycles. An arc that is mirrored turns the other way, and G41 becomes G42.
+//! Whoever names no centre means the place where the tool stands. The centre of a rotation is
+//! scaled with the rest. Cutter radius, tool length and work offsets are added afterwards, so none
+//! of this changes them; nor does it change Q of the drilling cycles. An arc that is mirrored turns
+//! the other way, and G41 becomes G42.
 //!
-//! What a block adds with G91 is added to where the tool stands as these coordinates call the place, so that a turned
-//! figure may begin anywhere.
+//! What a block adds with G91 is added to where the tool stands as these coordinates call the
+//! place, so that a turned figure may begin anywhere.
 //!
-//! Source: Fanuc, operator's manual of series 30i for machining centres, "Polar coordinate command", "Scaling",
-//! "Coordinate system rotation", "Programmable mirror image".
+//! Source: Fanuc, operator's manual of series 30i for machining centres, "Polar coordinate
+//! command", "Scaling", "Coordinate system rotation", "Programmable mirror image".
 pub(crate) mod figure;
 pub(crate) mod surface;
 

@@ -1,4 +1,5 @@
-//! Ways on a surface that a linear axis and a turning one make together: round a cylinder (G7.1), and on a face (G12.1).
+//! Ways on a surface that a linear axis and a turning one make together: round a cylinder (G7.1),
+//! and on a face (G12.1).
 //!
 //! ```text
 //!   G7.1 C20.   the cylinder of radius 20 is unrolled: C counts degrees, a length of π/180·20 mm each. Lines, arcs by R and
@@ -8,12 +9,14 @@
 //!                    X = √(x² + y²)      C = atan2(y, x)            G13.1 ends it.
 //! ```
 //!
-//! The block is executed in the flat: its place and its words are those of a plane, so that arcs and compensation are the
-//! shared ones. What it says is then bent onto the machine's axes ([`Bent`]). A line round the cylinder is one line of the
-//! axes. All else becomes lines so short that they are nowhere farther than [`NEAR_MM`] from the curve, each as long in
-//! time as F says on the surface.
+//! The block is executed in the flat: its place and its words are those of a plane, so that arcs
+//! and compensation are the shared ones. What it says is then bent onto the machine's axes
+//! ([`Bent`]). A line round the cylinder is one line of the axes. All else becomes lines so short
+//! that they are nowhere farther than [`NEAR_MM`] from the curve, each as long in time as F says on
+//! the surface.
 //!
-//! Source: Fanuc, operator's manual of series 30i, "Cylindrical interpolation", "Polar coordinate interpolation".
+//! Source: Fanuc, operator's manual of series 30i, "Cylindrical interpolation", "Polar coordinate
+//! interpolation".
 use crate::{
     call::{Call, Place, Sink},
     fault::{Outcome, error, refuse},

@@ -4,9 +4,10 @@
 //!   G45  way + D        G46  way − D        G47  way + 2·D        G48  way − 2·D
 //! ```
 //!
-//! D is the radius of that offset, in the direction in which the axis goes; what is longer than the way turns it round. It
-//! counts for each axis that the block names, and for I, J and K of a quarter or three quarters of a circle. An increment of
-//! 0 is a way too: X0 goes along +X, X-0 along −X.
+//! D is the radius of that offset, in the direction in which the axis goes; what is longer than the
+//! way turns it round. It counts for each axis that the block names, and for I, J and K of a
+//! quarter or three quarters of a circle. An increment of 0 is a way too: X0 goes along +X, X-0
+//! along −X.
 //!
 //! Source: Fanuc, operator's manual of series 30i for machining centres, "Tool offset (G45 – G48)".
 use crate::{

@@ -1,11 +1,13 @@
-//! Tool offsets as Fanuc keeps them: geometry and wear of length and radius, of X, Y, Z and nose on a lathe.
+//! Tool offsets as Fanuc keeps them: geometry and wear of length and radius, of X, Y, Z and nose on
+//! a lathe.
 //!
 //! ```text
 //!   offset in force = geometry + wear           G10 L10 P1 R100.   G10 L11 P1 R0.05
 //! ```
 //!
-//! The control keeps both for numbers that need no tool of their own. The sum is what the tool table's entry holds.
-//! A lathe's X and wear of X are diameters, as G10 and the variables of a lathe count them.
+//! The control keeps both for numbers that need no tool of their own. The sum is what the tool
+//! table's entry holds. A lathe's X and wear of X are diameters, as G10 and the variables of a
+//! lathe count them.
 //!
 //! | variables | machining centre | | lathe |
 //! |---|---|---|---|
@@ -95,8 +97,8 @@ const fn place(part: Part) -> Option<usize> {
     }
 }
 
-/// Where the imaginary tool nose lies, seen from the nose's centre: Fanuc's number of the shared language's, and the other way
-/// round.
+/// Where the imaginary tool nose lies, seen from the nose's centre: Fanuc's number of the shared
+/// language's, and the other way round.
 ///
 /// ```text
 ///   X ↑  Z →      Fanuc  2 6 1      shared  3 8 4

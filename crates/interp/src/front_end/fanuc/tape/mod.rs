@@ -9,9 +9,10 @@
 //!   %
 //! ```
 //!
-//! Other files of the search path are further pieces of the same tape. One that does not begin with O1234 or `<NAME>` is the
-//! program that its own name says: O1234.nc, 1234.nc, NAME.nc. A program that has a name instead of a number has a number
-//! here all the same, above all that can be written.
+//! Other files of the search path are further pieces of the same tape. One that does not begin with
+//! O1234 or `<NAME>` is the program that its own name says: O1234.nc, 1234.nc, NAME.nc. A program
+//! that has a name instead of a number has a number here all the same, above all that can be
+//! written.
 //!
 //! Made at the first jump or call, by one reading of the whole tape.
 pub(crate) mod loops;
@@ -163,7 +164,8 @@ impl Tape {
         self.programs.iter().filter_map(|p| p.number)
     }
 
-    /// The block N of the program in which byte `from` of a file lies: behind it, else from the program's begin.
+    /// The block N of the program in which byte `from` of a file lies: behind it, else from the
+    /// program's begin.
     pub(crate) fn block(&self, number: u32, file: usize, from: u32) -> Option<TapePosition> {
         let here = self.programs.iter().rposition(|p| p.file == file && p.begin.at.0 <= from)?;
         let begin = self.programs[here].begin.at.0;

@@ -1,7 +1,7 @@
 //! DPRNT and BPRNT: what a macro writes to the control's external device, said as text.
 //!
-//! `DPRNT[X#1[53]]` writes `X12.345`: the decimals as told, no zeros or blanks before the number (parameter PRT = 1).
-//! `BPRNT[#1[3]]` writes four bytes; here they are eight hexadecimal digits.
+//! `DPRNT[X#1[53]]` writes `X12.345`: the decimals as told, no zeros or blanks before the number
+//! (parameter PRT = 1). `BPRNT[#1[3]]` writes four bytes; here they are eight hexadecimal digits.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "External output commands".
 use crate::{

@@ -8,10 +8,10 @@
 //! | #500 – #999 | the same, and kept in the parameter file |
 //! | others | [`system`] |
 //!
-//! A variable without a value counts as 0 in arithmetic and differs from 0 in EQ and NE alone.
-//! AND, OR and XOR work on the bits of whole numbers. Angles are in degrees; ATAN of two arguments
-//! gives 0 to 360. In a word that moves something, ROUND goes to the least input increment, and so does whatever a
-//! variable has in that word; elsewhere ROUND goes to whole numbers.
+//! A variable without a value counts as 0 in arithmetic and differs from 0 in EQ and NE alone. AND,
+//! OR and XOR work on the bits of whole numbers. Angles are in degrees; ATAN of two arguments gives
+//! 0 to 360. In a word that moves something, ROUND goes to the least input increment, and so does
+//! whatever a variable has in that word; elsewhere ROUND goes to whole numbers.
 use crate::{
     call::{Sink, out::Out},
     codes::number::near_whole,

@@ -9,7 +9,8 @@
 //!   G42 H19 X5        the offset of the tool's radius, where no D stands
 //! ```
 //!
-//! Source: Fanuc, operator's manuals of series 30i and 0i; parameter manual of series 30i, 3403#5 (CIR), which is 0 as delivered.
+//! Source: Fanuc, operator's manuals of series 30i and 0i; parameter manual of series 30i, 3403#5
+//! (CIR), which is 0 as delivered.
 use crate::front_end::fanuc::{
     mapping::incremental,
     state::Fanuc,
@@ -110,7 +111,8 @@ fn straight_arc(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> Outcome 
     Ok(())
 }
 
-/// `G1 X A` or `G1 Z A` on a lathe: the other coordinate, where a line at that angle leads, counted from +Z.
+/// `G1 X A` or `G1 Z A` on a lathe: the other coordinate, where a line at that angle leads, counted
+/// from +Z.
 fn by_angle(ex: &mut Executor) -> Outcome {
     let (x, z) = (ex.words.get(b'X'), ex.words.get(b'Z'));
     if x.is_some() == z.is_some() {

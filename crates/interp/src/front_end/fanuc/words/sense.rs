@@ -1,4 +1,5 @@
-//! What the codes of a block make of its other words: P of a dwell is a time, P of a call a program.
+//! What the codes of a block make of its other words: P of a dwell is a time, P of a call a
+//! program.
 use crate::{
     codes::number::tenths,
     dialect::fanuc::codes::{Meaning, meaning},
