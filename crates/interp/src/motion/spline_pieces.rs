@@ -144,8 +144,8 @@ fn quintic(order: usize, points: &[ControlPoint], u: [f64; 2]) -> [[f64; 2]; 6] 
     let h = u[1] - u[0];
     let end = |from: f64, to: f64| {
         let [p, slope, bend] = derivatives(order, points, from, to);
-        // B′ = 5·(P₁ − P₀)   B″ = 20·(P₂ − 2·P₁ + P₀), of a parameter that runs from this end to the
-        // other
+        // B′ = 5·(P₁ − P₀), B″ = 20·(P₂ − 2·P₁ + P₀), of a parameter that runs from this end to
+        // the other
         let near: [f64; 2] = core::array::from_fn(|i| p[i] + slope[i] / 5.0);
         let next = core::array::from_fn(|i| 2.0 * near[i] - p[i] + bend[i] / 20.0);
         [p, near, next]
