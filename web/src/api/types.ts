@@ -51,7 +51,8 @@ tool: number | null,
  */
 work_offset: string, 
 /**
- * Codes in force at the block that is executed; none are known of a program that asks the machine something.
+ * Codes in force at the block that is executed; none are known of a program that asks the
+ * machine something.
  */
 codes: Array<string>, 
 /**
@@ -151,7 +152,8 @@ machine: number,
  */
 work: number, 
 /**
- * Way to where the operation that is executed leads it, of a tap to its bottom; `None`: no program moves it.
+ * Way to where the operation that is executed leads it, of a tap to its bottom; `None`: no
+ * program moves it.
  */
 to_go: number | null, 
 /**
@@ -173,8 +175,8 @@ ordered_rpm: number,
  */
 measured_rpm: number, 
 /**
- * Torque that its drive is ordered to make, in percent of what it can hold for ever at this speed, over 20 ms; `None`: its
- * drive is told a speed, and does not say its torque.
+ * Torque that its drive is ordered to make, in percent of what it can hold for ever at this
+ * speed, over 20 ms; `None`: its drive is told a speed, and does not say its torque.
  */
 load_percent: number | null, 
 /**
@@ -264,7 +266,8 @@ elapsed_s: number,
  */
 left_s: number, 
 /**
- * How long what is planned, and waits to be executed, will take, s; what has no planned time counts nothing.
+ * How long what is planned, and waits to be executed, will take, s; what has no planned time
+ * counts nothing.
  */
 ahead_s: number, };
 
@@ -568,7 +571,8 @@ request: string,
  */
 on?: boolean, 
 /**
- * Names of what has to be so, in the order in which it is looked at; `unmet` of the status says which is not so now.
+ * Names of what has to be so, in the order in which it is looked at; `unmet` of the status
+ * says which is not so now.
  */
 needs: Array<string>, };
 
@@ -816,7 +820,8 @@ sync_error_depth_mm?: number,
  */
 sync_error_rms_um?: number, 
 /**
- * Finest class whose gauges agree, `none` if not even the coarsest; `not gauged`: there is no full thread.
+ * Finest class whose gauges agree, `none` if not even the coarsest; `not gauged`: there is no
+ * full thread.
  */
 class?: string, 
 /**

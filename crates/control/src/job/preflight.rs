@@ -53,8 +53,7 @@ pub struct Proved {
 pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<Diagnostic>) {
     if session.missing_tools == MissingTools::StandIn {
         for tool in super::described::tools(source) {
-            // the built-in table is an example: what the program says of its tools is nearer to the
-            // truth
+            // the built-in table is an example: what the program says of its tools is nearer
             if session.table.is_none() || session.tools.get(tool.number).is_none() {
                 session.tools.insert(tool);
             }
@@ -70,8 +69,7 @@ pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<
     (Arc::new(operations), assumed)
 }
 
-/// Interpret and plan a program without moving, and keep its operations for a run; with a look at
-/// every step.
+/// Interpret and plan a program without moving, keep its operations, look at every step.
 pub fn prove(
     session: &mut Session,
     source: &[u8],
@@ -171,8 +169,7 @@ pub fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diag
 }
 
 /// Planned time from start to end of a program that is not refused; `None`, if it is broken off on
-/// the way. Findings are shown to people as they write, and do not wait for it: what is judged
-/// alone is not timed.
+/// the way. Findings are shown to people as they write, who do not wait for it.
 pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> {
     let setup = session.interp_setup();
     let mut planner = planner(session, options);
@@ -186,8 +183,7 @@ pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> 
     Some(planner.duration())
 }
 
-/// The same for a long program: what was found since the last time is told as it goes, with the
-/// furthest byte executed.
+/// The same for a long program: what was found since is told, with the furthest byte executed.
 ///
 /// # Errors
 /// Whoever is told cannot be told any more.

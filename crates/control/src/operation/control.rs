@@ -37,11 +37,9 @@ pub struct ControlOptions {
     pub seed: Option<u64>,
     /// Folder in which offsets, tools, alarms and the last program are kept; `None`: nothing is.
     pub state: Option<PathBuf>,
-    /// Socket of a machine simulator in another process, which outlives the control; `None`: one is
-    /// simulated within this one.
+    /// Socket of a machine simulator in another process; `None`: it is within this one.
     pub simulator: Option<PathBuf>,
-    /// The drives of the HAL component that the machine's file names, instead of a simulated
-    /// machine.
+    /// The drives of the HAL component that the machine's file names.
     pub hal: bool,
     /// How far from where the machine's file says the simulated stock is clamped.
     pub clamped: Position,

@@ -166,8 +166,7 @@ impl Fitter {
         }
     }
 
-    /// One stage of the search for the fastest curve; with the knots of the one before, and where
-    /// there are more now.
+    /// One stage of the search for the fastest curve; knots of the one before, and new ones.
     fn search(
         &mut self,
         limits: (&Limits, Rests),
