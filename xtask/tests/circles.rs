@@ -9,11 +9,13 @@
 //! The interpreter is held to more: its folders make no circle either, and what a type does stands
 //! beside the type.
 #![allow(clippy::unwrap_used)] // a test may panic
+mod tree;
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
     path::{Path, PathBuf},
 };
+use tree::{files, root};
 
 /// Public types to which a layer above adds what it brings (snapshots, pieces of long programs),
 /// and in how many files at most.
@@ -104,8 +106,7 @@ struct Files {
 
 impl Files {
     fn of(folder: &Path) -> Self {
-        let mut paths = Vec::new();
-        collect(folder, &mut paths);
+        let mut paths = files(folder, "rs");
         paths.sort();
         let name = |path: &PathBuf| {
             path.strip_prefix(folder).unwrap().to_string_lossy().replace('\\', "/")
@@ -264,21 +265,6 @@ fn reached(needs: &[Vec<usize>], from: usize) -> Vec<bool> {
         }
     }
     seen
-}
-
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            collect(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
-        }
-    }
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
 #[test]

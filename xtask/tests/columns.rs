@@ -2,8 +2,10 @@
 //! code are as wide as they are, and pages that a test writes have the lines of what they are made
 //! from.
 #![allow(clippy::unwrap_used)] // a test may panic
+mod tree;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use tree::{files, root};
 
 /// Columns of a line of text.
 const COLUMNS: usize = 100;
@@ -12,9 +14,8 @@ const WRITTEN: [&str; 2] = ["docs/diagnostics.md", "spec/codes.md"];
 
 #[test]
 fn documents_wrap() {
-    let mut files = Vec::new();
-    collect(&root().join("docs"), "md", &mut files);
-    collect(&root().join("spec"), "md", &mut files);
+    let mut files = files(&root().join("docs"), "md");
+    files.extend(tree::files(&root().join("spec"), "md"));
     files.extend(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root().join(name)));
     files.retain(|file| WRITTEN.iter().all(|page| !file.ends_with(page)));
     assert_none_is_wide(&files, |text| wide(text.lines()));
@@ -22,10 +23,9 @@ fn documents_wrap() {
 
 #[test]
 fn comments_wrap() {
-    let mut files = Vec::new();
-    for folder in ["crates", "xtask", "fuzz/fuzz_targets"] {
-        collect(&root().join(folder), "rs", &mut files);
-    }
+    let folders = ["crates", "xtask", "fuzz/fuzz_targets"];
+    let files: Vec<_> =
+        folders.iter().flat_map(|folder| files(&root().join(folder), "rs")).collect();
     assert_none_is_wide(&files, |text| {
         wide(text.lines().map(|line| if line.trim_start().starts_with("//") { line } else { "" }))
     });
@@ -63,19 +63,4 @@ fn a_wide_line_is_found_and_a_drawing_is_not() {
     let long = format!("/// {}", "word ".repeat(30));
     let text = format!("{long}\n/// ```text\n{long}\n/// ```\n/// | {long} |\n{long}");
     assert_eq!(wide(text.lines()), [1, 6]);
-}
-
-fn collect(folder: &Path, ending: &str, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            collect(&path, ending, found);
-        } else if path.extension().is_some_and(|is| is == ending) {
-            found.push(path);
-        }
-    }
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }

@@ -1,8 +1,10 @@
 //! What there is one of stays one: the command line's library in one crate, one call of the servo
 //! loop.
 #![allow(clippy::unwrap_used)] // a test may panic
+mod tree;
 use std::fs;
 use std::path::{Path, PathBuf};
+use tree::{files, root};
 
 #[test]
 fn only_the_command_line_knows_the_library_that_reads_command_lines() {
@@ -20,8 +22,7 @@ fn only_the_command_line_knows_the_library_that_reads_command_lines() {
 fn the_executor_and_the_component_of_hal_alone_call_the_kernels_tick() {
     let mut callers = Vec::new();
     for folder in crates().filter(|folder| name(folder) != "kernel") {
-        let mut files = Vec::new();
-        collect(&folder.join("src"), &mut files);
+        let files = files(&folder.join("src"), "rs");
         let calls = |file: &PathBuf| production(file).contains("kernel.tick(");
         callers.extend(files.into_iter().filter(calls));
     }
@@ -38,17 +39,6 @@ fn production(file: &Path) -> String {
     text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
 }
 
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            collect(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 fn crates() -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(root().join("crates")).unwrap();
     entries.map(|entry| entry.unwrap().path()).filter(|path| path.join("Cargo.toml").exists())
@@ -56,10 +46,6 @@ fn crates() -> impl Iterator<Item = PathBuf> {
 
 fn name(folder: &Path) -> String {
     folder.file_name().unwrap().to_string_lossy().into_owned()
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
 /// A crate whose tests are linked into one program names them in its manifest and in

@@ -1,10 +1,12 @@
 //! What the documents promise about the tree is true.
 #![allow(clippy::unwrap_used)] // a test may panic
+mod tree;
 use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
+use tree::{files, root};
 
 /// Longest source file, in lines, before its tests begin. Beyond it a file has two ideas.
 const LONGEST_FILE: usize = 500;
@@ -236,24 +238,11 @@ fn pages() -> Vec<PathBuf> {
 }
 
 fn sources() -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for folder in ["crates", "xtask", "fuzz", "examples", "benches"] {
-        collect(&root().join(folder), &mut found);
-    }
+    let folders = ["crates", "xtask", "fuzz", "examples", "benches"];
+    let there = folders.iter().map(|folder| root().join(folder)).filter(|folder| folder.is_dir());
+    let found: Vec<PathBuf> = there.flat_map(|folder| files(&folder, "rs")).collect();
     assert!(found.len() > 10, "the tree was not found");
     found
-}
-
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    for entry in entries {
-        let path = entry.unwrap().path();
-        if path.is_dir() && path.file_name().is_some_and(|n| n != "target") {
-            collect(&path, found);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
 }
 
 fn shown(path: &Path) -> String {
@@ -262,8 +251,4 @@ fn shown(path: &Path) -> String {
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }

@@ -16,7 +16,7 @@
 //! | `-6H`, `-2B` at the end | a class: read over, a tap's own pitch diameter is [`TapTool::oversize`](crate::TapTool::oversize) |
 //!
 //! A name that contradicts its series ("1/4-28 UNC") is refused: one of the two is a slip, and
-//! nobody knows which.
+//! it is not known which.
 use alloc::{
     format,
     string::{String, ToString},

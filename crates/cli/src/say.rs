@@ -1,6 +1,6 @@
 //! Words to standard output and standard error.
 //!
-//! `print!` panics when nobody reads any more (`leadscrew check part.ngc | head -1`) or the disk
+//! `print!` panics when its reader has gone (`leadscrew check part.ngc | head -1`) or the disk
 //! that takes the output is full. Here a reader that has gone away is no error, and anything else
 //! is one sentence.
 //!

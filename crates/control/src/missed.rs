@@ -6,7 +6,7 @@
 //! ```
 //!
 //! So setpoints stay with the time, and no reading looks as if it had jumped. What the kernel would
-//! have commanded in between is nobody's any more. A control that is late by more than the drives'
+//! have commanded in between is lost. A control that is late by more than the drives'
 //! watchdog has been taken for dead before.
 use bus::Feedback;
 use units::Time;

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The [`Interpreter`] executes a program's blocks and says what they order, [`Call`] by call, in
-//! the program's own frame and units, to whoever listens ([`Sink`]). [`Resolver`] turns the calls
+//! the program's own frame and units, to a listener ([`Sink`]). [`Resolver`] turns the calls
 //! into [`canon::Op`]: machine coordinates of the axes in millimetres, revolutions and seconds.
 //! This crate knows neither time nor machines.
 //!

@@ -251,7 +251,7 @@ impl AxisLoop {
         }
     }
 
-    /// Deceleration that a stop which nobody planned may ask of it, mm/s²: half of what its drive
+    /// Deceleration that a stop without a plan may ask of it, mm/s²: half of what its drive
     /// can give.
     pub(crate) fn braking(&self) -> f64 {
         0.5 * self.control.peak_force.value() / self.mass

@@ -10,8 +10,8 @@
 //! A tool that is not screwed to the work (a pass over a thread, a cam, a polygon, a gear) needs no
 //! angle: [`withdraw`].
 //!
-//! Nothing is written before the tap is out: whoever is killed here can be begun again, as often as
-//! it takes.
+//! Nothing is written before the tap is out: a recovery that is killed can be begun again, as often
+//! as it takes.
 mod bound;
 mod find;
 pub mod in_work;

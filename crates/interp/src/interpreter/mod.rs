@@ -32,7 +32,7 @@ pub enum Progress {
 /// Executes a program's blocks and says, call by call, what they order.
 ///
 /// A block with an error is not executed, the error is kept, and the next block follows: so all
-/// errors of a program come at once. Whoever moves a machine asks [`Interpreter::has_errors`]
+/// errors of a program come at once. What moves a machine asks [`Interpreter::has_errors`]
 /// first.
 pub struct Interpreter<'s> {
     pub(crate) program: Program<'s>,

@@ -14,7 +14,7 @@ use std::collections::HashSet;
 /// The operations of a program, one after the other.
 ///
 /// After an error in a block the stream goes on with the next block, so that all errors come;
-/// whoever moves a machine refuses the program if [`Ops::has_errors`].
+/// what moves a machine refuses the program if [`Ops::has_errors`].
 pub struct Ops<'s> {
     interpreter: Interpreter<'s>,
     resolver: Resolver,

@@ -1,5 +1,5 @@
 //! What is left of the axes' limits beside what swings, for holds, overrides and all else that
-//! nobody planned.
+//! has no plan.
 //!
 //! A plan beside a swing is made with the limits less the swing's speed, acceleration and jerk. A
 //! change of how fast the plan is run through must not ask for more:

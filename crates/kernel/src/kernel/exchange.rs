@@ -2,7 +2,7 @@
 //! records of taps.
 //!
 //! It has no disk and no files: what it has learnt is read from it, what it shall know is given to
-//! it, and what has to be written down is a [`RecordRequest`] until somebody says that it is.
+//! it, and what has to be written down is a [`RecordRequest`] until it is acknowledged.
 use super::Kernel;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
@@ -63,8 +63,7 @@ impl Kernel {
         }
     }
 
-    /// From now on somebody writes down what taking a tap out needs, and no tap goes in before it
-    /// is.
+    /// From now on what taking a tap out needs is written down, and no tap goes in before it is.
     pub const fn keep_records(&mut self) {
         self.drives.record_requests.begin();
     }

@@ -13,7 +13,7 @@
 //! | G68 | the plane's two axes centre, R degrees counter-clockwise | G69 |
 //! | G51.1 | X Y Z where the mirror stands on that axis | G50.1 X Y Z |
 //!
-//! Whoever names no centre means the place where the tool stands. The centre of a rotation is
+//! Without a centre the place where the tool stands is meant. The centre of a rotation is
 //! scaled with the rest. Cutter radius, tool length and work offsets are added afterwards, so none
 //! of this changes them; nor does it change Q of the drilling cycles. An arc that is mirrored turns
 //! the other way, and G41 becomes G42.
