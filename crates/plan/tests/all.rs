@@ -6,6 +6,7 @@ mod common;
 mod any_program;
 mod arcs;
 mod bar;
+mod blending;
 mod clutch;
 mod contact;
 mod heat;

@@ -79,12 +79,14 @@ impl Bend {
     /// Where the pieces of a turn meet.
     fn knots(self) -> &'static [f64] {
         match self {
-            Self::Quick => &[0.0, QUICK, 0.5, 1.0 - QUICK, 1.0],
-            Self::Even => &[0.0, 0.1, 0.27, 0.5, 0.73, 0.9, 1.0],
+            Self::Quick => &[0.0, QUICK, MIDDLE, 1.0 - QUICK, 1.0],
+            Self::Even => &[0.0, 0.1, 0.27, MIDDLE, 0.73, 0.9, 1.0],
         }
     }
 }
 
+/// Half of the time of a turn: pieces meet there.
+const MIDDLE: f64 = 0.5;
 /// r of the quick one.
 const QUICK: f64 = 0.02;
 
@@ -144,13 +146,13 @@ impl Corner {
         [self.growth * b - self.swing, self.growth * first, self.growth * second]
     }
 
-    /// Its pieces, by where they begin and end and how long they are: at the corner `at`, with
-    /// slopes `t0` and `t1`.
+    /// Its pieces, by where they begin and end, how long they are, and whether they come before its
+    /// middle: at the corner `at`, with slopes `t0` and `t1`.
     pub(crate) fn pieces(
         &self,
         at: &Point,
         (t0, t1): (&Point, &Point),
-        mut give: impl FnMut(&Derivatives, &Derivatives, f64),
+        mut give: impl FnMut(&Derivatives, &Derivatives, f64, bool),
     ) {
         // from shares of both slopes
         let place = |shares: [[f64; 2]; 3]| {
@@ -161,17 +163,18 @@ impl Corner {
         };
         let off = [0.0; 2];
         let mut from = place([[-self.reach(), 0.0], [1.0, 0.0], off]);
-        let mut go = |to: Derivatives, length: f64| {
+        let mut go = |to: Derivatives, length: f64, is_before: bool| {
             if length > 0.0 {
-                give(&from, &to, length);
+                give(&from, &to, length, is_before);
             }
             from = to;
         };
-        go(place(self.turning(0.0)), self.lead);
+        go(place(self.turning(0.0)), self.lead, true);
         for pair in self.bend.knots().windows(2) {
-            go(place(self.turning(pair[1])), self.s(pair[1]) - self.s(pair[0]));
+            let length = self.s(pair[1]) - self.s(pair[0]);
+            go(place(self.turning(pair[1])), length, pair[1] <= MIDDLE);
         }
-        go(place([[0.0, self.reach()], [0.0, 1.0], off]), self.lead);
+        go(place([[0.0, self.reach()], [0.0, 1.0], off]), self.lead, false);
     }
 
     /// α and β in the turn, with their derivatives by s.
@@ -202,7 +205,7 @@ mod tests {
     fn blend(corner: Corner) -> Vec<Polynomial> {
         let along = |axis: usize| core::array::from_fn(|i| f64::from(u8::from(i == axis)));
         let mut pieces = Vec::new();
-        corner.pieces(&[0.0; AXES], (&along(0), &along(1)), |from, to, length| {
+        corner.pieces(&[0.0; AXES], (&along(0), &along(1)), |from, to, length, _| {
             pieces.push(Polynomial::between(from, to, length));
         });
         pieces

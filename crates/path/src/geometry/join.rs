@@ -309,12 +309,13 @@ impl Joiner {
     /// One blend between two long moves.
     fn corner(&mut self, reach: f64, emit: &mut impl FnMut(Piece)) {
         let [before, after] = [self.waiting[0], self.waiting[1]];
-        let of = both(&before.segment, &after.segment);
+        let [first, second] = sides(&before.segment, &after.segment);
         if let Some(corner) = after.joint.corner {
             let slopes = (&before.end.q1, &after.start.q1);
-            corner.pieces(&after.start.q, slopes, |from, to, length| {
+            corner.pieces(&after.start.q, slopes, |from, to, length, is_before| {
                 let curve = Polynomial::between(from, to, length);
-                self.hand_on(&of, &Curve::Polynomial(curve), (0.0, length), emit);
+                let of = if is_before { &first } else { &second };
+                self.hand_on(of, &Curve::Polynomial(curve), (0.0, length), emit);
             });
             return;
         }
@@ -331,7 +332,13 @@ impl Joiner {
             h *= 0.8;
         };
         self.rest_of(&before, (length - reach, reach - h), emit);
-        self.hand_on(&of, &Curve::Polynomial(curve), (0.0, curve.length), emit);
+        let (length, curve) = (curve.length, Curve::Polynomial(curve));
+        if first.feed == second.feed && first.rapid == second.rapid {
+            self.hand_on(&first, &curve, (0.0, length), emit);
+        } else {
+            self.hand_on(&first, &curve, (0.0, length / 2.0), emit);
+            self.hand_on(&second, &curve, (length / 2.0, length / 2.0), emit);
+        }
         self.rest_of(&after, (h, reach - h), emit);
     }
 
@@ -372,10 +379,11 @@ impl Joiner {
     }
 }
 
-/// What a blend of two moves serves.
-fn both(before: &Segment, after: &Segment) -> Segment {
-    let (feed, rapid) = (before.feed.min(after.feed), before.rapid && after.rapid);
-    Segment { feed, rapid, ..*before }
+/// What a blend of two moves serves up to its middle, and behind it: each half is run as the move
+/// is that it lies along.
+fn sides(before: &Segment, after: &Segment) -> [Segment; 2] {
+    let Segment { feed, rapid, .. } = *after;
+    [*before, Segment { feed, rapid, ..*before }]
 }
 
 /// Distance of a blend from the two moves that it joins.
