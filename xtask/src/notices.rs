@@ -38,9 +38,14 @@ pub(crate) fn text(target: &str) -> Result<String, String> {
             Path::new(word("manifest_path")).parent().ok_or("a manifest without folder")?;
         let _ = write!(text, "\n==== {name} {version}: {}\n", word("license")); // a String takes everything
         let files = licences(folder)?;
-        if files.is_empty() {
-            return Err(format!("{name} {version} has no licence file in {}", folder.display()));
-        }
+        let files = if files.is_empty() {
+            let text = by_its_manifest(package).ok_or_else(|| {
+                format!("{name} {version} has no licence file in {}", folder.display())
+            })?;
+            vec![text]
+        } else {
+            files
+        };
         for file in files {
             let _ = write!(text, "\n{}\n", file.trim());
         }
@@ -86,6 +91,22 @@ fn linked(graph: &Value) -> Result<BTreeMap<String, &Value>, String> {
     Ok(linked)
 }
 
+/// The MIT licence, for a library that may be had under it, names its authors, and brings no file.
+fn by_its_manifest(package: &Value) -> Option<String> {
+    let licences = package["license"].as_str()?;
+    let authors: Vec<_> = package["authors"].as_array()?.iter().filter_map(Value::as_str).collect();
+    let is_mit = licences.split([' ', '/', '(', ')']).any(|licence| licence == "MIT")
+        && !licences.contains(" AND ");
+    let (_, permission) = MIT.split_once(PERMISSION)?;
+    (is_mit && !authors.is_empty())
+        .then(|| format!("Copyright (c) {}\n\n{PERMISSION}{permission}", authors.join(", ")))
+}
+
+/// Leadscrew's own, whose words behind the line of copyright are everybody's.
+const MIT: &str = include_str!("../../LICENSE-MIT");
+/// What these words begin with.
+const PERMISSION: &str = "Permission is hereby granted";
+
 /// The licence files of a folder, by name.
 fn licences(folder: &Path) -> Result<Vec<String>, String> {
     let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
@@ -104,6 +125,29 @@ fn licences(folder: &Path) -> Result<Vec<String>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn everything_that_is_linked_in_has_a_licence() {
+        let text = text("x86_64-unknown-linux-gnu").unwrap();
+        assert!(text.contains("\n==== serde "));
+        assert!(text.matches("\n==== ").count() > 50);
+    }
+
+    #[test]
+    fn a_library_without_a_file_has_the_licence_of_its_manifest() {
+        let library = |license: &str, authors: &[&str]| serde_json::json!({"license": license, "authors": authors});
+        let text =
+            by_its_manifest(&library("Apache-2.0 OR MIT", &["A. Author", "B. Builder"])).unwrap();
+        assert!(
+            text.starts_with("Copyright (c) A. Author, B. Builder\n\nPermission is hereby granted")
+        );
+        assert!(text.contains("WITHOUT WARRANTY OF ANY KIND"));
+        for (license, authors) in
+            [("MIT", &[][..]), ("BSD-3-Clause", &["A. Author"]), ("MIT AND Zlib", &["A. Author"])]
+        {
+            assert_eq!(by_its_manifest(&library(license, authors)), None, "{license}");
+        }
+    }
 
     #[test]
     fn what_is_linked_in_is_named_and_what_only_builds_or_tests_is_not() {
