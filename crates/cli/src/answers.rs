@@ -138,8 +138,8 @@ pub fn time(asked: &CommandWords) -> Result<Value, Refused> {
     let Command::Time(args) = asked.command()? else { return Err(asked.other()) };
     let mut job = asked.program(&args.program)?.on(asked.options(args.source.options()))?;
     job.session.interruption = asked.interruption.clone();
-    let (times, _) = time::measured(&mut job, args.operations, &mut |_| ())?;
-    Ok(time::answer(&times, &job, args.operations))
+    let (found, _) = time::found(&mut job, &args, &mut |_| ())?;
+    Ok(found.answer(&job, args.operations))
 }
 
 /// The flattest polygon, as `polygon --format json` has it.

@@ -5,7 +5,7 @@ use crate::{render, say};
 use control::Refused;
 use control::clock::now;
 use control::job::preflight::{Preflight, preflight_with};
-use leadscrew::time::{Peak, Peaks, Shares, Timed, Times, WithoutJerk};
+use leadscrew::time::{Estimate, Peak, Peaks, Shares, Timed, Times, WithoutJerk};
 use leadscrew::{Job, Program};
 use serde_json::{Value, json};
 use units::Time;
@@ -16,12 +16,12 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     let mut job = Program::open(&args.program)?.on(args.source.options())?;
     let began = args.timings.then(now);
     let progress = Progress::of_lines(&job.program.text, "planning");
-    let (times, known) =
-        measured(&mut job, args.operations, &mut |step| progress.reached(step.line))?;
+    let mut look = |step: &plan::Step| progress.reached(step.line);
+    let (found, known) = found(&mut job, args, &mut look)?;
     drop(progress);
-    let took = began.map(|began| (now() - began).as_secs_f64());
-    if let Some(took) = took {
-        let ratio = times.total().value() / took.max(1e-9);
+    if let Some(began) = began {
+        let took = (now() - began).as_secs_f64();
+        let ratio = found.shares().total().value() / took.max(1e-9);
         say::err(&format!("planned in {took:.3} s: {ratio:.0} times faster than it runs\n"));
     }
     let name = &job.program.name;
@@ -33,19 +33,81 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
                 &known.findings,
                 &render::Source { name, text, drawn },
             ));
-            say::out(
-                &(people(&times, name) + &trade(times.shares().motion(), times.without_jerk)),
-            )?;
+            say::out(&found.people(name))?;
         }
         Format::Json => {
-            say::out(&format!("{:#}\n", answer(&times, &job, args.operations)))?;
+            say::out(&format!("{:#}\n", found.answer(&job, args.operations)))?;
         }
     }
     Ok(true)
 }
 
+/// What an estimate may be off, as a share of the time.
+const WITHIN: f64 = 0.02;
+
+/// What was found out.
+pub(crate) enum Found {
+    /// Every move was planned.
+    Whole(Box<Times>),
+    /// A sample of them.
+    Sample(Estimate),
+}
+
+impl Found {
+    fn shares(&self) -> &Shares {
+        match self {
+            Self::Whole(times) => times.shares(),
+            Self::Sample(estimate) => &estimate.shares,
+        }
+    }
+
+    fn people(&self, name: &str) -> String {
+        match self {
+            Self::Whole(times) => {
+                people(times, name) + &trade(times.shares().motion(), times.without_jerk)
+            }
+            Self::Sample(Estimate { shares, within, planned, stretches }) => format!(
+                "{}  within ±{:.1} %: {planned} of {stretches} stretches of it were planned\n",
+                shares_as_text(shares, name),
+                100.0 * within,
+            ),
+        }
+    }
+
+    /// The same for programs.
+    pub(crate) fn answer(&self, job: &Job, operations: bool) -> Value {
+        match self {
+            Self::Whole(times) => answer(times, job, operations),
+            Self::Sample(Estimate { shares, within, planned, stretches }) => {
+                let mut value = shares_as_json(shares);
+                value["program"] = json!(job.program.name);
+                value["machine"] = json!(job.session.machine.name);
+                value["within_share"] = json!(within);
+                value["planned_stretches"] = json!(planned);
+                value["stretches"] = json!(stretches);
+                value
+            }
+        }
+    }
+}
+
+/// From a sample where that is asked for and is enough, else from all of it.
+pub(crate) fn found(
+    job: &mut Job,
+    args: &TimeArgs,
+    look: &mut dyn FnMut(&plan::Step),
+) -> Result<(Found, Preflight), Refused> {
+    if args.fast
+        && let (Some(estimate), known) = job.estimate(WITHIN, &mut |step| look(step))?
+    {
+        return Ok((Found::Sample(estimate), known));
+    }
+    let (times, known) = measured(job, args.operations, look)?;
+    Ok((Found::Whole(Box::new(times)), known))
+}
+
 /// How long it takes, with a look at every step of the planner.
-pub(crate) fn measured(
+fn measured(
     job: &mut Job,
     operations: bool,
     look: &mut dyn FnMut(&plan::Step),
@@ -69,8 +131,7 @@ pub(crate) fn measured(
     Ok((times, known))
 }
 
-/// The same for programs.
-pub(crate) fn answer(times: &Times, job: &Job, operations: bool) -> Value {
+fn answer(times: &Times, job: &Job, operations: bool) -> Value {
     let mut value = programs(times, &job.program.name, &job.session.machine.name, operations);
     value["motion_time_without_jerk_limits_s"] = json!(times.without_jerk.map(rounded));
     value
@@ -106,8 +167,7 @@ fn programs(times: &Times, name: &str, machine: &str, every: bool) -> Value {
     value
 }
 
-fn people(times: &Times, name: &str) -> String {
-    let all = times.shares();
+fn shares_as_text(all: &Shares, name: &str) -> String {
     let mut text = format!(
         "{name}: {:.3} s, of which {:.3} s in motion\n",
         all.total().value(),
@@ -127,6 +187,11 @@ fn people(times: &Times, name: &str) -> String {
             text += &format!("  {what:<24} {:>10.3} s\n", time.value());
         }
     }
+    text
+}
+
+fn people(times: &Times, name: &str) -> String {
+    let mut text = shares_as_text(times.shares(), name);
     if times.by_tool().len() > 1 {
         for (tool, shares) in times.by_tool() {
             text += &format!("  T{tool:<23} {:>10.3} s\n", shares.total().value());

@@ -1,6 +1,7 @@
 //! `leadscrew time` is the planner that would run it: its figure beside the run's own.
 use crate::common::{leadscrew, root, said};
 use serde_json::Value;
+use std::fmt::Write as _;
 
 const PLATE: &str = "programs/plate-12xM6.ngc";
 
@@ -128,4 +129,61 @@ fn the_report_alone_shows_what_limited_the_path() {
         assert!(text.contains(expected), "{expected}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// Rows of short lines, and pockets of arcs between them, with drops and rapids.
+fn long_program() -> String {
+    let mut text = "G21 G90 G17 G64 P0.01\nS6000 M3\nG0 X0 Y0 Z5\nG1 Z0 F4000\n".to_owned();
+    for row in 0..28 {
+        for at in 0..300 {
+            let x = 0.3 * f64::from(if row % 2 == 0 { at } else { 300 - at });
+            let z = (x / 7.0).sin() + 0.2 * (2.1 * x + f64::from(row)).sin();
+            let _ = writeln!(
+                text,
+                "G1 X{x:.4} Y{:.4} Z{z:.4} F{}",
+                0.4 * f64::from(row),
+                3000 + 100 * row
+            );
+        }
+        if row % 7 == 3 {
+            let _ = writeln!(text, "G0 Z5\nX50 Y50\nG1 Z-1 F600");
+            for turn in 1..30 {
+                let radius = 0.4 * f64::from(turn);
+                let _ = writeln!(text, "G1 X{} F2400\nG2 I-{radius}", 50.0 + radius);
+            }
+            text += "G0 Z5\n";
+        }
+    }
+    text + "G0 Z5\nM2\n"
+}
+
+/// Expected is what planning all of it says.
+#[test]
+fn an_estimate_from_a_sample_is_within_what_it_says_of_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.ngc");
+    std::fs::write(&path, long_program()).unwrap();
+    let path = path.to_str().unwrap();
+    for machine in ["bench-xyz", "bench-xyz-jerk20"] {
+        let fast = estimate(&[path, "--machine", machine, "--fast"]);
+        let whole = estimate(&[path, "--machine", machine]);
+        let within = seconds(&fast, "within_share");
+        assert!(within > 0.0 && within <= 0.02, "{within}");
+        assert!(seconds(&fast, "planned_stretches") < seconds(&fast, "stretches"));
+        let (fast, whole) = (seconds(&fast, "total_time_s"), seconds(&whole, "total_time_s"));
+        assert!(
+            (fast / whole - 1.0).abs() <= within,
+            "{machine}: {fast} s of {whole} s, ±{within}"
+        );
+    }
+    let said = said(&leadscrew(&["time", path, "--machine", "bench-xyz", "--fast"]));
+    assert!(said.contains("stretches of it were planned"), "{said}");
+}
+
+#[test]
+fn a_short_program_is_planned_as_a_whole_however_it_is_asked() {
+    let whole = estimate(&[PLATE]);
+    assert_eq!(estimate(&[PLATE, "--fast"]), whole);
+    let output = leadscrew(&["time", PLATE, "--fast", "--operations"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
 }

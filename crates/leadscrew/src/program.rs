@@ -1,9 +1,9 @@
 //! A program, and what it meets on a machine.
-use crate::time::{Times, WithoutJerk};
+use crate::time::{Added, Estimate, Times, WithoutJerk, estimate};
 use crate::{Finished, RunOptions};
 use canon::Axis;
 use control::job::mill_stock::MilledStock;
-use control::job::preflight::{self, Proved};
+use control::job::preflight::{self, Preflight, Proved};
 use control::job::{Cursor, Operations, ProgramOptions, Session, read_program};
 use control::plant::{self, Plant};
 use control::{Loaded, ProgramRun, Refused, config};
@@ -91,6 +91,32 @@ impl Job {
         }
         times.without_jerk = free.map(WithoutJerk::motion);
         Ok(times)
+    }
+
+    /// How long it takes, from a sample that is planned: a share `within` of the total is how far
+    /// it may be off. `None`: it is too short or too uneven for that, and [`time`](Self::time) is
+    /// to be asked. What only planning finds in moves that were not planned is not found.
+    ///
+    /// # Errors
+    /// It is refused.
+    pub fn estimate(
+        &mut self,
+        within: f64,
+        look: &mut impl FnMut(&plan::Step),
+    ) -> Result<(Option<Estimate>, Preflight), Refused> {
+        let Self { program, session, plan, .. } = self;
+        let limits = config::planner(&session.machine);
+        let mut other = Added::new(limits.clone());
+        let mut count = |step: plan::Step| {
+            look(&step);
+            other.step(&step);
+        };
+        let (known, sample) =
+            preflight::preflight_sampled(session, &program.text, *plan, &mut count);
+        if known.is_refused() {
+            return Err(self.refused(known.findings));
+        }
+        Ok((estimate(&sample, other.shares, &limits, within), known))
     }
 
     /// Run it on the simulated machine, and judge the workpiece.

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use canon::{CamLibrary, CamProfile};
 use units::{Length, Spin};
 
-/// The number by which a step asks whoever runs the kernel to look at the turn of a cam that has
+/// The number by which a step asks what runs the kernel to look at the turn of a cam that has
 /// just ended.
 pub const TURN_ENDED: u16 = 151;
 

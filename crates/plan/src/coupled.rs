@@ -1,5 +1,5 @@
 //! Tables of what is superposed on an axis by a spindle's turn: over one turn of the master, or
-//! over the few after which a gear begins anew. Whoever feeds the kernel hands it the tables before
+//! over the few after which a gear begins anew. What feeds the kernel hands it the tables before
 //! the steps that name them ([`motion::Superpose`]).
 use alloc::vec::Vec;
 use canon::Harmonic;
@@ -14,7 +14,7 @@ const NODES_PER_PERIOD: usize = 90;
 /// Most nodes of a table.
 const MOST_NODES: usize = 7200;
 
-/// The number by which a step asks whoever runs the kernel to look at how a polygon's oscillation
+/// The number by which a step asks what runs the kernel to look at how a polygon's oscillation
 /// came out.
 pub const OSCILLATION_SEEN: u16 = 514;
 

@@ -15,6 +15,7 @@
 //! | `tap_check`, `holes` | taps that cannot come out right |
 //! | `planner::contact`, `stock`, `bar`, `chip` | the tool against the stock: what would break it |
 //! | `run` | moves that go on into one another (crate `path`) |
+//! | `sample` | a sample of such moves: what a long program takes, without planning all of it |
 //! | `ends` | where the program's lines end on a joined path |
 //! | `repace` | what was handed on and not yet done, planned anew: for more feed, for stops at each line |
 //! | `timing` | one law of time along a path, as steps |
@@ -63,6 +64,7 @@ mod planner;
 mod ramp;
 mod repace;
 mod run;
+mod sample;
 mod signals;
 mod stock;
 mod stroke;
@@ -88,6 +90,7 @@ pub use limits::{
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use ramp::rest_to_rest;
 pub use repace::OperatorSettings;
+pub use sample::{FeedAndRapid, Sample, Stretch};
 pub use stock::Stock;
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};
 pub use take_over::{TakeOver, cut, take_over};

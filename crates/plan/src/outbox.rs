@@ -19,6 +19,8 @@ use crate::heat::Heat;
 use crate::limits::MachineLimits;
 use crate::repace::{OperatorSettings, Row};
 use crate::run::{OrderedMove, Run};
+use crate::sample::Sample;
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use motion::Shape;
 use path::geometry::Segment;
@@ -40,6 +42,8 @@ pub(crate) struct Outbox {
     clock: Clock,
     /// What the spindles' drives warm by.
     pub(crate) heat: Heat,
+    /// Moves that go on into one another are looked at here instead of being planned.
+    pub(crate) sample: Option<Box<Sample>>,
 }
 
 impl Outbox {
@@ -89,7 +93,10 @@ impl Outbox {
 
     /// Moves that go on into one another stop here, in position.
     pub(crate) fn end_run(&mut self, limits: &MachineLimits, emit: &mut dyn FnMut(Step)) {
-        let Self { run, clock, ends, .. } = self;
+        let Self { run, clock, ends, sample, .. } = self;
+        if let Some(sample) = sample {
+            sample.rest(clock);
+        }
         run.finish((limits, ends), &mut |step| {
             clock.count(&step, limits);
             emit(step);
@@ -105,10 +112,18 @@ impl Outbox {
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
-        if !self.run.takes(&order) {
+        let goes_on = self.sample.as_ref().is_none_or(|sample| sample.takes(&order));
+        if !goes_on || !self.run.takes(&order) {
             self.end_run(limits, emit);
         }
-        let Self { run, clock, ends, .. } = self;
+        let Self { run, clock, ends, sample, .. } = self;
+        if let Some(sample) = sample
+            && (sample.is_under_way() || !run.is_empty())
+        {
+            // a move that stays alone is planned: it costs next to nothing
+            run.take_first().iter().chain([&order]).for_each(|order| sample.push(order, clock));
+            return;
+        }
         let Segment { curve, op, line, .. } = order.segment;
         ends.push(op, line, curve.at(curve.length()).q);
         run.push(order, settings, (limits, ends), &mut |step| {

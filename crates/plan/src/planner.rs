@@ -31,8 +31,8 @@ use crate::signals;
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
 use crate::words::WrittenFrame;
-use crate::{Step, StepKind};
-use alloc::{format, vec::Vec};
+use crate::{Sample, Step, StepKind};
+use alloc::{boxed::Box, format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
 use motion::{Path, SurfaceSpeed};
@@ -139,7 +139,7 @@ pub struct Planner {
     cam: Option<cam::Cam>,
     /// Profiles and speeds whose phase error the program measures.
     will_measure: Vec<(u32, Spin)>,
-    /// Tables that steps name and nobody has taken yet.
+    /// Tables that steps name and that have not been taken yet.
     tables: Vec<Table>,
     next_table: u16,
     findings: Findings,
@@ -276,6 +276,21 @@ impl Planner {
     #[must_use]
     pub fn only_judging(self) -> Self {
         Self { only_judges: true, ..self }
+    }
+
+    /// One that plans no moves that go on into one another, and keeps a sample of them:
+    /// [`take_sample`](Self::take_sample). Its [`duration`](Self::duration) counts none of them.
+    #[must_use]
+    pub fn sampling(mut self) -> Self {
+        self.outbox.sample = Some(Box::default());
+        self
+    }
+
+    /// The sample, after the last op.
+    pub fn take_sample(&mut self) -> Option<Sample> {
+        let mut sample = self.outbox.sample.take()?;
+        sample.finish();
+        Some(*sample)
     }
 
     /// Of a machine whose first spindle turns the work: G96 acts there.

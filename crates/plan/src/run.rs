@@ -39,11 +39,32 @@ pub(crate) struct OrderedMove {
 
 impl OrderedMove {
     /// Revolutions per second if its feed is per revolution.
-    fn spin(&self) -> Option<f64> {
+    pub(crate) fn spin(&self) -> Option<f64> {
         match self.alone {
             Alone::PerRevolution(_, n) => Some(n),
             Alone::PerTime(_) | Alone::Lasting(_) => None,
         }
+    }
+
+    /// mm.
+    pub(crate) fn length(&self) -> f64 {
+        self.path.length()
+    }
+
+    /// As fast as the program and the axes allow it, mm/s.
+    pub(crate) fn speed(&self) -> f64 {
+        let programmed = match self.alone {
+            Alone::PerTime(speed) => speed,
+            Alone::PerRevolution(lead, n) => lead * n,
+            Alone::Lasting(time) => self.length() / time,
+        };
+        programmed.min(self.bound.speed)
+    }
+
+    /// How far it is from that speed to rest, mm.
+    pub(crate) fn braking(&self) -> f64 {
+        let (v, Along { accel, jerk, .. }) = (self.speed(), self.bound);
+        v * (v / accel + accel / jerk) / 2.0
     }
 
     /// Its feed, as a step has it.
@@ -93,6 +114,11 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) const fn is_empty(&self) -> bool {
         self.first.is_none() && self.timing.is_none()
+    }
+
+    /// The one move there is, to be taken elsewhere.
+    pub(crate) const fn take_first(&mut self) -> Option<OrderedMove> {
+        self.first.take()
     }
 
     /// The one move there is, if no second one has come.

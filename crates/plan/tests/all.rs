@@ -15,6 +15,7 @@ mod planner;
 mod profiles;
 mod refusals;
 mod repacing;
+mod sampling;
 mod splines;
 mod strokes;
 mod surface_speed;

@@ -210,6 +210,22 @@ proptest! {
     }
 
     #[test]
+    fn any_program_has_a_sample_whose_times_are_finite(kinds in prop::collection::vec(op(), 1..40)) {
+        let blended = OpKind::PathMode(PathMode::Blend { tolerance: Some(mm(0.05)), merge: None });
+        let mut planner = planner().sampling();
+        for (i, op) in (0..).zip(&program([vec![blended], kinds].concat())) {
+            planner.push(i, op, &mut |_| ());
+        }
+        planner.finish(&mut |_| ());
+        let sample = planner.take_sample().unwrap();
+        assert!(sample.rough.is_finite() && sample.rough >= Time::ZERO);
+        for stretch in &sample.kept {
+            let time = stretch.plan(&machine()).total();
+            assert!(time.is_finite() && time >= Time::ZERO);
+        }
+    }
+
+    #[test]
     fn a_program_of_sound_moves_hangs_together(
         places in prop::collection::vec((-250.0..250.0, -200.0..200.0, -300.0..0.0, 0..6), 1..60),
     ) {

@@ -95,6 +95,7 @@ Examples:
     /// Say how long a program takes, by the planner that would run it
     #[command(after_help = "Examples:
   leadscrew time part.ngc
+  leadscrew time long.ngc --fast                                within 2 %, from a sample: for millions of lines
   leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
     Time(TimeArgs),
     /// Switch a control on and lead it: home, jog, touch off, load, start, hold, by a script or

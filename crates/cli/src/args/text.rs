@@ -44,6 +44,9 @@ pub(crate) struct TimeArgs {
     /// In JSON: every operation, not only the longest
     #[arg(long)]
     pub(crate) operations: bool,
+    /// From a sample of a long program, within 2 % of what planning all of it finds
+    #[arg(long, conflicts_with = "operations")]
+    pub(crate) fast: bool,
     /// Also say how long planning took
     #[arg(long)]
     pub(crate) timings: bool,

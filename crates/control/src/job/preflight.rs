@@ -20,7 +20,7 @@ use crate::job::Session;
 use canon::{Op, OpKind, ProgramFrame, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
 use interp::MissingTools;
-use plan::{Options, Planner, Start};
+use plan::{Options, Planner, Sample, Start};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 use units::{Length, Time};
@@ -77,9 +77,9 @@ pub fn prove(
     look: &mut impl FnMut(plan::Step),
 ) -> Proved {
     let (operations, assumed) = interpret(session, source);
-    let planner = judging(session, source, options);
+    let mut planner = judging(session, source, options);
     let mut cursor = Cursor::new(Arc::clone(&operations), None);
-    let known = read(session, source, &mut cursor, planner, assumed, look);
+    let known = read(session, source, &mut cursor, &mut planner, assumed, look);
     Proved { operations, known }
 }
 
@@ -100,11 +100,36 @@ pub fn preflight_with(
         }
         return known;
     }
-    let planner = judging(session, source, options);
+    let mut planner = judging(session, source, options);
     let setup = session.interp_setup();
     let mut reading = Reading::new(source, &setup, session.auto());
     let seen = &mut Seen { source: &mut reading, each };
-    read(session, source, seen, planner, Vec::new(), look)
+    read(session, source, seen, &mut planner, Vec::new(), look)
+}
+
+/// The same without planning moves that go on into one another: a sample of them is kept. The time
+/// that is known counts none of them, and what only planning finds in them is not found.
+pub fn preflight_sampled(
+    session: &mut Session,
+    source: &[u8],
+    options: Options,
+    look: &mut impl FnMut(plan::Step),
+) -> (Preflight, Sample) {
+    let planner = |session: &Session| judging(session, source, options).sampling();
+    let (known, sample) = if session.depends_on_program() {
+        let (operations, assumed) = interpret(session, source);
+        let mut planner = planner(session);
+        let mut cursor = Cursor::new(operations, None);
+        let known = read(session, source, &mut cursor, &mut planner, assumed, look);
+        (known, planner.take_sample())
+    } else {
+        let mut planner = planner(session);
+        let setup = session.interp_setup();
+        let mut reading = Reading::new(source, &setup, session.auto());
+        let known = read(session, source, &mut reading, &mut planner, Vec::new(), look);
+        (known, planner.take_sample())
+    };
+    (known, sample.unwrap_or_default())
 }
 
 /// Operations that something else looks at as they pass.
@@ -158,14 +183,14 @@ pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnM
 pub fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diagnostic> {
     if session.depends_on_program() {
         let (operations, assumed) = interpret(session, source);
-        let planner = judging(session, source, options).only_judging();
+        let mut planner = judging(session, source, options).only_judging();
         let mut cursor = Cursor::new(operations, None);
-        return read(session, source, &mut cursor, planner, assumed, &mut |_| ()).findings;
+        return read(session, source, &mut cursor, &mut planner, assumed, &mut |_| ()).findings;
     }
-    let planner = judging(session, source, options).only_judging();
+    let mut planner = judging(session, source, options).only_judging();
     let setup = session.interp_setup();
     let mut reading = Reading::new(source, &setup, session.auto());
-    read(session, source, &mut reading, planner, Vec::new(), &mut |_| ()).findings
+    read(session, source, &mut reading, &mut planner, Vec::new(), &mut |_| ()).findings
 }
 
 /// Planned time from start to end of a program that is not refused; `None`, if it is broken off on
@@ -186,7 +211,7 @@ pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> 
 /// The same for a long program: what was found since is told, with the furthest byte executed.
 ///
 /// # Errors
-/// Whoever is told cannot be told any more.
+/// What was found cannot be told any more.
 pub fn judge_and_tell(
     session: &mut Session,
     source: &[u8],
@@ -256,7 +281,7 @@ fn read(
     session: &Session,
     source: &[u8],
     ops: &mut impl Source,
-    mut planner: Planner,
+    planner: &mut Planner,
     mut findings: Vec<Diagnostic>,
     look: &mut impl FnMut(plan::Step),
 ) -> Preflight {

@@ -2,10 +2,12 @@
 //!
 //! Times are added up from the planner's own steps: motion, spindle ramps, waits, tool changes.
 //! Peaks are taken from the setpoints as a drive would get them: differences at the servo period.
+mod estimate;
 mod longest;
 mod peaks;
 mod shares;
 
+pub use estimate::{Estimate, estimate};
 pub use longest::Timed;
 pub use peaks::{Peak, Peaks};
 pub use shares::{Added, Shares, WithoutJerk};

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   G51.2   work spindle at speed ─► engage, locked ─► fade the oscillation in ─► cuts
-//!   G51.4                   (turns go by, whoever runs the kernel looks and corrects), P times
+//!   G51.4                   (turns go by, what runs the kernel looks and corrects), P times
 //!   G50.2                       tool spindle at rest ◄─ release ◄─ fade it out ◄──┘
 //!
 //!   G81 T L Q P   hob at speed ─► engage the work, with Z as its second master ─► cuts ─► G80: release
@@ -160,7 +160,7 @@ impl Planner {
         self.free_geared_override(job);
     }
 
-    /// Let it swing while somebody looks, so many times.
+    /// Let it swing while it is looked at, so many times.
     pub(super) fn polygon_measure(&mut self, job: &mut Job, looks: u32) {
         let Some(gear) = self.coupled.gear else { return };
         if self.coupled.superposed.is_empty() {

@@ -66,7 +66,7 @@ impl Planner {
         }
         self.go_along(job, usize::from(index), bounded);
         if self.is_throwing() {
-            // what was in force is told to nobody: only rapids came since
+            // what was in force is not told: only rapids came since
             self.outbox.release([], &self.limits, job.emit);
         } else if self.outbox.is_waiting() {
             self.tell_spindles(job);

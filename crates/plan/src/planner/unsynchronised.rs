@@ -121,7 +121,7 @@ impl Planner {
         self.reversed_along = Some(tap.axis);
     }
 
-    /// From here on the tool is in the work: whoever comes after a control that has died must know.
+    /// From here on the tool is in the work: what comes after a control that has died must know.
     fn goes_in(&mut self, job: &mut Job, tap: &Tap) {
         let start = tap.start.along(tap.axis).of_linear();
         let outward = if tap.bottom < start { 1.0 } else { -1.0 };
