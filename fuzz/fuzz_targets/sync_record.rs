@@ -47,7 +47,7 @@ fuzz_target!(|bytes: &[u8]| {
         }
     }
     let half = bytes.split_at(bytes.len() / 2);
-    let nobody =
+    let unheard =
         store::sync_record::Identity { machine: String::new(), serial: 0, epoch: 0 };
-    let _ = Slots::open(Two([Some(half.0), Some(half.1)]), &nobody);
+    let _ = Slots::open(Two([Some(half.0), Some(half.1)]), &unheard);
 });

@@ -3,7 +3,7 @@
 //!
 //! The same program, one of each [kind](Kind), goes through `leadscrew canon --format linuxcnc` and
 //! through LinuxCNC's `rs274 -g`, by turns in the same run, each into nowhere; the medians are
-//! compared. First the two listings are compared in full, so that nobody wins by doing less.
+//! compared. First the two listings are compared in full, so that neither wins by doing less.
 //! `--memory LINES` runs `canon` and `check` on that many lines of each kind and says the most
 //! memory they held, and when the first byte came out.
 #![allow(clippy::disallowed_methods)] // a bench measures: it has a clock

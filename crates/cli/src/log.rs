@@ -79,7 +79,7 @@ impl WorkFrame {
                 match mover {
                     Some(sync::recovery::Mover::Feed) => "the feed overran and goes back",
                     Some(sync::recovery::Mover::Spindle) => "the spindle overran and turns back",
-                    None => "nobody overran",
+                    None => "none overran",
                 }
             ),
             EventKind::OnCoupling => "recovery: on the coupling, coming out along it".to_owned(),

@@ -33,7 +33,7 @@ pub(crate) fn written(result: io::Result<()>) -> Result<(), Refused> {
     }
 }
 
-/// To standard error. There is nobody to tell if that fails.
+/// To standard error. If that fails, it cannot be told.
 pub(crate) fn err(text: &str) {
     coloured_err(&shown(text));
 }

@@ -107,7 +107,7 @@ fn changed_machine(folder: &Path, from: &str, to: &str) -> String {
 }
 
 #[test]
-fn a_number_that_is_none_and_a_key_nobody_knows() {
+fn a_number_that_is_none_and_an_unknown_key() {
     let folder = tempfile::tempdir().unwrap();
     for (to, words) in [
         ("inertia_kg_m2 = nan", ["S0405", "inertia_kg_m2"]),
@@ -216,7 +216,7 @@ fn a_hole_drilled_with_an_empty_spindle_is_refused_or_has_a_stand_in() {
 const PLATE: &str = "programs/plate-12xM6.ngc";
 
 #[cfg(unix)]
-/// Run it with a standard output that nobody reads.
+/// Run it with a standard output that is not read.
 fn cut_off(arguments: &[&str]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
         .args(arguments)

@@ -84,7 +84,7 @@ fn a_stop_waits_until_the_operator_confirms_it() {
 }
 
 #[test]
-fn a_stop_that_nobody_confirms_any_more_ends_the_run() {
+fn a_stop_that_is_not_confirmed_any_more_ends_the_run() {
     let output = run(STOPS, &["--operator", "confirm at 0.1s"]);
     let why = complained(&output);
     assert_eq!(output.status.code(), Some(3), "{}{why}", said(&output));

@@ -95,7 +95,7 @@ fn a_hover_says_what_the_word_does_and_where_the_machine_stands() {
 }
 
 #[test]
-fn a_hover_over_a_code_that_nobody_knows_says_so() {
+fn a_hover_over_an_unknown_code_says_so() {
     let mut editor = open("G21 G90\nG123 X1\nM2\n");
     let text = editor.hover(1, 1);
     assert!(text.contains("**G123** is no known code"), "{text}");

@@ -33,7 +33,7 @@ pub struct ProgramRun {
     pub services: Services,
     /// What looks on.
     pub observers: Observers,
-    /// Asked every period: whether somebody wants the run to end at once.
+    /// Asked every period: whether the run is to end at once.
     pub is_interrupted: fn() -> bool,
     planned: Time,
 }

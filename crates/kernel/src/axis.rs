@@ -185,7 +185,7 @@ pub(crate) struct AxisLoop {
     lookahead_s: f64,
     mass: f64,
     table: f64,
-    /// The setpoint; whoever moves the axis writes it each period.
+    /// The setpoint; what moves the axis writes it each period.
     pub(crate) target: Target,
     /// What couplings put on top of it.
     pub(crate) superposed: Target,

@@ -78,7 +78,7 @@ pub enum Pause {
     /// Wait for [`crate::Kernel::resume`]; optional stops too if [`crate::Order::OptionalStop`] has
     /// been given.
     Wait,
-    /// Go on at once: nobody is there, as in a simulation.
+    /// Go on at once: no person is there, as in a simulation.
     GoOn,
 }
 
@@ -185,7 +185,7 @@ pub struct AxisControl {
     pub peak_force: Force,
     /// Time constant of the drive's current loop.
     pub force_lag: Time,
-    /// Limits of small moves and of stops that nobody planned.
+    /// Limits of small moves and of stops that were not planned.
     pub approach: (CoordinateSpeed, CoordinateAccel),
     /// The ends of its travel, once it is homed; `None`: it has none.
     pub travel: Option<(Coordinate, Coordinate)>,

@@ -142,14 +142,14 @@ impl Drives {
         }
     }
 
-    /// All axes stand unless somebody moves them.
+    /// All axes stand unless something moves them.
     pub(crate) fn rest(&mut self) {
         self.follower = None;
         self.owed = None;
         self.rest_axes();
     }
 
-    /// Nobody follows a master unless somebody says so.
+    /// No axis follows a master unless that is told.
     pub(crate) const fn rest_follower(&mut self) {
         self.follower = None;
     }

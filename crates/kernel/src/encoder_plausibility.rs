@@ -173,7 +173,7 @@ impl EncoderPlausibility {
         (taken, finding)
     }
 
-    /// The same for an infeed axis, which follows nobody, or a table that is superposed on it.
+    /// The same for an infeed axis, which follows no master, or a table that is superposed on it.
     fn bridge_infeed(
         &mut self,
         infeed: Option<usize>,

@@ -1,7 +1,7 @@
 //! What happened, for people: typed events in a ring of fixed size.
 //!
 //! ```text
-//!   tick ──► [ e₇ e₈ e₉ … ] ──► whoever asks next_event()
+//!   tick ──► [ e₇ e₈ e₉ … ] ──► the caller of next_event()
 //!             └ full: the oldest goes, and is counted
 //! ```
 use crate::fault::Fault;
@@ -98,7 +98,7 @@ pub enum EventKind {
         /// It has changed.
         changed: bool,
     },
-    /// Nobody is there to be asked: what a person confirms was taken to be confirmed.
+    /// No person is there to be asked: what a person confirms was taken to be confirmed.
     ConfirmedAutomatically(WaitFor),
     /// A code of the machine's own is done.
     UserCode {

@@ -97,7 +97,7 @@ pub(crate) enum Activity {
     Fading,
     /// Waiting for a spindle's turns: where it began.
     Revolving(units::Angle),
-    /// Waiting for whoever runs the kernel.
+    /// Waiting for what runs the kernel.
     Consulting,
     /// Waiting for the operator.
     Pausing,

@@ -207,7 +207,7 @@ impl Kernel {
         &self.faults
     }
 
-    /// The oldest event that nobody has taken yet.
+    /// The oldest event that has not been taken yet.
     pub fn next_event(&mut self) -> Option<Event> {
         self.events.pop()
     }

@@ -10,7 +10,7 @@
 //!
 //! The kernel has no clock (time arrives in `Feedback`), no heap after [`Kernel::new`], no thread,
 //! no `Result` from the tick: what goes wrong is a [`Fault`], and the machine is stopped the way it
-//! asks for. Whoever can call a function can prove it: the same inputs give the same outputs, to
+//! asks for. A function can be proved by calling it: the same inputs give the same outputs, to
 //! the bit.
 #![no_std]
 extern crate alloc;

@@ -6,7 +6,7 @@
 //!                 lease over, hold, alarm ── goal: rest ─────┘
 //! ```
 //!
-//! A continuous jog is a lease: whoever wants the axis to go on says so again before it ends. A
+//! A continuous jog is a lease: who wants the axis to go on says so again before it ends. A
 //! client that is lost, or a control that hangs, leaves no axis moving.
 use crate::axis::Target;
 use crate::drives::{Drives, Finding};

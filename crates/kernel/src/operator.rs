@@ -251,12 +251,12 @@ impl Operator {
         self.retract
     }
 
-    /// The override for a move: of rapids, or of feeds. Whoever is synchronised does not ask.
+    /// The override for a move: of rapids, or of feeds. What is synchronised does not ask.
     pub const fn share(&self, rapid: bool) -> f64 {
         if rapid { self.rapid } else { self.feed }
     }
 
-    /// The override of spindles. Whoever is synchronised does not ask.
+    /// The override of spindles. What is synchronised does not ask.
     pub const fn spindle_share(&self) -> f64 {
         self.spindle
     }

@@ -20,7 +20,7 @@ use motion::{
 /// Steps that may wait, with the one that is executed.
 pub const QUEUE: usize = 64;
 /// Moves from rest to rest that may be among them. Each takes many servo periods, and none needs to
-/// see beyond its own end: so many are milliseconds enough for whoever feeds the kernel.
+/// see beyond its own end: so many are milliseconds enough for what feeds the kernel.
 pub const MOVES: usize = 16;
 /// Stretches of joined paths: as many as steps, since an override looks along all of them for a way
 /// to end.

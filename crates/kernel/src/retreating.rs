@@ -16,7 +16,7 @@ use sync::Blend;
 use units::Length;
 use units::{Axis, Coordinate};
 
-/// Share of what the axis can, as for any move that nobody planned.
+/// Share of what the axis can, as for any move that was not planned.
 const SHARE: f64 = 0.5;
 
 /// An axis that is further from where it was told to be has not obeyed.
@@ -99,7 +99,7 @@ impl Retreating {
             .is_some_and(|axis| (axis.position() - axis.target.position).abs() <= NEAR.value())
     }
 
-    /// A period on. `moved`: somebody has moved the axis in this period, and the way goes on top of
+    /// A period on. `moved`: something else has moved the axis in this period, and the way goes on top of
     /// that.
     pub(crate) fn advance(&mut self, dt: f64, moved: bool, drives: &mut Drives) {
         let Some(axis) = drives.axes[self.axis].as_mut() else { return };

@@ -8,7 +8,7 @@
 //!     └── new speed ──── Held ──────► Turn ──────► Held       Led (a tap says angle or speed)
 //! ```
 //!
-//! The torque that the drive can give falls with speed: |M| ≤ min(M̂, P̂/2π|n|). What nobody
+//! The torque that the drive can give falls with speed: |M| ≤ min(M̂, P̂/2π|n|). What was not
 //! planned (a stop before a tap, a speed that the plan did not foresee) runs on a share of that
 //! curve.
 //!
@@ -220,7 +220,7 @@ impl SpindleLoop {
         if self.position_controlled() { self.ordered } else { self.followed() }
     }
 
-    /// Deceleration that a stop which nobody planned may ask of it: rev/s² while torque is the
+    /// Deceleration that a stop which was not planned may ask of it: rev/s² while torque is the
     /// limit, and times speed, rev²/s³, while power is.
     pub(crate) fn braking(&self) -> (f64, f64) {
         let share = UNPLANNED / self.inertia;

@@ -50,7 +50,7 @@ enum Course {
     Back(usize, Option<Retreating>),
 }
 
-/// Whether somebody wants the thread to be left, and how.
+/// Whether the thread is to be left, and how.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leave<'a> {
     /// The operator wants everything to rest.

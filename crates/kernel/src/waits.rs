@@ -11,7 +11,7 @@ use crate::spindle::SpindleLoop;
 use crate::waiting::WaitFor;
 use units::{Angle, Time};
 
-/// A tool goes into the work only when its way out is written down, where somebody does.
+/// A tool goes into the work only when its way out is written down, where that is done.
 pub(crate) fn record(
     step: &StepKind,
     dt: f64,

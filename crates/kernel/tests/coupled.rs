@@ -206,7 +206,7 @@ fn a_phase_window_finer_than_the_encoder_is_never_reached_and_said_so() {
 }
 
 #[test]
-fn a_function_that_nobody_gave_is_an_alarm_and_no_motion() {
+fn a_function_that_was_not_given_is_an_alarm_and_no_motion() {
     let steps = [swing(Superposed::Axis(Axis::X), Some(9)), StepKind::End];
     let run = run(&two_spindles(), &steps, &[]);
     assert_eq!(run.kernel.faults()[0].kind, FaultKind::TableMissing);

@@ -33,7 +33,7 @@ fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>
     let mut ticks = 0;
     while !kernel.is_over() && ticks < 40_000 {
         while waiting.next_if(|step| assert_no_alloc(|| kernel.push(step)).is_ok()).is_some() {}
-        // nobody takes the events: the ring has to cope by itself
+        // the events are not taken: the ring has to cope by itself
         let command = assert_no_alloc(|| kernel.tick(&feedback));
         feedback = machine.exchange(&command);
         ticks += 1;

@@ -76,7 +76,7 @@ fn over_seeds_thirty_micrometres_of_play_cost_up_to_six() {
 }
 
 #[test]
-fn a_scale_that_is_off_makes_the_part_so_much_larger_and_nobody_in_the_control_sees_it() {
+fn a_scale_that_is_off_makes_the_part_so_much_larger_and_the_control_does_not_see_it() {
     let mut machine = machine(1);
     machine.axes[0].1.encoder = common::scale(Coordinate::linear(Length::um(0.05)));
     let told = control(&machine);

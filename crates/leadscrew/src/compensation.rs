@@ -191,7 +191,7 @@ fn program(
 }
 
 impl Case<'_> {
-    /// The row; whoever hears counts its runs.
+    /// The row; the listener counts its runs.
     fn row(&self, hear: Hear<'_>) -> Result<Row, Refused> {
         let off = self.run(Compensation::Off, Estimator::LeastSquares, None)?;
         hear(Progress::Row(&format!("P{} at {} rpm", self.number, self.rpm)));

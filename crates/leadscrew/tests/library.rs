@@ -73,7 +73,7 @@ fn the_report_of_a_shipped_program_is_one_page_with_its_name() {
 }
 
 #[test]
-fn a_machine_that_nobody_knows_is_refused_with_those_that_there_are() {
+fn an_unknown_machine_is_refused_with_those_that_there_are() {
     let Err(refused) = one_hole(1000).on("no-such-machine") else { panic!("it is known") };
     assert!(refused.sentence().contains("tapping-center"), "{}", refused.sentence());
 }

@@ -1,4 +1,4 @@
-//! Which programs a text calls in files of their own: where an edit calls one that nobody knew, its
+//! Which programs a text calls in files of their own: where an edit calls one that was not known, its
 //! file is looked for.
 //!
 //! Only the lines that an edit touches are read for it; all of the text where a subprogram may have

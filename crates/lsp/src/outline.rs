@@ -55,7 +55,7 @@ pub(crate) fn symbols(document: &Document, setup: &Setup) -> Vec<DocumentSymbol>
 
 fn close(found: &mut Vec<DocumentSymbol>, document: &Document, entry: Option<Entry>, last: Span) {
     let Some(entry) = entry else { return };
-    #[allow(deprecated)] // the protocol's type has a field that nobody may leave out or use
+    #[allow(deprecated)] // the protocol's type has a field that may neither be left out nor used
     found.push(DocumentSymbol {
         name: entry.name,
         detail: entry.detail,

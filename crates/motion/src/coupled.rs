@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The functions g are tables over one turn of the master, or over the few after which a gear
-//! begins anew. A step is `Copy` and short, so it names its table by a number; whoever feeds the
+//! begins anew. A step is `Copy` and short, so it names its table by a number; what feeds the
 //! kernel hands it the tables themselves before the steps.
 use units::{Angle, Axis, Lead, Ratio};
 

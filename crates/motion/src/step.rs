@@ -58,7 +58,7 @@ pub enum StepKind<S: Storage> {
     /// Turn a stretch of a thread.
     Thread(ThreadStretch),
     /// From here on the tool may be in the work, tied to a spindle, and this is the way out: wait
-    /// until it is written down where somebody does. `None`: it is out.
+    /// until it is written down where that is done. `None`: it is out.
     WayOut(Option<WayOut>),
     /// Gear a spindle to another one, and wait until it is locked.
     Engage(GearStep),
@@ -78,7 +78,7 @@ pub enum StepKind<S: Storage> {
         /// How many turns from now.
         turns: Angle,
     },
-    /// Wait, with spindles turning and couplings engaged, until whoever runs the kernel has done
+    /// Wait, with spindles turning and couplings engaged, until what runs the kernel has done
     /// what this number stands for, and answers.
     Consult(u16),
     /// Change the tool; the planner has brought the axes to the change position before.
@@ -313,7 +313,7 @@ pub struct UnderWay {
 }
 
 /// What a kernel gives back of the steps that it was given, so that they can be planned anew.
-/// Whoever gave them keeps them.
+/// The giver keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandedBack {

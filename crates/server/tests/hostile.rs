@@ -106,7 +106,7 @@ fn a_browser_is_told_to_take_no_script_and_no_style_that_is_not_a_file_of_ours()
 }
 
 #[test]
-fn clients_that_send_nothing_keep_nobody_out() {
+fn clients_that_send_nothing_keep_no_other_out() {
     let served = Served::at_pace(1.0);
     let mut silent: Vec<TcpStream> = (0..200)
         .map(|_| {
@@ -157,7 +157,7 @@ fn a_socket_that_talks_nonsense_is_told_so_or_closed() {
 }
 
 #[test]
-fn a_client_that_does_not_read_holds_up_nobody() {
+fn a_client_that_does_not_read_holds_up_no_other() {
     let served = Served::at_pace(1.0);
     let mut deaf = served.socket("");
     let names: Vec<_> = served.get("/machine").1["signals"].as_array().unwrap().clone();

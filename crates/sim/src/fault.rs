@@ -143,7 +143,7 @@ struct Pending {
 pub struct Faulty<M> {
     machine: M,
     alone: Option<LeftAlone>,
-    /// The drives on their own; and since when nobody commands them.
+    /// The drives on their own; and since when they are not commanded.
     run_down: Option<RunDown>,
     silent: Time,
     pending: Vec<Pending>,
@@ -214,7 +214,7 @@ impl<M: Machine> Faulty<M> {
         self.pending.iter().filter_map(|p| Some((p.planned.fault, p.came?)))
     }
 
-    /// The controller is gone, by a kill or with the mains: nobody should tick.
+    /// The controller is gone, by a kill or with the mains: it should not tick.
     pub fn is_abandoned(&self) -> bool {
         self.has(|fault| matches!(fault, Fault::Kill | Fault::PowerCut))
     }

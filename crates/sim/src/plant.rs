@@ -1,5 +1,5 @@
 //! A machine as it was built, beside what its file says of it: nothing is as it was specified, and
-//! nobody is told.
+//! that is not told.
 //!
 //! ```text
 //!   model + scatter, by the seed ──► plant          motor ─► screw ─────────────► table

@@ -72,7 +72,7 @@ pub struct RunDown {
     still_s: f64,
     /// Energy that the bus has above its trip, J; `None`: mains.
     energy: Option<f64>,
-    /// Below this nobody coasts any more, J.
+    /// Below this nothing coasts any more, J.
     reserve: f64,
     off: bool,
 }

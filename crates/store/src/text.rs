@@ -27,7 +27,7 @@ pub const PROGRAM_LIMIT: u64 = 256 << 20;
 /// When the file cannot be opened or read, or is larger than `limit`.
 pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>, Error> {
     if is_named_pipe(path) {
-        let why = "it is a named pipe, which waits for whoever writes to it, and no file; what another program writes is read from standard input, by the name -";
+        let why = "it is a named pipe, which waits for a writer, and no file; what another program writes is read from standard input, by the name -";
         return Err(Error::file("read", path, io::Error::other(why)));
     }
     let file = File::open(path).map_err(|cause| Error::file("read", path, cause))?;

@@ -144,7 +144,7 @@ impl Halting {
         }
     }
 
-    /// Standing: on as soon as nobody holds it any more, out as soon as that is asked.
+    /// Standing: on as soon as it is not held any more, out as soon as that is asked.
     fn stand<S: Stroke>(
         self,
         course: Course,

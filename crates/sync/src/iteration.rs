@@ -23,7 +23,7 @@
 //!
 //! With T from what is sent to what comes, the error shrinks where |Q·(1 − γ·L·T)| < 1 (Bristow,
 //! Tharayil, Alleyne: A survey of iterative learning control, IEEE Control Systems 26(3), 2006,
-//! eq. 18). Nobody knows T well enough to be sure; hence the guard: what is kept is the best run
+//! eq. 18). T is not known well enough to be sure; hence the guard: what is kept is the best run
 //! that was *measured*, and the very first one was without correction, so that what is kept is
 //! never worse than not learning by more than the scores' own noise.
 

@@ -12,7 +12,7 @@
 //! |---|---|---|
 //! | θ, ω | angle, speed | rev, rev/s |
 //! | u | acceleration the drive is ordered | rev/s² |
-//! | d | acceleration nobody ordered: cutting torque, friction, a saturated drive | rev/s² |
+//! | d | acceleration that was not ordered: cutting torque, friction, a saturated drive | rev/s² |
 //! | h | period | s |
 //! | ξ | e^(−2π·f·h), triple pole at the bandwidth f | — |
 //!

@@ -26,7 +26,7 @@
 //!
 //! The axis that overran goes back, so that the way back retraces what the stop has already cut. On
 //! a coupling that is no line, ZS + uS·(ZE−ZS) is g(Sb), and SS + uZ·(SE−SS) the angle near Sb at
-//! which g is Zb: where there is none (beyond a cam's lift), the feed goes back whoever overran.
+//! which g is Zb: where there is none (beyond a cam's lift), the feed goes back whichever overran.
 //!
 //! A tap that is held stiffly is better unloaded first: the feed goes to where holder and flanks
 //! press no more (|e| ≤ half the play), and only then is the axis chosen.
@@ -275,7 +275,7 @@ impl Stored {
     }
 
     /// Who overran, by the rule of signs: d·(uZ − uS), where uZ − uS is the error over ZE − ZS.
-    /// `None`: nobody.
+    /// `None`: neither.
     pub fn overran(&self, at: Point) -> Option<Mover> {
         let inward = (self.end().place - self.start().place).value();
         // a coupling that ends at the height at which it began has no inward but its slope's

@@ -14,7 +14,7 @@
 //! | a | the drive's deceleration | rev/s² |
 //! | N | stopping angle | rev |
 //!
-//! The machine's file knows τ and a as somebody measured or set them; the machine itself may
+//! The machine's file knows τ and a as they were measured or set; the machine itself may
 //! differ. A stroke that only slows down to a creep shows the real a on the way, since from n₀ to n
 //! the spindle turns (n₀² − n²)/2a.
 use units::{Angle, Spin, SpinAccel, Time};

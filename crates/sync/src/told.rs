@@ -95,7 +95,7 @@ pub enum Told {
         /// It stands.
         stands: bool,
     },
-    /// Told its speed outwards by whoever holds it: at the start it is held again.
+    /// Told its speed outwards by what holds it: at the start it is held again.
     Clear(Option<Angle>),
     /// It has come to the start so: told to stand, and held there, whether or not it is still told
     /// to come out.
@@ -218,7 +218,7 @@ impl Told {
         Cycle::Told(coupling, is)
     }
 
-    /// Held: out as soon as that is asked, on as soon as nobody holds it any more.
+    /// Held: out as soon as that is asked, on as soon as it is not held any more.
     fn held(inward: bool, taught: Option<Angle>, tick: &Tick) -> Self {
         match (tick.out, tick.rest) {
             (true, _) => Self::Clear(taught),

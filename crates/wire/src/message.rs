@@ -137,7 +137,7 @@ pub enum Order {
     PowerCut,
     /// End.
     Quit,
-    /// Somebody has seen that no tool is in the work.
+    /// A person has seen that no tool is in the work.
     ToolIsFree,
 }
 

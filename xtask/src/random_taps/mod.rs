@@ -5,7 +5,7 @@
 //!
 //!   good      every thread is there, in class, at its depth and at its start angle; no alarm
 //!   refused   before motion, with a code; what was written wrong on purpose must end here
-//!   broken    anything else: a thread out of class that nobody predicted, an alarm, a thread too few
+//!   broken    anything else: a thread out of class that was not predicted, an alarm, a thread too few
 //! ```
 //!
 //! `leadscrew run` itself looks in every servo period for what may never happen (a tap driven

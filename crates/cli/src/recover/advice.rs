@@ -23,7 +23,7 @@ pub(crate) fn option_machine(record: &SyncRecord) -> String {
     }
 }
 
-/// What is said where a tap is in the work and somebody wants to move something else.
+/// What is said where a tap is in the work and something else is to be moved.
 pub(crate) fn interlock(record: &SyncRecord, simulator: &Path, state: Option<&Path>) -> Refused {
     let state = state.map_or_else(String::new, |path| format!(" --state {}", path.display()));
     let machine = option_machine(record);
@@ -35,7 +35,7 @@ pub(crate) fn interlock(record: &SyncRecord, simulator: &Path, state: Option<&Pa
     ))
 }
 
-/// What is said where nobody can tell.
+/// What is said where it cannot be told.
 pub(crate) fn unsure(why: &Untrusted, simulator: &Path, state: Option<&Path>) -> Refused {
     if let Untrusted::OtherMachine { .. } = why {
         return Refused::because(format!("{why}\n  name this machine's own folder with --state"));
@@ -72,7 +72,7 @@ pub(crate) fn unknown(why: &str, simulator: &Path, state: Option<&Path>) -> Refu
     ))
 }
 
-/// What somebody types who has seen that no tool is in the work.
+/// What is typed by a person who has seen that no tool is in the work.
 pub(crate) fn free_by_hand(
     simulator: &Path,
     machine: Option<&str>,

@@ -67,7 +67,7 @@ fn first(findings: &Findings) -> &'static str {
         _ if projection.unloaded != projection.from => "feed, to zero force",
         Some(Mover::Feed) => "feed",
         Some(Mover::Spindle) => "spindle",
-        None => "nobody: it is on its thread",
+        None => "neither: it is on its thread",
     }
 }
 

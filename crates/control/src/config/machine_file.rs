@@ -112,7 +112,7 @@ pub fn fits(plant: &MachineFile, believed: &MachineFile) -> Result<(), Refused> 
     Ok(())
 }
 
-/// A file's path, unless the name looks like that of a machine nobody knows.
+/// A file's path, unless the name looks like that of an unknown machine.
 fn path(name: &str) -> Result<std::path::PathBuf, Refused> {
     let path = std::path::PathBuf::from(name);
     let is_file = path.exists() || path.extension().is_some() || name.contains(['/', '\\']);

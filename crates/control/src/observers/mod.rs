@@ -20,7 +20,7 @@ use verify::{IdleTurns, Judge, Watch};
 /// More warnings than a person reads.
 const MOST_WARNINGS: usize = 100;
 
-/// What is said of a person's confirmation where nobody is there.
+/// What is said of a person's confirmation where no person is there.
 pub fn confirmed(what: WaitFor, line: u32) -> String {
     let what = match what {
         WaitFor::Operator { optional } => format!("M{}", u8::from(optional)),

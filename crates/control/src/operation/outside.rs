@@ -304,7 +304,7 @@ impl Control {
             return Err(Refusal::because(why.flatten().unwrap_or_default()));
         };
         if outside.left.as_ref().is_some_and(|left| left.record().is_some()) {
-            // somebody may have turned it meanwhile
+            // it may have been turned meanwhile
             outside.welcome.observed.feedback = self.executor.machine.feedback();
             if let Ok(record) = outside.read(folder) {
                 outside.look(record, folder.path(), machine);
@@ -336,7 +336,7 @@ impl Control {
         self.take_homed();
     }
 
-    /// Somebody has seen that no tool is in the work: record and machine forget it.
+    /// A person has seen that no tool is in the work: record and machine forget it.
     pub(super) fn forget_left(&mut self) -> Result<(), Refusal> {
         let Some(outside) = &mut self.outside else { return Ok(()) };
         let Some(folder) = self.kept.folder() else {

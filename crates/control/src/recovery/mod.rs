@@ -298,7 +298,7 @@ fn obey(
     Ok(())
 }
 
-/// Somebody has looked, and states that no tool is in the work.
+/// A person has looked, and states that no tool is in the work.
 fn set_free(args: &RecoveryOptions, path: &Path, identity: &Identity) -> Result<Answer, Refused> {
     Slots::discard(StateFolder::open(path)?, &no_tool(identity))
         .map_err(|e| Refused::because(format!("cannot discard the sync record: {e}")))?;

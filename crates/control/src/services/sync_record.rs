@@ -85,7 +85,7 @@ pub struct Program<'a> {
     pub name: &'a str,
     /// Its text.
     pub text: &'a [u8],
-    /// The words that started it, for whoever goes on after a recovery.
+    /// The words that started it, for what goes on after a recovery.
     pub command: Vec<String>,
 }
 

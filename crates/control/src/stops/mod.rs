@@ -358,7 +358,7 @@ fn way_back(name: &str, taken: bool, track: &Track, judge: &Judge) -> WayBack {
         mover: match track.mover {
             Some(Mover::Feed) => "the feed".into(),
             Some(Mover::Spindle) => "the spindle".into(),
-            None => "nobody".into(),
+            None => "neither".into(),
         },
         helix_error: track.helix,
         force_n: track.force_n,

@@ -37,7 +37,7 @@ pub trait Sink {
     }
 }
 
-/// Nobody listens.
+/// What is called is not told.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silence;
 

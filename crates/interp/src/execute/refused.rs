@@ -211,7 +211,7 @@ fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>
         return;
     }
     if named.is_none() && words.unread & codes::set("G") != 0 {
-        // the words of a code that nobody knows: it may move, or not
+        // the words of an unknown code: it may move, or not
         modes.unknown.add(unknown::said_by(words.letters_present() & (AXES | POLAR)));
         return;
     }

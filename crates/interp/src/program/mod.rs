@@ -191,7 +191,7 @@ impl<'s> Program<'s> {
     fn end_of_file<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         self.ended = true;
         if self.diagnostics.iter().any(|finding| finding.code == "P0191") {
-            return Ok(()); // no text: where it would end is nobody's question
+            return Ok(()); // no text: where it would end is not asked
         }
         let span = Span { start: self.block.span.start, ..self.block.span };
         let source = self.sources[self.file];

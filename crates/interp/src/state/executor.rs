@@ -59,7 +59,7 @@ impl Executor {
 pub(crate) struct Settings {
     /// What the dialect has of its own.
     pub(crate) rules: &'static Rules,
-    /// Nobody is asked, as by LinuxCNC's stand-alone interpreter.
+    /// No machine is asked, as by LinuxCNC's stand-alone interpreter.
     pub(crate) stand_alone: bool,
     /// What the machine's own M codes do.
     pub(crate) user_codes: Vec<MachineCode>,

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //!   limit │▒▒▒▒ swing, at most: x′·n, x″·n², x‴·n³ of its table, n: waves a second ▒▒▒▒│
-//!         │             what moves may ask for, whoever is at the knob               │
+//!         │             what moves may ask for, however the knob stands               │
 //! ```
 use super::{Coupled, Slot, Wave};
 use crate::drives::Drives;

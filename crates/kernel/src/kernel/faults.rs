@@ -81,7 +81,7 @@ impl Kernel {
         let tied = match kind {
             FaultKind::DriveNotReady => self.thread_pair().is_some(),
             FaultKind::ReadingImplausible => true, // the setpoint's own steps bridge the reading
-            _ => false,                            // nobody bridges the reading
+            _ => false,                            // the reading is not bridged
         };
         if gone && (in_tap.is_some() || tied) {
             self.drive_lost = self.drive_lost.or(Some(0));

@@ -52,7 +52,7 @@ impl Kernel {
         }
     }
 
-    /// Give back what has not been done, so that it can be planned anew: whoever has pushed it
+    /// Give back what has not been done, so that it can be planned anew: what has pushed it
     /// pushes what comes of it. A step that is under way and is no feed along a path stays. `None`:
     /// an override or a hold is just changing how fast the plan is run through, and how that ends
     /// is known of this plan only; ask again after the next tick.

@@ -11,7 +11,7 @@ impl SpindleLoop {
     }
 
     /// X is ordered to this place: the speed that belongs to it, which is reached on the ramps that
-    /// nobody planned. The operator's share acts on it, and the program's limit on both.
+    /// were not planned. The operator's share acts on it, and the program's limit on both.
     pub(crate) fn follow_surface(&mut self, x: Length) {
         let Some(surface) = self.surface else { return };
         let spin = surface.at(x).value();

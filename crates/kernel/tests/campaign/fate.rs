@@ -145,7 +145,7 @@ impl Tally {
         )
     }
 
-    /// The same for whoever adds campaigns up.
+    /// The same for adding campaigns up.
     pub fn sum(&self, title: &str) -> String {
         let broken = self.failures.len();
         let counts = [self.cases, self.recovered, self.nothing, self.refused].map(|n| n as usize);

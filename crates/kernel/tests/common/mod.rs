@@ -424,7 +424,7 @@ impl Run {
             .collect()
     }
 
-    /// The same for whoever knows no sample.
+    /// The same where no sample is known.
     pub fn theta0(&self) -> f64 {
         let first = self.samples.iter().find(|s| s.report.state == bus::State::TapIn);
         self.anchor(first.expect("a tap began"))

@@ -217,7 +217,7 @@ impl SimulatorProcess {
     }
 
     /// The drives are alone: until everything stands. What an encoder does not keep without power
-    /// is gone then. Drives that nobody had enabled do nothing: a control that only looked leaves
+    /// is gone then. Drives that had not been enabled do nothing: a control that only looked leaves
     /// no trace.
     pub(super) fn leave_alone(&mut self, why: Alone) {
         let enabled = self.last.axes.iter().any(|axis| axis.enable)

@@ -6,7 +6,7 @@
 //!
 //! B is the programmed curve (one of the third degree is raised, which changes nothing of it). Its
 //! own parameter t runs unevenly, so t is made a function of the length s: a polynomial that has
-//! the true s, t′ and t″ at both ends. Whoever makes the curve cuts it so that |q′| is 1 to within
+//! the true s, t′ and t″ at both ends. The maker of the curve cuts it so that |q′| is 1 to within
 //! a percent or so.
 use super::{AXES, Derivatives, Point, Shape};
 

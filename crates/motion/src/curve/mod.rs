@@ -10,7 +10,7 @@
 //! | q | axis positions | mm, ° |
 //!
 //! On a line and an arc |q′| is 1 over the axes that count. Where a corner is cut or a curve is
-//! fitted it is near 1 and as a rule below; s is *not* arc length there, so whoever needs an axis'
+//! fitted it is near 1 and as a rule below; s is *not* arc length there, so who needs an axis'
 //! speed, acceleration or jerk uses
 //!
 //! ```text

@@ -66,7 +66,7 @@ pub struct Piece {
     pub rapid: bool,
     /// How it joins the piece before.
     pub entry: Entry,
-    /// Index of the operation it serves, for whoever reports.
+    /// Index of the operation it serves, for reports.
     pub op: u32,
     /// Line of the program.
     pub line: u32,

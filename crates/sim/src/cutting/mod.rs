@@ -255,7 +255,7 @@ impl Cutting {
         })
     }
 
-    /// Where nobody has drilled, and the user said that somebody has: D − P, through. Beside a hole
+    /// Where nothing has been drilled, and the user said that it has: D − P, through. Beside a hole
     /// that was drilled off its place nothing is assumed: there the tap meets the wall.
     fn assume_bore(&mut self, tap: &Tap, index: usize) {
         let drilled = |hole: &Hole| hole.bores.iter().any(|bore| bore.full_depth() > Length::ZERO);
