@@ -78,7 +78,7 @@ fn sampled(limits: &MachineLimits, kinds: &[OpKind]) -> Sample {
         });
     }
     planner.finish(&mut |_| ());
-    planner.take_sample().unwrap()
+    planner.take_sample().expect("it samples")
 }
 
 #[test]

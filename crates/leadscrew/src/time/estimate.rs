@@ -65,7 +65,9 @@ pub fn estimate(
         let (new, kept): (Vec<_>, Vec<_>) =
             (on(step).filter(|at| times[*at].is_none()).collect(), on(step).collect());
         let found = plan(&sample.kept, &new, limits);
-        new.into_iter().zip(found).for_each(|(at, time)| times[at] = Some(time));
+        for (at, time) in new.into_iter().zip(found) {
+            times[at] = Some(time);
+        }
         let planned: Vec<_> =
             kept.into_iter().filter_map(|at| Some((sample.kept[at].rough, times[at]?))).collect();
         let (joined, error) = whole(&planned, step, sample.rough);
@@ -143,7 +145,9 @@ fn plan(kept: &[Stretch], batch: &[usize], limits: &MachineLimits) -> Vec<FeedAn
         for thread in threads {
             // a thread that panicked has reported it: the panic goes on here
             let done = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            done.into_iter().for_each(|(at, time)| times[at] = time);
+            for (at, time) in done {
+                times[at] = time;
+            }
         }
     });
     times

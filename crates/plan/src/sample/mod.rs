@@ -68,8 +68,9 @@ pub struct Sample {
     /// The stretch that is under way, and others whose lead behind is too short yet.
     open: Vec<Stretch>,
     before: Before,
-    /// How the spindle turns along the path that is under way, as [`OrderedMove::spin`] has it.
-    spin: Option<Option<f64>>,
+    /// A path is under way, and along it the spindle turns as [`OrderedMove::spin`] has it.
+    is_under_way: bool,
+    spin: Option<f64>,
 }
 
 impl Default for Sample {
@@ -82,6 +83,7 @@ impl Default for Sample {
             under_way: Rough::default(),
             open: Vec::new(),
             before: Before::default(),
+            is_under_way: false,
             spin: None,
         }
     }
@@ -90,17 +92,17 @@ impl Default for Sample {
 impl Sample {
     /// Whether a path is under way.
     pub(crate) const fn is_under_way(&self) -> bool {
-        self.spin.is_some()
+        self.is_under_way
     }
 
     /// Whether a move can go on from the ones before without a stop.
     pub(crate) fn takes(&self, order: &OrderedMove) -> bool {
-        self.spin.is_none_or(|spin| spin == order.spin())
+        !self.is_under_way || self.spin == order.spin()
     }
 
     /// The next move of a path; `clock` knows how fast the spindle turns.
     pub(crate) fn push(&mut self, order: &OrderedMove, clock: &Clock) {
-        self.spin = Some(order.spin());
+        (self.is_under_way, self.spin) = (true, order.spin());
         let is_long = self.under_way.len() >= MOVES;
         if is_long && self.open.last().is_some_and(|open| !open.counts(order.segment.op)) {
             self.end_stretch();
@@ -117,7 +119,7 @@ impl Sample {
 
     /// The path comes to rest.
     pub(crate) fn rest(&mut self, clock: &Clock) {
-        if self.spin.take().is_some() {
+        if core::mem::take(&mut self.is_under_way) {
             self.under_way.rest();
             self.before.clear();
             self.open.iter_mut().for_each(|open| open.rest(*clock));

@@ -93,7 +93,7 @@ impl Rough {
 /// Seconds of a move, from one speed to another.
 fn lasts(row: &Row, enter: f64, exit: f64) -> f64 {
     let Row { length, speed, accel, .. } = *row;
-    let mean = (enter * enter + exit * exit) / 2.0;
+    let mean = f64::midpoint(enter * enter, exit * exit);
     let peak = libm::sqrt(mean + accel * length).min(speed);
     let ramps = (2.0 * peak - enter - exit) / accel;
     let way = (peak * peak - mean) / accel;
@@ -111,8 +111,8 @@ fn radius(before: &Point, after: &Point, tolerance: f64, room: f64) -> f64 {
     if cos > 1.0 - STRAIGHT {
         return f64::INFINITY;
     }
-    let half = libm::sqrt(((1.0 + cos) / 2.0).max(0.0)); // cos(θ/2)
-    let sin = libm::sqrt(((1.0 - cos) / 2.0).max(0.0));
+    let half = libm::sqrt(f64::midpoint(1.0, cos).max(0.0)); // cos(θ/2)
+    let sin = libm::sqrt(f64::midpoint(1.0, -cos).max(0.0));
     (tolerance * half / (1.0 - half)).min(room * half / sin)
 }
 

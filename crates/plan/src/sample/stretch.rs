@@ -22,6 +22,7 @@ const BRAKING: f64 = 1.5;
 
 /// A move; lines, of which there are many, are kept as small as can be.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // nearly all are lines
 enum Moved {
     Line { from: Position, to: Position, bound: Along, alone: Alone, words: Words },
     Other(Box<OrderedMove>),
@@ -115,6 +116,7 @@ impl Before {
 
 /// What a stretch consists of.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // nearly all are moves
 enum Item {
     Move(Moved),
     /// The path comes to rest; what follows begins with the spindle as this clock has it.
