@@ -91,19 +91,35 @@ fn linked(graph: &Value) -> Result<BTreeMap<String, &Value>, String> {
     Ok(linked)
 }
 
-/// The MIT licence, for a library that may be had under it, names its authors, and brings no file.
+/// The licence (MIT, else Apache 2.0) of a library that may be had under it, names its authors or
+/// where they are found, and brings no file.
 fn by_its_manifest(package: &Value) -> Option<String> {
     let licences = package["license"].as_str()?;
-    let authors: Vec<_> = package["authors"].as_array()?.iter().filter_map(Value::as_str).collect();
-    let is_mit = licences.split([' ', '/', '(', ')']).any(|licence| licence == "MIT")
-        && !licences.contains(" AND ");
+    let named = package["authors"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let mut holders = named.collect::<Vec<_>>().join(", ");
+    if let (true, Some(name), Some(repository)) =
+        (holders.is_empty(), package["name"].as_str(), package["repository"].as_str())
+    {
+        holders = format!("the authors of {name}, {repository}");
+    }
+    if holders.is_empty() || licences.contains(" AND ") {
+        return None;
+    }
     let (_, permission) = MIT.split_once(PERMISSION)?;
-    (is_mit && !authors.is_empty())
-        .then(|| format!("Copyright (c) {}\n\n{PERMISSION}{permission}", authors.join(", ")))
+    let may_be = |name: &str| licences.split([' ', '/', '(', ')']).any(|licence| licence == name);
+    if may_be("MIT") {
+        Some(format!("Copyright (c) {holders}\n\n{PERMISSION}{permission}"))
+    } else if may_be("Apache-2.0") {
+        Some(format!("Copyright (c) {holders}\n\n{APACHE}"))
+    } else {
+        None
+    }
 }
 
 /// Leadscrew's own, whose words behind the line of copyright are everybody's.
 const MIT: &str = include_str!("../../LICENSE-MIT");
+/// The same for each library.
+const APACHE: &str = include_str!("../../LICENSE-APACHE");
 /// What these words begin with.
 const PERMISSION: &str = "Permission is hereby granted";
 
@@ -142,6 +158,12 @@ mod tests {
             text.starts_with("Copyright (c) A. Author, B. Builder\n\nPermission is hereby granted")
         );
         assert!(text.contains("WITHOUT WARRANTY OF ANY KIND"));
+        let unnamed =
+            serde_json::json!({"license": "MIT", "name": "far", "repository": "https://far"});
+        let text = by_its_manifest(&unnamed).unwrap();
+        assert!(text.starts_with("Copyright (c) the authors of far, https://far\n"));
+        let text = by_its_manifest(&library("Apache-2.0", &["A. Author"])).unwrap();
+        assert!(text.contains("Apache License"));
         for (license, authors) in
             [("MIT", &[][..]), ("BSD-3-Clause", &["A. Author"]), ("MIT AND Zlib", &["A. Author"])]
         {

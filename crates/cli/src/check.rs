@@ -10,6 +10,7 @@ use crate::say;
 use control::Refused;
 use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, add};
+use control::job::table_notes::TableNotes;
 use control::job::{Session, read_program};
 use diag::Diagnostic;
 use std::{
@@ -228,7 +229,7 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
     let head = pieces::head(path, MilledStock::LOOKED_AT)?;
     let mut planner = preflight::judging(session, &head, options).only_judging();
     let mut milled = MilledStock::new(&head, session);
-    let mut table = preflight::TableNotes::default();
+    let mut table = TableNotes::default();
     let mut linter = interp::Linter::new(&setup);
     let (mut rest, mut index, mut first_line) = (None, 0, 1);
     let mut late = Vec::new();

@@ -46,14 +46,14 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
 const WITHIN: f64 = 0.02;
 
 /// What was found out.
-pub(crate) enum Found {
+pub(crate) enum ProgramTime {
     /// Every move was planned.
     Whole(Box<Times>),
     /// A sample of them.
     Sample(Estimate),
 }
 
-impl Found {
+impl ProgramTime {
     fn shares(&self) -> &Shares {
         match self {
             Self::Whole(times) => times.shares(),
@@ -96,14 +96,14 @@ pub(crate) fn found(
     job: &mut Job,
     args: &TimeArgs,
     look: &mut dyn FnMut(&plan::Step),
-) -> Result<(Found, Preflight), Refused> {
+) -> Result<(ProgramTime, Preflight), Refused> {
     if args.fast
         && let (Some(estimate), known) = job.estimate(WITHIN, &mut |step| look(step))?
     {
-        return Ok((Found::Sample(estimate), known));
+        return Ok((ProgramTime::Sample(estimate), known));
     }
     let (times, known) = measured(job, args.operations, look)?;
-    Ok((Found::Whole(Box::new(times)), known))
+    Ok((ProgramTime::Whole(Box::new(times)), known))
 }
 
 /// How long it takes, with a look at every step of the planner.

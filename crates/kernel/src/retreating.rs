@@ -99,8 +99,8 @@ impl Retreating {
             .is_some_and(|axis| (axis.position() - axis.target.position).abs() <= NEAR.value())
     }
 
-    /// A period on. `moved`: something else has moved the axis in this period, and the way goes on top of
-    /// that.
+    /// A period on. `moved`: something else has moved the axis in this period, and the way goes on
+    /// top of that.
     pub(crate) fn advance(&mut self, dt: f64, moved: bool, drives: &mut Drives) {
         let Some(axis) = drives.axes[self.axis].as_mut() else { return };
         self.at_s += dt;

@@ -1,5 +1,5 @@
-//! Which programs a text calls in files of their own: where an edit calls one that was not known, its
-//! file is looked for.
+//! Which programs a text calls in files of their own: where an edit calls one that was not known,
+//! its file is looked for.
 //!
 //! Only the lines that an edit touches are read for it; all of the text where a subprogram may have
 //! gone from it.

@@ -1,13 +1,17 @@
 //! The planned time of steps: how long they will take, one after another, with the spindle ramps
 //! that run beside them.
 use crate::limits::MachineLimits;
-use crate::planner::passed_by;
 use crate::{SpindleStep, Step, StepKind};
 use motion::{ChipThrow, Follow, Move, Profile, Shape, SurfaceSpeed};
 use units::{Angle, Length, Spin, Time};
 
 /// Places along a path where its speed by the surface is looked at.
 const LOOKS: u8 = 16;
+
+/// Halvings of a move's time until the place is found: 2⁻⁴⁰ of it.
+const HALVINGS: u32 = 40;
+/// A place so near to a level is on it, mm.
+const NOTHING: f64 = 1e-9;
 
 /// Adds up the planned time of steps.
 #[derive(Clone, Copy, Debug, Default)]
@@ -171,6 +175,26 @@ fn ramp_lasts(ramp: &Profile, limits: &MachineLimits) -> f64 {
 /// How long it takes to throw chips off, s.
 fn throw_lasts(throw: &ChipThrow, limits: &MachineLimits) -> f64 {
     ramp_lasts(&throw.against, limits) + ramp_lasts(&throw.back, limits)
+}
+
+/// When a move passes the level of a chip removal, s after its start; `None` if it stays before it.
+fn passed_by(throw: &ChipThrow, order: &Move) -> Option<f64> {
+    let beyond = |t: f64| {
+        let at = order.path.motion(order.profile.at(t)).position[throw.axis.index()].of_linear();
+        (at - throw.level).value() * if throw.upwards { 1.0 } else { -1.0 } >= -NOTHING
+    };
+    let (mut low, mut high) = (0.0, order.profile.duration());
+    if beyond(low) {
+        return Some(low);
+    }
+    if !beyond(high) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(low, high);
+        if beyond(middle) { high = middle } else { low = middle }
+    }
+    Some(high)
 }
 
 #[cfg(test)]

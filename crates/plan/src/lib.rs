@@ -65,6 +65,7 @@ mod ramp;
 mod repace;
 mod run;
 mod sample;
+mod settings;
 mod signals;
 mod stock;
 mod stroke;
@@ -89,8 +90,8 @@ pub use limits::{
 };
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use ramp::rest_to_rest;
-pub use repace::OperatorSettings;
 pub use sample::{FeedAndRapid, Sample, Stretch};
+pub use settings::OperatorSettings;
 pub use stock::Stock;
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};
 pub use take_over::{TakeOver, cut, take_over};

@@ -26,7 +26,7 @@ use crate::findings::{Findings, number};
 use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
 use crate::outbox::Outbox;
-use crate::repace::OperatorSettings;
+use crate::settings::OperatorSettings;
 use crate::signals;
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
@@ -53,7 +53,6 @@ mod tap;
 mod thread;
 mod tool_change;
 mod unsynchronised;
-pub(crate) use chips::passed_by;
 use refuse::wild;
 
 /// Moves shorter than this are no moves: a picometre.

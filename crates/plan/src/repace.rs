@@ -17,6 +17,7 @@ use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::planner::Planner;
 use crate::run::Run;
+use crate::settings::OperatorSettings;
 use crate::timing::{Timing, step};
 use crate::{Step, StepKind};
 use alloc::vec::Vec;
@@ -30,21 +31,6 @@ const SHORTEST: f64 = 1e-9;
 /// share, can be left anywhere.
 const LONG: f64 = 0.02;
 const LEVEL: f64 = 0.02;
-
-/// What the operator has set that moves must be planned anew for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OperatorSettings {
-    /// Share of the programmed feed; 1 or more.
-    pub share: f64,
-    /// Each line of the program ends at rest.
-    pub stops: bool,
-}
-
-impl Default for OperatorSettings {
-    fn default() -> Self {
-        Self { share: 1.0, stops: false }
-    }
-}
 
 /// Steps along one path, as they were planned.
 #[derive(Debug)]

@@ -9,7 +9,7 @@
 use crate::along::Along;
 use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
-use crate::repace::OperatorSettings;
+use crate::settings::OperatorSettings;
 use crate::timing::Timing;
 use crate::{Step, StepKind};
 use alloc::boxed::Box;

@@ -4,7 +4,7 @@
 //!   pieces ─► Law ─► phases ─► Follow steps, as soon as nothing that comes can change them
 //! ```
 use crate::limits::MachineLimits;
-use crate::repace::OperatorSettings;
+use crate::settings::OperatorSettings;
 use crate::{Step, StepKind};
 use alloc::collections::VecDeque;
 use motion::{Entry, Follow, Limits, PHASES, Pace, Phase, Piece, Shape};

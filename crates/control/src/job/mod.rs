@@ -18,6 +18,7 @@ pub mod preflight;
 pub mod restart;
 mod session;
 pub mod subprograms;
+pub mod table_notes;
 
 pub use interruption::Interruption;
 pub use live::Live;

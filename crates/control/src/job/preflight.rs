@@ -15,6 +15,7 @@ use super::interruption::Interruption;
 use super::mill_stock::MilledStock;
 use super::operations::{Cursor, Operations, Reading, Source};
 use super::restart::Restart;
+use super::table_notes::TableNotes;
 use crate::Refused;
 use crate::job::Session;
 use canon::{Op, OpKind, ProgramFrame, Tool, ToolKind};
@@ -315,83 +316,6 @@ pub fn add(found: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnosti
     let mut known: HashSet<_> = found.iter().map(|f| (f.code, f.span)).collect();
     found.extend(more.into_iter().filter(|finding| known.insert((finding.code, finding.span))));
     found.sort_by_key(|f| (f.span.file, f.span.start, f.severity != Severity::Error));
-}
-
-/// What is to be said of the tool table, where a program calls a tool: that it is the built-in one,
-/// what was not understood in a tool's row, and that a tool is at the end of its life.
-#[derive(Default)]
-pub struct TableNotes {
-    called: BTreeSet<u32>,
-    found: Vec<Diagnostic>,
-    uses: canon::UseCount,
-    /// Uses in this program so far, by the tool's number.
-    used: BTreeMap<u32, u32>,
-    at_limit: BTreeSet<u32>,
-}
-
-impl TableNotes {
-    /// An operation of the program.
-    pub fn see(&mut self, session: &Session, op: &Op) {
-        if let Some(tool) = self.uses.counts(op) {
-            *self.used.entry(tool).or_default() += 1;
-        }
-        let OpKind::ChangeTool { number: number @ 1.. } = op.kind else { return };
-        let Some(tool) = session.tools.get(number) else { return };
-        let used = self.used.get(&number).copied().unwrap_or(0);
-        if let Some(finding) = end_of_life(tool, used, op.span)
-            && self.at_limit.insert(number)
-        {
-            self.found.push(finding);
-        }
-        if !self.called.insert(number) || tool.stand_in {
-            return;
-        }
-        match &session.table {
-            None if self.called.len() == 1 => self.found.push(built_in(tool, op.span)),
-            None => {}
-            Some(table) => {
-                let from = &session.tools_from;
-                self.found.extend(table.remarks_of(number).map(|remark| {
-                    let line = remark.span.line;
-                    let text = format!("T{number} in {from}, line {line}: {}", remark.message);
-                    Diagnostic {
-                        code: "A0104",
-                        severity: remark.severity,
-                        ..Diagnostic::warning("A0104", op.span, text)
-                    }
-                }));
-            }
-        }
-    }
-
-    /// What was found since the last time.
-    pub fn take(&mut self) -> Vec<Diagnostic> {
-        std::mem::take(&mut self.found)
-    }
-}
-
-/// A tool is called that has been used as much as it may be, with its uses in this program before.
-fn end_of_life(tool: &Tool, used_here: u32, span: diag::Span) -> Option<Diagnostic> {
-    let mut life = tool.life;
-    life.used.uses = life.used.uses.saturating_add(used_here);
-    let reached = life.reached()?;
-    let text = format!("T{} is at the end of its life: {reached}", tool.number);
-    let finding = match life.at_limit {
-        canon::AtLimit::Refuse => Diagnostic::error("A0105", span, text),
-        canon::AtLimit::Remark => Diagnostic::warning("A0105", span, text),
-    };
-    Some(finding.with_help(
-        "put in a new one and set its `life` back in the tool table, or raise its limit there",
-    ))
-}
-
-fn built_in(tool: &Tool, span: diag::Span) -> Diagnostic {
-    let text = format!(
-        "T{} is \"{}\" of the built-in tool table: no table is named, and none lies beside the program",
-        tool.number, tool.description
-    );
-    Diagnostic::note("A0103", span, text)
-        .with_help("--tools FILE names the shop's own; tools.toml or tool.tbl beside the program is found by itself")
 }
 
 /// A planner that also knows the workpiece.

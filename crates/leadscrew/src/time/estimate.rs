@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Stretches were kept every Δ of rough time, so each stands for as much of it ("probability
-//! proportional to size"). `s²` is how tᵢ/cᵢ scatter and q Student's quantile for 99 %. Δ is halved,
-//! and more stretches are planned, until the error is small enough.
+//! proportional to size"). `s²` is how tᵢ/cᵢ scatter and q Student's quantile for 99 %. Δ is
+//! halved, and more stretches are planned, until the error is small enough.
 use super::Shares;
 use plan::{FeedAndRapid, MachineLimits, Sample, Stretch};
 use std::num::NonZero;

@@ -19,11 +19,8 @@ use alloc::boxed::Box;
 use alloc::format;
 use canon::ChipRemoval;
 use diag::Diagnostic;
-use motion::{ChipThrow, Move, coordinate};
+use motion::{ChipThrow, coordinate};
 use units::{Spin, Torque};
-
-/// Halvings of a move's time until the place is found: 2⁻⁴⁰ of it.
-const HALVINGS: u32 = 40;
 
 impl Planner {
     pub(super) fn throw_chips(&mut self, job: &mut Job, index: usize, chips: &ChipRemoval) {
@@ -63,24 +60,4 @@ impl Planner {
         self.spindles[index] =
             SpindleState { told: chips.then, awaited: false, throwing: true, ..state };
     }
-}
-
-/// When a move passes the level of a chip removal, s after its start; `None` if it stays before it.
-pub(crate) fn passed_by(throw: &ChipThrow, order: &Move) -> Option<f64> {
-    let beyond = |t: f64| {
-        let at = order.path.motion(order.profile.at(t)).position[throw.axis.index()].of_linear();
-        (at - throw.level).value() * if throw.upwards { 1.0 } else { -1.0 } >= -super::NOTHING
-    };
-    let (mut low, mut high) = (0.0, order.profile.duration());
-    if beyond(low) {
-        return Some(low);
-    }
-    if !beyond(high) {
-        return None;
-    }
-    for _ in 0..HALVINGS {
-        let middle = f64::midpoint(low, high);
-        if beyond(middle) { high = middle } else { low = middle }
-    }
-    Some(high)
 }

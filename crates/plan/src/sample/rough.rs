@@ -20,7 +20,7 @@ const STRAIGHT: f64 = 1e-12;
 
 /// One move, as it is looked at here.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct RoughMove {
     length: f64,
     speed: f64,
     accel: f64,
@@ -39,7 +39,7 @@ struct Last {
 /// See the module's header.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rough {
-    rows: Vec<Row>,
+    rows: Vec<RoughMove>,
     last: Option<Last>,
 }
 
@@ -61,7 +61,7 @@ impl Rough {
             bend.min(speed).min(last.speed)
         });
         let accel = speed / from_rest(speed, accel, jerk);
-        self.rows.push(Row { length, speed, accel, enter });
+        self.rows.push(RoughMove { length, speed, accel, enter });
         self.last = Some(Last { toward, length, speed });
     }
 
@@ -72,7 +72,7 @@ impl Rough {
 
     /// How long the moves so far take; more moves begin anew, in the motion that there is.
     pub(super) fn take(&mut self) -> Time {
-        let reached = |v: f64, row: &Row| libm::sqrt(v * v + 2.0 * row.accel * row.length);
+        let reached = |v: f64, row: &RoughMove| libm::sqrt(v * v + 2.0 * row.accel * row.length);
         let mut v = self.rows.first().map_or(0.0, |row| row.enter);
         for row in &mut self.rows {
             row.enter = row.enter.min(v);
@@ -91,8 +91,8 @@ impl Rough {
 }
 
 /// Seconds of a move, from one speed to another.
-fn lasts(row: &Row, enter: f64, exit: f64) -> f64 {
-    let Row { length, speed, accel, .. } = *row;
+fn lasts(row: &RoughMove, enter: f64, exit: f64) -> f64 {
+    let RoughMove { length, speed, accel, .. } = *row;
     let mean = f64::midpoint(enter * enter, exit * exit);
     let peak = libm::sqrt(mean + accel * length).min(speed);
     let ramps = (2.0 * peak - enter - exit) / accel;

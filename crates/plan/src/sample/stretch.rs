@@ -2,10 +2,10 @@
 use super::FeedAndRapid;
 use crate::along::Along;
 use crate::clock::Clock;
+use crate::ends::Ends;
 use crate::limits::MachineLimits;
-use crate::outbox::Outbox;
-use crate::repace::OperatorSettings;
-use crate::run::{Alone, OrderedMove};
+use crate::run::{Alone, OrderedMove, Run};
+use crate::settings::OperatorSettings;
 use crate::{Step, StepKind};
 use alloc::boxed::Box;
 use alloc::collections::VecDeque;
@@ -161,7 +161,8 @@ impl Stretch {
         let Some((first, last)) = self.counted else { return FeedAndRapid::default() };
         let mut added = FeedAndRapid::default();
         let mut clock = self.clock;
-        let mut outbox = Outbox::default();
+        let (mut run, ends) = (Run::default(), Ends::default());
+        let at = (limits, &ends);
         for item in self.items.iter().chain([&Item::Rest(Box::new(self.clock))]) {
             let mut count = |step: Step| {
                 let before = clock.elapsed();
@@ -177,10 +178,14 @@ impl Stretch {
             };
             match item {
                 Item::Move(moved) => {
-                    outbox.run_on(moved.order(), OperatorSettings::default(), limits, &mut count);
+                    let order = moved.order();
+                    if !run.takes(&order) {
+                        run.finish(at, &mut count);
+                    }
+                    run.push(order, OperatorSettings::default(), at, &mut count);
                 }
                 Item::Rest(then) => {
-                    outbox.end_run(limits, &mut count);
+                    run.finish(at, &mut count);
                     clock = **then;
                 }
             }
