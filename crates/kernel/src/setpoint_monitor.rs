@@ -35,6 +35,19 @@
 //! which the axis cannot come to rest any more: x + v²/2A beyond it. An axis that already is
 //! outside may come back. One that follows an angle is looked at where it is.
 //!
+//! Setpoints say how far an axis has moved in a period, not how fast it is at its end. What they do
+//! say is how fast it is *at least*, if its acceleration was within A all the time: with d the last
+//! period's way and e what it was longer than the one before (0 where it was shorter),
+//!
+//! ```text
+//!   v ≥ d/h − A·h/2 + A·τ²/h      τ = h − √(h² − e/A)
+//! ```
+//!
+//! the motion that speeds up with A until τ into the period, and from there on brakes with A. It is
+//! reached: any motion that is faster than that may still have begun to brake. A plan that begins
+//! to brake within a period, with A, to rest at the very end of the travel, is never refused; one
+//! that does not brake is noticed half a period later at most.
+//!
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | x, v, h | setpoint, its speed, period | mm, mm/s, s |
@@ -51,7 +64,8 @@ use units::Axis;
 
 /// How far beyond its travel a setpoint may be, mm.
 const BESIDE_MM: f64 = 0.01;
-/// By how much the end of a period may be taken wrong, in periods of way.
+/// How much further the way to rest may be, in periods of way: time scaling, and a plan that turns
+/// into its next step within a period.
 const WITHIN_PERIOD: f64 = 0.1;
 /// Shares of the limits: see the module's header.
 const SPEED_SHARE: f64 = 1.02;
@@ -232,14 +246,26 @@ impl Sent {
         }
     }
 
+    /// How fast it is at the end of the period at least, the way that it has moved, if it was never
+    /// accelerated by more than this: see the module's header.
+    fn slowest(&self, accel: f64, period_s: f64) -> f64 {
+        if !accel.is_finite() {
+            return 0.0;
+        }
+        let longer = (self.second * self.first.signum()).clamp(0.0, accel * period_s * period_s);
+        let speeds_up_s = period_s - libm::sqrt(period_s * period_s - longer / accel).max(0.0);
+        let gained = accel * (speeds_up_s * speeds_up_s / period_s - period_s / 2.0);
+        (self.first.abs() / period_s + gained).max(0.0)
+    }
+
     /// How far it is, or will be, beyond an end of its travel, and that end: if it goes there.
     fn beyond(&self, axis: &AxisLoop, most: &Most, led: Led, period_s: f64) -> Option<(f64, f64)> {
         let (from, to) = axis.control.travel?;
         let at = axis.target.position + axis.superposed.position;
-        let end = (self.first + self.second / 2.0) / period_s;
+        let end = self.slowest(most.stops, period_s);
         let stops = if led == Led::Angle { 0.0 } else { end * end / (2.0 * most.stops) };
         let margin = BESIDE_MM + WITHIN_PERIOD * self.first.abs();
-        let rests = at + stops * end.signum();
+        let rests = at + stops * self.first.signum();
         let above = rests > to.value() + margin && self.first > 0.0;
         let below = rests < from.value() - margin && self.first < 0.0;
         if above {

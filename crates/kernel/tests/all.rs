@@ -16,6 +16,7 @@ mod config;
 mod coupled;
 mod curves;
 mod encoder_check;
+mod end_of_travel;
 mod faults;
 mod following;
 mod guards;
