@@ -1,8 +1,8 @@
 //! Bézier curves of the fifth degree, cut into parts that can be run through evenly: each has a
 //! parameter by its length of its own ([`motion::Bezier`]), so that |q′| is 1 to within a percent
 //! or so.
-use super::{Bezier, Point, Shape, measure};
 use alloc::vec::Vec;
+use motion::{Bezier, Point, Shape, measure};
 
 /// How often a curve may be halved to make its parts even.
 const HALVINGS: u32 = 18;

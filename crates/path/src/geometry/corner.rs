@@ -23,7 +23,7 @@
 //!
 //! The pieces run by s, with ds/dt = dα/dt + dβ/dt: slope and bend are those of the lines at both
 //! ends, and in the middle s runs evenly with t.
-use super::{AXES, Derivatives, Limits, Point};
+use motion::{AXES, Derivatives, Limits, Point};
 
 /// How the bend of a corner grows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -198,8 +198,8 @@ impl Corner {
 mod tests {
     use super::*;
     use crate::Shape;
-    use crate::geometry::Polynomial;
     use alloc::vec::Vec;
+    use motion::Polynomial;
 
     /// A right angle at the origin, from −X to +Y.
     fn blend(corner: Corner) -> Vec<Polynomial> {

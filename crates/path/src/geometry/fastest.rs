@@ -24,14 +24,14 @@
 //! the curve that bends least and takes Gauss's steps, which only count x's own first derivatives,
 //! no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the
 //! time along it.
-use super::fit::Sample;
 use super::gathered::Gathered;
 use super::load::{At, LimitPoint, Loads, SAY, SAY_B, mix};
+use super::sample::Sample;
 use super::spline::{Halved, Knots};
-use super::{Limits, Point};
 use crate::banded::Banded;
 use crate::law::TOP_SPEED;
 use alloc::vec::Vec;
+use motion::{Limits, Point};
 
 /// Steps are enough when they gain less than this share of μ.
 const GAIN: f64 = 1e-2;

@@ -15,9 +15,9 @@
 //! Within P of the programmed places, one by one, the path would pass the corner at P. An acute one
 //! is not passed farther away than a right angle is, at √2·P.
 use super::corner::DEEPEST;
-use super::join::Waiting;
+use super::joint::Waiting;
 use super::knots::Way;
-use super::{Curve, Point};
+use motion::{Curve, Point};
 
 /// Corners with a smaller k (= sin θ/2) keep their point: X is less than P/100 farther away than P.
 const SHALLOW: f64 = 0.14;

@@ -21,16 +21,15 @@
 //! slope and bend at both ends are given, which fixes three control points each.
 use super::fastest::{Fastest, Rests, Stage};
 use super::fillet::allowed;
-use super::join::{Segment, Waiting, distance};
+use super::joint::{Segment, Waiting, distance};
 use super::knots::{self, Way};
 use super::load::LimitPoint;
+use super::sample::{NEAR, Sample};
 use super::spline::{Halved, Knots};
 use super::tube::Tube;
-use super::{AXES, Curve, Derivatives, Limits, Point, Polynomial};
 use alloc::vec::Vec;
+use motion::{AXES, Curve, Derivatives, Limits, Point, Polynomial};
 
-/// Share of the tolerance that samples keep: between them there is a little more.
-pub(crate) const NEAR: f64 = 0.99;
 /// Share of it that midway between two samples is kept.
 const BETWEEN: f64 = 0.998;
 /// Sweeps over all samples before knots are halved.
@@ -46,19 +45,6 @@ const FEWEST: usize = 8;
 const CRUMB: f64 = 2.1;
 /// How much sharper its sharpest bend may be.
 const SHARPER: f64 = 8.0;
-
-/// A place where the distance is looked at.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
-    /// First of its four control points.
-    pub(crate) first: usize,
-    pub(crate) basis: [f64; 4],
-    /// The place to be near to, and how near.
-    pub(crate) p: Point,
-    pub(crate) tolerance: f64,
-    /// One over the sum of squares of the basis over free control points; zero: none is free.
-    pub(crate) per_square: f64,
-}
 
 /// Fits curves; keeps its memory from one to the next.
 #[derive(Clone, Debug, Default)]

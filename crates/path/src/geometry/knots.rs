@@ -11,9 +11,9 @@
 //! does not care how finely the path is chopped. Knots are set so that D is a few tolerances, which
 //! the fit then makes good; where a corner is sharp, they stand h before it, in it, and h after it,
 //! with D one tolerance, so that the path does not swing out.
-use super::join::{SHARE, Waiting, distance};
-use super::{Point, Shape};
+use super::joint::{SHARE, Waiting, distance};
 use alloc::vec::Vec;
+use motion::{Point, Shape};
 
 /// Corners with a larger k (= sin θ/2) are sharp: 20°.
 const SHARP: f64 = 0.17;

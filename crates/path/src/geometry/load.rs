@@ -5,7 +5,7 @@
 //!   (q″·b + ½·q′·b′)/A      √b·(q‴·b + 3/2·q″·b′ + ½·q′·b″)/J      (q′)²·b/V²,  |q′|²·b/F²        b = u̇²
 //! ```
 use super::spline::Rows;
-use super::{Bounds, Limits, Point};
+use motion::{Bounds, Limits, Point};
 
 /// Control points with a say in one place, and coefficients of b.
 pub(crate) const SAY: usize = 4;

@@ -8,15 +8,14 @@ mod fillet;
 mod fit;
 mod gathered;
 mod join;
+mod joint;
 mod knots;
 mod load;
 mod quintic_blend;
+mod sample;
 mod spline;
 mod tube;
 
 pub use bezier::{cubic, quintic};
-pub use join::{Joiner, Segment};
-use motion::{
-    AXES, Bezier, Bounds, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape,
-    measure,
-};
+pub use join::Joiner;
+pub use joint::Segment;

@@ -98,8 +98,8 @@ fn lowest(ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Polynomial;
     use crate::{AXES, Derivatives, Shape};
+    use motion::Polynomial;
 
     /// sin 45°.
     const K: f64 = core::f64::consts::FRAC_1_SQRT_2;

@@ -14,12 +14,12 @@
 //!
 //! whose matrix, a band of four, is factored once. ρᵢ goes with 1/h³ of the sample's span, as H
 //! does, so that short spans beside long ones are as quick.
-use super::Point;
-use super::fit::Sample;
+use super::sample::{NEAR, Sample};
 use crate::banded::Banded;
 use alloc::vec::Vec;
+use motion::Point;
 
-/// r of the header; samples are good up to [`super::fit::NEAR`].
+/// r of the header; samples are good up to [`NEAR`].
 const RADIUS: f64 = 0.982;
 /// Rounds at most, and at least.
 const ROUNDS: usize = 48;
@@ -116,7 +116,7 @@ impl<const N: usize> Tube<N> {
         self.assemble(bends);
         for round in 1..=ROUNDS {
             self.solve();
-            if self.keep() <= super::fit::NEAR && round >= LEAST {
+            if self.keep() <= NEAR && round >= LEAST {
                 break;
             }
         }

@@ -4,7 +4,7 @@
 //!   unrolled   e │ ~~~╮╭~~~      polar      ╭ ‑ ‑ ╮      the contour, with its error magnified
 //!                └──────── θ                 ╰ ‑ ‑ ╯
 //! ```
-use super::{STYLE, section};
+use super::section::{STYLE, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 use std::f64::consts::TAU;

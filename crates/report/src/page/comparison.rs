@@ -1,6 +1,6 @@
 //! Two ways of tapping side by side: how deep each of many holes became, and how much that
 //! scatters.
-use super::{STYLE, section};
+use super::section::{STYLE, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, escape, fixed};
 

@@ -1,5 +1,5 @@
 //! Ways of compensating a cam's phase error side by side: contour errors over cams and speeds.
-use super::{STYLE, section};
+use super::section::{STYLE, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 

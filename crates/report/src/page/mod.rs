@@ -20,6 +20,7 @@ mod figures;
 mod listing;
 mod notes;
 mod polygon;
+mod section;
 mod sizes;
 mod stops;
 mod threads;
@@ -39,9 +40,9 @@ use crate::Run;
 use crate::pictures;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
+use section::{STYLE, grid, section};
 use verify::{Feature, FeatureKind};
 
-const STYLE: &str = include_str!("style.css");
 const SORT: &str = include_str!("sort.js");
 
 /// The report of a run as one HTML page: equal input gives an equal page, byte for byte.
@@ -105,18 +106,6 @@ fn page(run: &Run, body: &str) -> String {
          <body>{body}<script>{SORT}</script></body></html>\n",
         policy.empty()
     )
-}
-
-/// A section with its heading; nothing if it has nothing in it.
-fn section(heading: &str, content: &str) -> String {
-    if content.is_empty() {
-        return String::new();
-    }
-    Tag::new("section").around(&(Tag::new("h2").text(heading) + content))
-}
-
-fn grid(figures: &str) -> String {
-    if figures.is_empty() { String::new() } else { Tag::new("div").class("grid").around(figures) }
 }
 
 fn footer(run: &Run, recorder: &Recorder) -> String {

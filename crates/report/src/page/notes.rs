@@ -24,11 +24,11 @@ pub(super) fn notes(run: &Run, recorder: &Recorder, features: &[Feature]) -> Str
             ("", format!("{place}{}", note.text))
         }
     });
-    let alarms = super::section("Alarms", &list(alarms.collect()));
+    let alarms = super::section::section("Alarms", &list(alarms.collect()));
     let found = unfinished(recorder).into_iter().chain(saturated(recorder));
     let found = found.chain(out_of_step(run, recorder.measure(), features));
     let all = found.chain(notes).chain(limiting(run)).collect();
-    let notes = super::section("Notes", &list(all));
+    let notes = super::section::section("Notes", &list(all));
     alarms + &notes
 }
 

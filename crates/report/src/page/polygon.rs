@@ -1,6 +1,6 @@
 //! A polygon before it is cut: paths of the tips, the cross-section, the facet's error, flatness
 //! over speed.
-use super::{STYLE, section};
+use super::section::{STYLE, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag};
 

@@ -9,7 +9,7 @@ const MOST: usize = 4;
 /// One block for each; nothing if there was none.
 pub(super) fn recoveries(all: &[ThreadStop]) -> String {
     let blocks: String = all.iter().take(MOST).enumerate().map(|(i, r)| block(i, r)).collect();
-    super::section("Stops and recoveries", &blocks)
+    super::section::section("Stops and recoveries", &blocks)
 }
 
 fn block(index: usize, recovery: &ThreadStop) -> String {
@@ -58,5 +58,7 @@ fn block(index: usize, recovery: &ThreadStop) -> String {
             &(Tag::new("thead").around(&Tag::new("tr").around(&head))
                 + &Tag::new("tbody").around(&rows)),
         ));
-    Tag::new("p").text(&words) + &table + &super::grid(&pictures::recovery_plane(recovery, index))
+    Tag::new("p").text(&words)
+        + &table
+        + &super::section::grid(&pictures::recovery_plane(recovery, index))
 }

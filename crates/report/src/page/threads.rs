@@ -92,7 +92,7 @@ fn thread(
         + &pictures::phase_plane(&view)
         + &pictures::spindle_over_time(&view);
     let facts = Tag::new("p").class("facts").text(&facts(&view, measure));
-    super::section(&format!("{role}: {name}"), &(facts + &super::grid(&pictures)))
+    super::section::section(&format!("{role}: {name}"), &(facts + &super::section::grid(&pictures)))
 }
 
 fn torque(thread: &Thread) -> Option<String> {

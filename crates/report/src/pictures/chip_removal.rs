@@ -1,5 +1,5 @@
 //! Chip removal: spindle and axes over time from hole to hole, and what the overlap saves.
-use super::figure;
+use super::figure::figure;
 use crate::record::{Hop, Recorder, Row};
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 

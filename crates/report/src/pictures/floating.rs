@@ -1,5 +1,5 @@
 //! A tap in a holder that gives: feed, tap and spindle over time.
-use super::figure;
+use super::figure::figure;
 use crate::record::Recorder;
 use crate::svg::{Chart, Range, Stroke, fixed};
 use units::Length;

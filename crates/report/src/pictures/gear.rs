@@ -1,5 +1,5 @@
 //! A hobbed gear: where each tooth stands beside where it belongs.
-use super::figure;
+use super::figure::figure;
 use crate::svg::{Chart, Range, Stroke};
 use verify::Gear;
 

@@ -1,6 +1,6 @@
 //! Hole by hole: how the synchronism of equal threads goes (learning), and how the torque of a tap
 //! goes (wear).
-use super::figure;
+use super::figure::figure;
 use crate::svg::{Chart, Mark, Range, Stroke, fixed};
 use crate::{Measure, Run, Standing};
 use units::Length;

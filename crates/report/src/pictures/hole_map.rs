@@ -8,7 +8,7 @@
 //! Where all was cut in one work offset the map is drawn in it. Where there are several it is drawn
 //! in machine coordinates, as the parts lie on the table; a pointer that rests on a place shows its
 //! coordinates in its own offset.
-use super::figure;
+use super::figure::figure;
 use crate::page::features::hole_name;
 use crate::record::{Recorder, frames};
 use crate::svg::{Chart, Mark, Range};

@@ -1,6 +1,6 @@
 //! What a mill has left of the stock, from above: the deeper, the darker; where a rapid went
 //! through it, a cross.
-use super::figure;
+use super::figure::figure;
 use crate::record::Recorder;
 use crate::svg::{Chart, Mark, Range, fixed};
 use crate::{Measure, Run, feature_name};

@@ -3,6 +3,7 @@
 //! for.
 
 mod chip_removal;
+mod figure;
 mod floating;
 mod gear;
 mod hole_by_hole;
@@ -20,6 +21,7 @@ mod tool_path;
 mod torque_plane;
 
 pub(crate) use chip_removal::chip_removal;
+pub(crate) use figure::{ThreadView, figure};
 pub(crate) use floating::floating;
 pub(crate) use gear::gear;
 pub(crate) use hole_by_hole::hole_by_hole;
@@ -35,29 +37,3 @@ pub(crate) use time_shares::time_shares;
 pub(crate) use timeline::timeline;
 pub(crate) use tool_path::tool_path;
 pub(crate) use torque_plane::torque_plane;
-
-use crate::record::TapTrace;
-use crate::svg::Tag;
-use crate::{Measure, Run};
-use verify::Thread;
-
-/// A thread with everything there is to draw of it.
-pub(crate) struct ThreadView<'a> {
-    /// Unique on the page: `"t12"`.
-    pub(crate) id: String,
-    /// The run it belongs to.
-    pub(crate) run: &'a Run,
-    /// How it was driven.
-    pub(crate) trace: &'a TapTrace,
-    /// The unit in which lengths are written.
-    pub(crate) measure: Measure,
-    /// How it was judged; `None` if it never became a feature.
-    pub(crate) thread: Option<&'a Thread>,
-}
-
-/// A picture with its heading and caption. The drawing is finished markup, the rest is text.
-pub(crate) fn figure(heading: &str, drawing: &str, caption: &str) -> String {
-    let heading = Tag::new("h3").text(heading);
-    let caption = Tag::new("figcaption").text(caption);
-    Tag::new("figure").around(&(heading + drawing + &caption))
-}

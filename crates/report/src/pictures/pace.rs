@@ -4,7 +4,7 @@
 //!   the path seen obliquely, coloured by speed, and by what limited it      speed, acceleration and jerk over time
 //!   seconds by what limited, and what the limits of jerk cost
 //! ```
-use super::figure;
+use super::figure::figure;
 use super::tool_path::{Looking, axes, looking};
 use crate::record::{CLASSES, Limiter, Point, Recorder, Series, class_bounds};
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};

@@ -8,7 +8,7 @@
 //!   e │~~~~~~
 //!     └──────── θ
 //! ```
-use super::{ThreadView, figure};
+use super::figure::{ThreadView, figure};
 use crate::svg::{Chart, Range, Stroke, fixed};
 use units::Length;
 

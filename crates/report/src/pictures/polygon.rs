@@ -1,6 +1,6 @@
 //! A turned polygon: its cross-section with the error of the facets magnified, and its facets one
 //! over the other.
-use super::figure;
+use super::figure::figure;
 use crate::svg::{Chart, Range, Stroke};
 use verify::{Facet, Polygon, Section};
 

@@ -8,7 +8,7 @@
 //!     │   ● Pc                  │───╯────● Pc ────  the coupling
 //!     └──────── θ               └───────────────── θ
 //! ```
-use super::figure;
+use super::figure::figure;
 use crate::stops::{PlanePoint, ThreadStop};
 use crate::svg::{Chart, Range, Stroke, fixed};
 

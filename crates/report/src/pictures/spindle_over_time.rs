@@ -1,6 +1,6 @@
 //! Spindle speed and torque over the time of one tap, against what the drive can give at each
 //! speed.
-use super::{ThreadView, figure};
+use super::figure::{ThreadView, figure};
 use crate::svg::{Chart, Range, Stroke, fixed};
 use units::{Spin, Torque};
 

@@ -11,7 +11,7 @@
 //!
 //! A groove that is wider by e, axially and peak to peak, opens the pitch diameter of a 60° thread
 //! by √3·e: a quarter of the tolerance TD2 is used up by e = TD2 / (4·√3).
-use super::{ThreadView, figure};
+use super::figure::{ThreadView, figure};
 use crate::Measure;
 use crate::svg::{Chart, Range, Stroke, fixed};
 use units::Length;

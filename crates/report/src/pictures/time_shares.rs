@@ -1,5 +1,5 @@
 //! Where the time went: one bar for the run, one for each tool, all on one scale.
-use super::figure;
+use super::figure::figure;
 use crate::Run;
 use crate::record::{Recorder, Shares, Turning};
 use crate::svg::{Tag, escape, fixed};

@@ -1,5 +1,5 @@
 //! The whole run: spindle speed over time, with the tool changes.
-use super::figure;
+use super::figure::figure;
 use crate::Run;
 use crate::record::Recorder;
 use crate::svg::{Chart, Range, Stroke};

@@ -14,7 +14,7 @@
 //! The picture is as large as the cutting is; rapids that leave it for the tool change or the
 //! machine's zero are cut off at its edge. In its first picture the path of each line of the
 //! program is a link to the line.
-use super::figure;
+use super::figure::figure;
 use crate::record::{Point, Recorder};
 use crate::svg::{Chart, Linked, Range, Stroke, fixed, ticks};
 use crate::{Measure, Run};

@@ -7,7 +7,7 @@
 //!    drive │╲  brake  ╱
 //!          │ ╰───────╯
 //! ```
-use super::{ThreadView, figure};
+use super::figure::{ThreadView, figure};
 use crate::svg::{Chart, Range, Stroke, fixed};
 
 /// Operating points of one tap under the drive's curve.
