@@ -9,9 +9,9 @@
 //!
 //! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The
 //! blend goes from h before the corner to h after it, with the position, slope and bend that the
-//! path has there: between two lines as `corner` has it, or as `quintic_blend` where they are short;
-//! else it is the polynomial of the fifth degree with a length of 2·h, which passes the corner at a
-//! distance of ⅜·h·k, and a jump of the bend by Δ costs about Δ·h²/17 more.
+//! path has there: between two lines as `corner` has it, or as `quintic_blend` where they are
+//! short; else it is the polynomial of the fifth degree with a length of 2·h, which passes the
+//! corner at a distance of ⅜·h·k, and a jump of the bend by Δ costs about Δ·h²/17 more.
 //!
 //! A move is long if three blends fit into it at both of its ends, narrow ones where a sharp corner
 //! has a choice; a curve that was chopped finely has small corners, which would allow blends much
