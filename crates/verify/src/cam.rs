@@ -22,7 +22,8 @@ mod contour;
 
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
-use crate::feature::{Feature, FeatureKind, Verdict};
+use crate::judged::Judged;
+use crate::verdict::Verdict;
 use bus::Sample;
 use canon::CamOrder;
 use contour::{Contour, lagrange};
@@ -216,7 +217,7 @@ impl CamTrack {
         ordered: &Ordered,
         config: &Config,
         now: Time,
-    ) -> Feature {
+    ) -> Judged<GroundCam> {
         let (time, from) = self.began.unwrap_or((now, Angle::ZERO));
         let mut cam = blank(ordered, (self.last - from).abs());
         let mut findings = Vec::new();
@@ -246,15 +247,15 @@ impl CamTrack {
                 limit.in_um()
             ));
         }
-        Feature {
+        Judged {
             op,
             line,
             tool: None,
             time,
             duration: now - time,
-            verdict: Verdict::unless(&findings, unknown(config)),
+            verdict: Verdict::unless(&findings, unknown(config.stock.as_ref())),
             contact,
-            kind: FeatureKind::Cam(Box::new(cam)),
+            kind: cam,
         }
     }
 }
@@ -346,7 +347,7 @@ mod tests {
     }
 
     /// A cam whose wheel ran where `x` says, at 60 rpm and 250 µs, judged.
-    fn judged(x: impl Fn(f64) -> f64) -> (Feature, GroundCam) {
+    fn judged(x: impl Fn(f64) -> f64) -> (Judged<GroundCam>, GroundCam) {
         let nodes = (0..STEPS).map(|i| lift(i as f64 / STEPS as f64)).collect();
         let wheel = Length::mm(195.0);
         let profile =
@@ -367,8 +368,8 @@ mod tests {
             track.sample(&sample);
         }
         let feature = track.finish(3, 4, &ordered, &config, Time::s(3.0));
-        let FeatureKind::Cam(cam) = feature.kind.clone() else { panic!("a cam") };
-        (feature, *cam)
+        let cam = feature.kind.clone();
+        (feature, cam)
     }
 
     fn ideal(turn: f64) -> f64 {

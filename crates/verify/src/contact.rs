@@ -74,8 +74,8 @@ pub(crate) fn shifted(
 }
 
 /// Why nothing can be judged, where no stock is known.
-pub(crate) fn unknown(config: &crate::Config) -> Option<String> {
-    config.stock.is_none().then(|| NO_STOCK.to_owned())
+pub(crate) fn unknown(stock: Option<&Stock>) -> Option<String> {
+    stock.is_none().then(|| NO_STOCK.to_owned())
 }
 
 /// What says that a tool was in the material, or was not.

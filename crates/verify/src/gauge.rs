@@ -15,13 +15,31 @@
 //! Sources: ISO 965-1 (limits), ISO 1502 (what each gauge checks), ASME B1.1 (the diameter
 //! equivalent of a lead error, cot 30°·δp = 1.732·δp).
 use crate::class::ThreadClass;
-use crate::feature::Gauge;
 use crate::tolerance::Limits;
 use canon::ThreadSize;
 use units::Length;
 
 /// Gauges resolve no less than this; closer to a limit is on it.
 const RESOLUTION: Length = Length::um(0.01);
+
+/// Which gauge leaves the least margin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Gauge {
+    /// The full-form plug that must screw in: the thread is nearly too tight.
+    Go,
+    /// The plug that must not: the thread is nearly too wide.
+    NoGo,
+}
+
+impl Gauge {
+    /// `"Go"` or `"No-go"`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Go => "Go",
+            Self::NoGo => "No-go",
+        }
+    }
+}
 
 /// A thread as it was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]

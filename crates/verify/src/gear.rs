@@ -19,7 +19,8 @@
 //! d + 0.55 √d + 0.7 m + 12)·√2^(A−5), `f_HβT` = (0.05 √d + 0.35 √b + 4)·√2^(A−5), µm.
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
-use crate::feature::{Feature, FeatureKind, Verdict};
+use crate::judged::Judged;
+use crate::verdict::Verdict;
 use bus::{Sample, State};
 use canon::{Hob, OpKind, Tool};
 use core::f64::consts::PI;
@@ -171,7 +172,7 @@ impl GearTrack {
         ordered: &Ordered,
         config: &Config,
         now: Time,
-    ) -> Feature {
+    ) -> Judged<Gear> {
         let contact = self.contact(config);
         let passes = self.of_the_face(ordered, config);
         let ends = passes.as_ref().and_then(|all| all.first().zip(all.last()));
@@ -197,15 +198,15 @@ impl GearTrack {
         } else {
             findings.push("the hob never cut the stock to its depth".to_owned());
         }
-        Feature {
+        Judged {
             op,
             line,
             tool,
             time,
             duration,
-            verdict: Verdict::unless(&findings, unknown(config)),
+            verdict: Verdict::unless(&findings, unknown(config.stock.as_ref())),
             contact,
-            kind: FeatureKind::Gear(Box::new(gear)),
+            kind: gear,
         }
     }
 

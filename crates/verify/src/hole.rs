@@ -8,8 +8,9 @@
 //!                 ╲   ╱          a spot drill leaves the cone alone: its diameter at the surface
 //!                   V            is 2·depth·tan(point angle / 2), at most D
 //! ```
-use crate::feature::{Feature, FeatureKind, Hole, Verdict};
+use crate::judged::Judged;
 use crate::stroke::{Stroke, Visit};
+use crate::verdict::Verdict;
 use crate::{Config, Contact};
 use bus::Sample;
 use canon::{Tool, ToolKind};
@@ -17,6 +18,28 @@ use units::{Angle, Length, Time};
 
 /// Holes this near to each other are one.
 const SAME_HOLE: Length = Length::mm(0.1);
+
+/// A hole as it was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hole {
+    /// Mean X of the axis while the tool was in the material.
+    pub x: Length,
+    /// Likewise Y.
+    pub y: Length,
+    /// Deepest point of the tool's tip below the surface.
+    pub depth: Length,
+    /// Down to here the hole has its diameter: `depth` less the drill's point.
+    pub full_diameter_depth: Length,
+    /// `depth` less the programmed depth.
+    pub depth_error: Length,
+    /// Largest distance from the programmed position while in the material.
+    pub position_error: Length,
+    /// The tool's diameter; for a spot drill the cone's diameter at the surface.
+    pub diameter: Length,
+    /// Chips were thrown off the tool after it, on the way to the next hole: seen, not only
+    /// ordered.
+    pub chip_removal: bool,
+}
 
 /// Follows one hole.
 #[derive(Clone, Debug)]
@@ -55,7 +78,7 @@ impl HoleTrack {
         now: Time,
         config: &Config,
         holes: &[Drilled],
-    ) -> Option<(Feature, Option<Drilled>)> {
+    ) -> Option<(Judged<Hole>, Option<Drilled>)> {
         let depth_mm = self.visit.deepest_mm.max(0.0);
         let mut findings = Vec::new();
         let (diameter_mm, point_mm) = match tool.1.map(|t| (&t.kind, t.diameter.value())) {
@@ -131,9 +154,8 @@ impl HoleTrack {
         });
         let [time, duration] = times(&self.visit, now);
         let verdict = Verdict::unless(&findings, self.stroke.not_judged());
-        let kind = FeatureKind::Hole(hole);
         let tool = tool.0;
-        Some((Feature { op, line, tool, time, duration, verdict, contact, kind }, drilled))
+        Some((Judged { op, line, tool, time, duration, verdict, contact, kind: hole }, drilled))
     }
 
     /// The evidence of contact; what an end mill takes is not simulated.

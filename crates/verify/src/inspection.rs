@@ -11,11 +11,11 @@
 //! Axis and edges differ by the holder's deflection: a soft holder lets the tap follow its thread
 //! where the machine does not. The sync error is the machine's, the thread is the edges'.
 use crate::class::ThreadClass;
-use crate::feature::{Gauge, ProfilePoint, Thread};
-use crate::gauge::{CutThread, Gauged};
+use crate::gauge::{CutThread, Gauge, Gauged};
 use crate::groove::{Cut, OffHelix, TapForm};
 use crate::hole::Drilled;
 use crate::stroke::Visit;
+use crate::tapped::{ProfilePoint, Thread};
 use crate::thread::ThreadTrack;
 use crate::tolerance::{Limits, normal_engagement};
 use crate::{Config, Contact};

@@ -14,10 +14,11 @@ use crate::Config;
 use crate::bar::TurnedBar;
 use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
-use crate::feature::Feature;
+use crate::feature::{Feature, FeatureKind};
 use crate::gear::{self, GearTrack};
 use crate::hole::{Drilled, HoleTrack};
-use crate::milling::Milling;
+use crate::judged::Judged;
+use crate::milling::{Milled, Milling};
 use crate::polygon::{Ordered, PolygonTrack};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
@@ -249,8 +250,8 @@ impl Judge {
         while self.orders.front().is_some_and(|order| order.end.is_some_and(|end| op >= end)) {
             self.close();
         }
-        let milled = self.milling.sample(sample, &self.config, &self.drilled);
-        self.features.extend(milled);
+        let taken_out = self.milling.sample(sample, &self.config, &self.drilled);
+        self.features.extend(taken_out.map(milled));
         let config = &self.config;
         let order = self.orders.front().filter(|order| op >= order.first);
         let tool = sample.feedback.tool.and_then(|number| config.tools.get(number));
@@ -304,7 +305,7 @@ impl Judge {
         while self.orders.front().is_some_and(|order| order.end.is_some()) {
             self.close();
         }
-        self.features.extend(self.milling.close(&self.config));
+        self.features.extend(self.milling.close(&self.config).map(milled));
     }
 
     /// The features judged so far, for a progress display.
@@ -324,7 +325,7 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        self.features.extend(self.milling.close(&self.config));
+        self.features.extend(self.milling.close(&self.config).map(milled));
         self.features
     }
 
@@ -333,43 +334,40 @@ impl Judge {
         let Some(order) = self.orders.pop_front() else { return };
         let track =
             self.track.take().unwrap_or_else(|| Track::new(&order, order.tool, &self.config));
-        let (op, line) = (order.first, order.span.line);
-        match track {
-            Track::Thread(track) => {
-                self.features.push(track.finish(op, line, self.now, &self.config, &self.drilled));
+        let (op, line, now) = (order.first, order.span.line, self.now);
+        let config = &self.config;
+        let feature = match (track, &order.what) {
+            (Track::Thread(track), _) => {
+                let found = track.finish(op, line, now, config, &self.drilled);
+                Some(found.map(Box::new).map(FeatureKind::Thread))
             }
-            Track::Polygon(track) => {
-                if let What::Polygon(ordered) = &order.what {
-                    self.features.push(track.finish(op, line, ordered, &self.config, self.now));
-                }
+            (Track::Polygon(track), What::Polygon(ordered)) => {
+                let found = track.finish(op, line, ordered, config, now);
+                Some(found.map(Box::new).map(FeatureKind::Polygon))
             }
-            Track::Cam(track) => {
-                if let What::Cam(ordered) = &order.what {
-                    self.features.push(track.finish(op, line, ordered, &self.config, self.now));
-                }
+            (Track::Cam(track), What::Cam(ordered)) => {
+                let found = track.finish(op, line, ordered, config, now);
+                Some(found.map(Box::new).map(FeatureKind::Cam))
             }
-            Track::Gear(track) => {
-                if let What::Gear(ordered) = &order.what {
-                    let of = (op, line, order.tool);
-                    self.features.push(track.finish(of, ordered, &self.config, self.now));
-                }
+            (Track::Gear(track), What::Gear(ordered)) => {
+                let found = track.finish((op, line, order.tool), ordered, config, now);
+                Some(found.map(Box::new).map(FeatureKind::Gear))
             }
-            Track::Turned(track) => {
-                if let What::Turned(ordered) = &order.what {
-                    let with = (&self.config, self.bar.as_mut());
-                    self.features.push(track.finish(op, line, ordered, with, self.now));
-                }
+            (Track::Turned(track), What::Turned(ordered)) => {
+                let found = track.finish(op, line, ordered, (config, self.bar.as_mut()), now);
+                Some(found.map(Box::new).map(FeatureKind::Turned))
             }
-            Track::Hole { track, tool } => {
-                let with = (tool, tool.and_then(|number| self.config.tools.get(number)));
-                if let Some((feature, drilled)) =
-                    track.finish(op, line, with, self.now, &self.config, &self.drilled)
-                {
-                    self.features.push(feature);
+            (Track::Hole { track, tool }, _) => {
+                let with = (tool, tool.and_then(|number| config.tools.get(number)));
+                track.finish(op, line, with, now, config, &self.drilled).map(|(found, drilled)| {
                     self.drilled.extend(drilled);
-                }
+                    found.map(FeatureKind::Hole)
+                })
             }
-        }
+            // a track is made of what was ordered
+            _ => None,
+        };
+        self.features.extend(feature);
         if let Some(place) = self.thrown.iter().position(|feature| *feature == op) {
             self.thrown.swap_remove(place);
             if let Some(feature) = self.features.last_mut().filter(|f| f.op == op) {
@@ -402,4 +400,9 @@ impl Track {
             }
         }
     }
+}
+
+/// What a mill has done, as a feature.
+fn milled(found: Judged<Milled>) -> Feature {
+    found.map(Box::new).map(FeatureKind::Milled)
 }

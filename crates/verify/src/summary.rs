@@ -9,7 +9,11 @@
 //! A feature has as many headrooms as tolerances; its own is the least of them. Of gauges, the
 //! tolerance is TD2, so 0.4 means the same for an M3 and an M20.
 use crate::config::Tolerances;
-use crate::feature::{Feature, FeatureKind, Gauge, Hole, Thread, Verdict};
+use crate::feature::{Feature, FeatureKind};
+use crate::gauge::Gauge;
+use crate::hole::Hole;
+use crate::tapped::Thread;
+use crate::verdict::Verdict;
 use units::Length;
 
 /// How many, and how many of them good.

@@ -10,11 +10,13 @@
 //! thread, it tears this one. `docs/judging.md` derives the equations and says what the method
 //! cannot see.
 use crate::Config;
-use crate::feature::{Feature, FeatureKind, Verdict};
 use crate::groove::Groove;
 use crate::hole::{Drilled, times};
 use crate::inspection::Inspection;
+use crate::judged::Judged;
 use crate::stroke::{Stroke, Visit};
+use crate::tapped::Thread;
+use crate::verdict::Verdict;
 use bus::{Sample, State};
 use canon::{Hand, Holder, Tap, TapTool, ThreadSize, Tool, ToolKind};
 use units::{Force, Length, Time, Torque};
@@ -148,10 +150,10 @@ impl ThreadTrack {
         now: Time,
         config: &Config,
         holes: &[Drilled],
-    ) -> Feature {
+    ) -> Judged<Thread> {
         let inspection = Inspection::new(self, config, holes);
         let [time, duration] = times(&self.visit, now);
-        Feature {
+        Judged {
             op,
             line,
             tool: self.tool_number,
@@ -159,7 +161,7 @@ impl ThreadTrack {
             duration,
             verdict: Verdict::unless(&inspection.findings(), self.stroke.not_judged()),
             contact: inspection.contact(),
-            kind: FeatureKind::Thread(Box::new(inspection.thread())),
+            kind: inspection.thread(),
         }
     }
 

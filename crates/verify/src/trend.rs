@@ -15,7 +15,8 @@
 //! A deeper thread takes more torque, too: its flanks rub along more of it. Where depths h differ,
 //! f takes that out of w: both M and x are first freed of what goes with h (Frisch and Waugh,
 //! Econometrica 1, 1933).
-use crate::feature::{Feature, FeatureKind, Thread};
+use crate::feature::{Feature, FeatureKind};
+use crate::tapped::Thread;
 use units::{Length, Torque};
 
 /// A slope of so many standard errors is believed, by degrees of freedom from 1 on: Student's t,

@@ -52,8 +52,8 @@ pub use sizes::TurnedSizes;
 
 use crate::Config;
 use crate::bar::{Crossing, TurnedBar};
-use crate::feature::{Feature, FeatureKind};
 use crate::insert::Side;
+use crate::judged::Judged;
 use bus::Sample;
 use canon::{Axis, Hand, OpKind, Position};
 use figures::{lead_error, leads, start_angle, thinned};
@@ -351,7 +351,7 @@ impl TurnedTrack {
         ordered: &Ordered,
         (config, bar): (&Config, Option<&mut TurnedBar>),
         now: Time,
-    ) -> Feature {
+    ) -> Judged<TurnedThread> {
         let law = ordered.passes.last().and_then(|pass| Law::of(pass));
         let slope = law.map_or(0.0, |law| law.main().lead());
         let tool = self.tool.and_then(|number| config.tools.get(number));
@@ -411,7 +411,7 @@ impl TurnedTrack {
             torque_max: self.torque,
             ..TurnedThread::of_bar(inspected.as_ref(), law.as_ref())
         };
-        Feature {
+        Judged {
             op,
             line,
             tool: self.tool,
@@ -424,7 +424,7 @@ impl TurnedTrack {
                 force: found.force_max,
                 torque_expected: None,
             },
-            kind: FeatureKind::Turned(Box::new(found)),
+            kind: found,
         }
     }
 }

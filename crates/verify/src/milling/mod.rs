@@ -4,7 +4,7 @@
 //! ```text
 //!   sample ─► tip = axis − tool length ─┬─ fed ───► Field: removed ─► Window ─► largest depth, width, chip, force …
 //!                                       └─ rapid ─► Field: what is in the way? ─► finding, with its line and place
-//!   another tool, or the end ─► one Feature for the use of the mill
+//!   another tool, or the end ─► one feature for the use of the mill
 //! ```
 //!
 //! No grid is made before a mill comes to the stock. Only X, Y and Z are looked at: once a rotary
@@ -12,15 +12,18 @@
 mod engagement;
 mod field;
 mod found;
+mod milled;
+mod stock;
 mod verdict;
 
 #[cfg(test)]
 mod tests;
 
-pub use found::{HeightMap, Largest, Milled, MillingPlace, RapidCut};
+pub use milled::{HeightMap, Largest, Milled, MillingPlace, RapidCut};
+pub use stock::{MillStock, StockSource};
 
-use crate::feature::Feature;
 use crate::hole::Drilled;
+use crate::judged::Judged;
 use crate::{Config, Stock};
 use bus::{Sample, State};
 use canon::{Tool, ToolKind};
@@ -28,37 +31,6 @@ use engagement::Window;
 use field::{Cutter, Field};
 use found::Found;
 use units::{Length, Time};
-
-/// Where the stock that is milled is known from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StockSource {
-    /// The machine's file.
-    MachineFile,
-    /// A comment of the program.
-    Comment,
-    /// The extent of the program: it is assumed, and no more.
-    Extent,
-}
-
-impl StockSource {
-    /// `"machine file"`, `"comment"` or `"extent"`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::MachineFile => "machine file",
-            Self::Comment => "comment",
-            Self::Extent => "extent",
-        }
-    }
-}
-
-/// The stock that is milled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MillStock {
-    /// The block.
-    pub block: Stock,
-    /// Where that is known from.
-    pub source: StockSource,
-}
 
 /// A rapid scrapes so deep without a finding, mm.
 const SCRAPES: f64 = 0.2;
@@ -129,7 +101,7 @@ impl Milling {
         sample: &Sample,
         config: &Config,
         drilled: &[Drilled],
-    ) -> Option<Feature> {
+    ) -> Option<Judged<Milled>> {
         let number = sample.feedback.tool;
         let taken = match &self.at {
             Some(at) if Some(at.number) != number => self.close(config),
@@ -150,7 +122,7 @@ impl Milling {
     }
 
     /// What the tool in the spindle has cut so far is judged.
-    pub(crate) fn close(&mut self, config: &Config) -> Option<Feature> {
+    pub(crate) fn close(&mut self, config: &Config) -> Option<Judged<Milled>> {
         let mut at = self.at.take()?;
         let (last, seen) = (self.last.take(), self.seen.take());
         if let (Some(field), Some(cutter), Some(last), Some(seen)) =
@@ -234,7 +206,7 @@ impl Milling {
         }
         let rotary = *at.rotary.get_or_insert(now.rotary);
         let turned = rotary.iter().zip(now.rotary).any(|(a, b)| (a - b).abs() > TURNED);
-        at.found.turned |= turned;
+        at.found.seen.turned |= turned;
         let (Some(stock), Some(cutter)) = (config.mill_stock, at.cutter) else { return };
         if turned {
             return;

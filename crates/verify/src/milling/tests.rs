@@ -2,7 +2,7 @@
 //! known.
 #![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 use super::*;
-use crate::feature::{FeatureKind, Verdict};
+use crate::verdict::Verdict;
 use canon::{CutterMaterial, Mill, MillForm, MillLimits, ToolLibrary};
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -48,7 +48,7 @@ struct Mover {
     at: [f64; 3],
     /// rev/s.
     spin: f64,
-    features: Vec<Feature>,
+    features: Vec<Judged<Milled>>,
 }
 
 impl Mover {
@@ -101,7 +101,7 @@ impl Mover {
         self.line(State::Rapid, 200.0, to);
     }
 
-    fn finish(mut self) -> Option<Feature> {
+    fn finish(mut self) -> Option<Judged<Milled>> {
         self.milling.close(&self.config)
     }
 
@@ -110,11 +110,8 @@ impl Mover {
     }
 }
 
-fn milled(feature: &Feature) -> &Milled {
-    match &feature.kind {
-        FeatureKind::Milled(milled) => milled,
-        other => panic!("{other:?}"),
-    }
+const fn milled(feature: &Judged<Milled>) -> &Milled {
+    &feature.kind
 }
 
 fn degrees(of: Option<Largest<Angle>>) -> f64 {

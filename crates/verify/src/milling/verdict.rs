@@ -1,13 +1,24 @@
 //! Whether a mill's use is good: what is known to be wrong, and what could not be judged.
-use super::StockSource;
-use super::found::{Found, Largest, Milled, MillingPlace};
-use crate::feature::Verdict;
+use super::milled::{Largest, Milled, MillingPlace};
+use super::stock::StockSource;
+use crate::verdict::Verdict;
 use crate::{Config, Material, Stock};
 use canon::{Mill, Tool, ToolKind};
 use units::Length;
 
 /// Rapids that are named one by one.
 const NAMED: usize = 3;
+
+/// What says of a mill's use that something is wrong or not known, whatever it has removed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    /// First place of a cut with the spindle at rest.
+    pub(super) still: Option<MillingPlace>,
+    /// First place of a cut with the spindle turning backwards.
+    pub(super) backwards: Option<MillingPlace>,
+    /// A rotary axis has moved.
+    pub(super) turned: bool,
+}
 
 /// Specific cutting force, N/mm²: the material's one of tapping, whose chips are thin; thicker ones
 /// take less.
@@ -38,7 +49,7 @@ pub(super) fn extent(block: &Stock) -> String {
     format!("{}, {}, {}", axis(0), axis(1), axis(2))
 }
 
-pub(super) fn verdict(found: &Found, milled: &Milled, tool: &Tool, config: &Config) -> Verdict {
+pub(super) fn verdict(seen: &Seen, milled: &Milled, tool: &Tool, config: &Config) -> Verdict {
     let ToolKind::EndMill(mill) = &tool.kind else {
         return Verdict::NotJudged { reason: "no mill".into() };
     };
@@ -48,7 +59,7 @@ pub(super) fn verdict(found: &Found, milled: &Milled, tool: &Tool, config: &Conf
     let rapids = rapids(milled);
     if !assumed {
         wrong.extend(rapids.clone());
-        wrong.extend(still(found));
+        wrong.extend(still(seen));
     }
     wrong.extend(exceeded(milled, mill, tool, assumed));
     let mut unknown = Vec::new();
@@ -64,21 +75,21 @@ pub(super) fn verdict(found: &Found, milled: &Milled, tool: &Tool, config: &Conf
         unknown.push("the mill is assumed, by the program's comment".into());
     }
     if assumed {
-        unknown.extend(rapids.into_iter().chain(still(found)).map(|said| format!("if so, {said}")));
+        unknown.extend(rapids.into_iter().chain(still(seen)).map(|said| format!("if so, {said}")));
     }
     if mill.form.is_none() {
         unknown.push("the form of the mill is not known: state `form` in the tool table".into());
     } else if milled.diameter <= Length::ZERO {
         unknown.push("the diameter of the mill is not known: state it in the tool table".into());
     }
-    if found.turned {
+    if seen.turned {
         unknown.push("a rotary axis has moved, and only X, Y and Z are looked at".into());
     }
     if let Some(stock) =
         config.mill_stock.filter(|_| mill.form.is_some() && milled.diameter > Length::ZERO)
         && milled.depth.is_none()
         && milled.rapid_count == 0
-        && !found.turned
+        && !seen.turned
     {
         let where_it_is = extent(&stock.block);
         unknown.push(format!("it met no stock, which reaches over {where_it_is} mm of G54"));
@@ -101,10 +112,10 @@ fn rapids(milled: &Milled) -> Option<String> {
     }
 }
 
-fn still(found: &Found) -> Vec<String> {
-    let at_rest = found.still.map(|at| format!("it cuts with the spindle at rest: {at}"));
+fn still(seen: &Seen) -> Vec<String> {
+    let at_rest = seen.still.map(|at| format!("it cuts with the spindle at rest: {at}"));
     let backwards =
-        found.backwards.map(|at| format!("it cuts with the spindle turning backwards: {at}"));
+        seen.backwards.map(|at| format!("it cuts with the spindle turning backwards: {at}"));
     at_rest.into_iter().chain(backwards).collect()
 }
 

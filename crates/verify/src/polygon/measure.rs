@@ -5,7 +5,8 @@ use super::section::{Cutters, measure, nose_height, surface};
 use super::{Along, Facet, Polygon, Section};
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
-use crate::feature::{Feature, FeatureKind, Verdict};
+use crate::judged::Judged;
+use crate::verdict::Verdict;
 use bus::{Sample, State};
 use canon::{PolygonCutter, Tool, ToolKind};
 use core::f64::consts::TAU;
@@ -128,7 +129,7 @@ impl PolygonTrack {
         ordered: &Ordered,
         config: &Config,
         now: Time,
-    ) -> Feature {
+    ) -> Judged<Polygon> {
         let (time, turned) = self.first.unwrap_or((now, 0.0));
         let duration = self.last.0 - time;
         let spin = if duration > Time::ZERO {
@@ -153,15 +154,15 @@ impl PolygonTrack {
             findings.push("no polygon cutter was in the tool spindle".to_owned());
             empty(spin, self.faulted)
         };
-        Feature {
+        Judged {
             op,
             line,
             tool: number,
             time,
             duration,
-            verdict: Verdict::unless(&findings, unknown(config)),
+            verdict: Verdict::unless(&findings, unknown(config.stock.as_ref())),
             contact,
-            kind: FeatureKind::Polygon(Box::new(polygon)),
+            kind: polygon,
         }
     }
 }

@@ -3,7 +3,7 @@ use super::inspection::Inspected;
 use super::law::Law;
 use super::size::TurnedLimits;
 use super::sizes::TurnedSizes;
-use crate::feature::Gauge;
+use crate::gauge::Gauge;
 use crate::insert::Side;
 use canon::{Axis, Hand};
 use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Torque};

@@ -1,5 +1,6 @@
 //! Threads with errors that are known, from motion made up for them.
 use super::*;
+use crate::feature::{Feature, FeatureKind};
 use crate::{Judge, Verdict};
 use bus::Truth;
 use canon::{Op, Span, Threading, ToolLibrary};

@@ -5,8 +5,8 @@ use super::law::Law;
 use super::size::TurnedLimits;
 use super::sizes::TurnedSizes;
 use crate::Config;
-use crate::feature::Verdict;
 use crate::insert::Side;
+use crate::verdict::Verdict;
 use canon::Axis;
 use units::Length;
 

@@ -1,0 +1,35 @@
+//! When and by which tool something was cut, whether it is good, and what it is: a judge of cams
+//! says it of a [`GroundCam`](crate::GroundCam), and all of them together make
+//! [features](crate::Feature).
+use crate::Contact;
+use crate::verdict::Verdict;
+use units::Time;
+
+/// One thing cut into the workpiece, measured and judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged<K> {
+    /// Index of the op that ordered it.
+    pub op: u32,
+    /// Program line of that op.
+    pub line: u32,
+    /// T number of the tool that cut it; `None` if the spindle was empty.
+    pub tool: Option<u32>,
+    /// When the tool first entered the material; when the op ended, if it never did.
+    pub time: Time,
+    /// From then until the tool was last in the material.
+    pub duration: Time,
+    /// Whether it is good.
+    pub verdict: Verdict,
+    /// What says that the tool was in the material.
+    pub contact: Contact,
+    /// What it is, with its measures.
+    pub kind: K,
+}
+
+impl<K> Judged<K> {
+    /// The same, with what it is told in another type.
+    pub(crate) fn map<L>(self, of: impl FnOnce(K) -> L) -> Judged<L> {
+        let Self { op, line, tool, time, duration, verdict, contact, kind } = self;
+        Judged { op, line, tool, time, duration, verdict, contact, kind: of(kind) }
+    }
+}
