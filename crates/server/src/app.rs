@@ -1,9 +1,9 @@
 //! What all handlers share.
 use crate::answer::ApiError;
 use crate::folder::Folder;
-use crate::metrics::Metering;
+use crate::metrics::metering::Metering;
+use crate::monitoring::Monitoring;
 use crate::mqtt::Publisher;
-use crate::mtconnect::Monitoring;
 use crate::rights::Rights;
 use crate::runs::Runs;
 use crate::tokens::Tokens;

@@ -33,6 +33,7 @@ mod guard;
 mod language;
 mod listen;
 mod metrics;
+mod monitoring;
 mod mqtt;
 mod mtconnect;
 mod page;

@@ -4,9 +4,10 @@
 //! there are so many at once, and one more is answered 503.
 use crate::app::{App, Watching};
 use crate::folder::Folder;
-use crate::metrics::{self, Metering};
+use crate::metrics::{self, metering::Metering};
+use crate::monitoring::Monitoring;
 use crate::mqtt::{PublishOptions, Publisher};
-use crate::mtconnect::{self, Monitoring};
+use crate::mtconnect;
 use crate::page::Page;
 use crate::runs::{KeptRuns, Recorder, Runs};
 use crate::tls::{Certificate, Tls};

@@ -13,10 +13,11 @@
 //! that it is out of range, and its stream ends.
 use crate::app::App;
 use crate::guard;
-use crate::tokens::{NoToken, hex};
+use crate::monitoring::{MOST_STREAMS, Monitoring};
+use crate::tokens::NoToken;
 use ::mtconnect::{
-    Agent, AssetQuery, CurrentQuery, Element, ErrorCode, Identity, JsonForm, Observable,
-    ProbeQuery, QueryError, SampleQuery,
+    AssetQuery, CurrentQuery, Element, ErrorCode, JsonForm, Observable, ProbeQuery, QueryError,
+    SampleQuery,
 };
 use axum::Router;
 use axum::body::{Body, Bytes, HttpBody};
@@ -25,61 +26,20 @@ use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::any;
 use control::clock::{now, unix_ms};
-use control::operation::hosted::Client;
 use hyper::body::Frame;
-use sha2::{Digest, Sha256};
 use std::convert::Infallible;
 use std::pin::Pin;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
-use tokio::sync::{Semaphore, mpsc, watch};
+use tokio::sync::mpsc;
 
-/// Streams at once.
-const MOST_STREAMS: usize = 64;
 /// No stream has documents more often: pictures come no sooner.
 const LEAST_INTERVAL: Duration = Duration::from_millis(20);
 /// A document of a stream is taken within so long, or its client is gone.
 const SENT: Duration = Duration::from_secs(10);
 /// Between two documents of a stream.
 const BOUNDARY: &str = "leadscrew-mtconnect-document";
-
-/// The agent, and what tells its streams that there is something new.
-pub(crate) struct Monitoring {
-    agent: Mutex<Agent>,
-    /// The next sequence number.
-    grown: watch::Sender<u64>,
-    streams: Arc<Semaphore>,
-}
-
-impl Monitoring {
-    /// Of a control; so many observations are kept.
-    pub(crate) fn new(client: &Client, most: usize) -> Self {
-        let machine = client.machine();
-        let unix_ms = unix_ms();
-        let identity = Identity { uuid: uuid(&machine.name), instance: unix_ms.max(1), unix_ms };
-        Self {
-            agent: Mutex::new(Agent::new(machine, identity, most)),
-            grown: watch::Sender::new(1),
-            streams: Arc::new(Semaphore::new(MOST_STREAMS)),
-        }
-    }
-
-    /// For a moment: never across an await.
-    pub(crate) fn agent(&self) -> MutexGuard<'_, Agent> {
-        self.agent.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// The same for this computer and this machine each time: by the id that its system was installed
-/// with.
-fn uuid(machine: &str) -> String {
-    let system = std::fs::read_to_string("/etc/machine-id").unwrap_or_default();
-    let digest = hex(&Sha256::digest(format!("{}\n{machine}", system.trim())));
-    // RFC 9562: version 8 is made by a rule of one's own
-    let parts = [&digest[..8], &digest[8..12], &digest[13..16], &digest[17..20], &digest[20..32]];
-    format!("{}-{}-8{}-8{}-{}", parts[0], parts[1], parts[2], parts[3], parts[4])
-}
 
 /// Pictures and events become observations, until the control has ended.
 pub(crate) async fn feed(app: Arc<App>, monitoring: Arc<Monitoring>, pace: f64) {

@@ -6,6 +6,8 @@
 //! ```
 //!
 //! A text is made at most once for each picture, however many ask for it.
+mod adding;
+pub(crate) mod metering;
 mod process;
 mod publishing;
 mod registry;
@@ -14,55 +16,16 @@ mod text;
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::guard;
-use crate::mqtt::Publisher;
 use axum::Router;
-use axum::body::Bytes;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::any;
-use control::operation::hosted::{Client, Picture};
-use registry::ControlMetrics;
-use std::sync::{Arc, Mutex, PoisonError};
+use metering::Metering;
+use std::sync::Arc;
 
 /// `OpenMetrics`, as its clients ask for it.
 const OPEN: &str = "application/openmetrics-text";
-
-/// The metrics of a control, and the last text that was made of them.
-pub(crate) struct Metering {
-    metrics: Mutex<ControlMetrics>,
-    /// Number of the picture of which they were made, and both forms.
-    made: Mutex<(u64, MetricTexts)>,
-}
-
-/// What is served.
-#[derive(Clone, Debug, Default)]
-struct MetricTexts {
-    open: Bytes,
-    plain: Bytes,
-}
-
-impl Metering {
-    /// Of a control.
-    pub(crate) fn new(client: &Client, is_published: bool) -> Self {
-        let status = &client.latest().status;
-        let metrics = ControlMetrics::of(client.machine(), status, is_published);
-        Self { metrics: Mutex::new(metrics), made: Mutex::default() }
-    }
-
-    fn texts(&self, picture: &Picture, publisher: Option<&Publisher>) -> MetricTexts {
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        if made.0 != picture.number {
-            let metrics = self.metrics.lock().unwrap_or_else(PoisonError::into_inner);
-            let published = publisher.map(Publisher::status);
-            let open = metrics.text(&picture.status, published.as_ref());
-            drop(metrics);
-            let plain = text::plain(&open);
-            *made = (picture.number, MetricTexts { open: open.into(), plain: plain.into() });
-        }
-        made.1.clone()
-    }
-}
 
 /// Events are counted, until the control has ended.
 pub(crate) async fn feed(app: Arc<App>, metering: Arc<Metering>) {
@@ -81,10 +44,7 @@ fn count(app: &App, metering: &Metering, after: u64) -> u64 {
         let picture = app.client.latest();
         let program =
             picture.status.program.as_ref().map(|program| app.folder.shown(&program.name));
-        let mut metrics = metering.metrics.lock().unwrap_or_else(PoisonError::into_inner);
-        for event in &events {
-            metrics.count(event, program.as_deref().unwrap_or_default());
-        }
+        metering.count(&events, program.as_deref().unwrap_or_default());
     }
     last
 }

@@ -1,5 +1,5 @@
 //! Metrics of what is published to an MQTT broker.
-use super::registry::{Adding, raise};
+use super::adding::{Adding, raise};
 use crate::mqtt::PublishStatus;
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::gauge::Gauge;

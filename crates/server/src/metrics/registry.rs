@@ -2,6 +2,7 @@
 //!
 //! Counters and histograms are made of events, so that nothing is missed between two requests;
 //! gauges of the latest picture. No label has values without a limit.
+use super::adding::{Adding, BinEnds, Binned, Labels, Level, raise};
 use super::process;
 use super::publishing::PublishMetrics;
 use crate::mqtt::PublishStatus;
@@ -10,19 +11,14 @@ use control::operation::hosted::Journaled;
 use control::operation::{EmergencyStop, Event, Execution, Mode, Status};
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
-use prometheus_client::metrics::family::{Family, MetricConstructor};
+use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
-use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
-use prometheus_client::registry::{Metric, Registry, Unit};
+use prometheus_client::registry::{Registry, Unit};
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicU64;
 use store::machine::MachineFile;
 use verify::{Feature, FeatureKind, Verdict};
-
-type Labels = Vec<(&'static str, String)>;
-type Level = Gauge<f64, AtomicU64>;
-type Binned = Family<Labels, Histogram, BinEnds>;
 
 /// Programs that are told apart by name; later ones are `other`.
 const MOST_PROGRAMS: usize = 50;
@@ -39,43 +35,6 @@ const FAILED: &str = "failed";
 const NOT_JUDGED: &str = "not_judged";
 const COMPLETED: &str = "completed";
 const GIVEN_UP: &str = "given_up";
-
-/// A histogram with these upper ends.
-#[derive(Clone, Copy)]
-struct BinEnds(&'static [f64]);
-
-impl MetricConstructor<Histogram> for BinEnds {
-    fn new_metric(&self) -> Histogram {
-        Histogram::new(self.0.iter().copied())
-    }
-}
-
-/// Adds metrics to a registry, and gives each back.
-pub(super) struct Adding<'a>(&'a mut Registry);
-
-impl Adding<'_> {
-    pub(super) fn one<M: Metric + Clone>(&mut self, name: &str, help: &str, metric: M) -> M {
-        self.0.register(name, help, metric.clone());
-        metric
-    }
-
-    fn of<M: Metric + Clone>(&mut self, (name, unit): (&str, Unit), help: &str, metric: M) -> M {
-        self.0.register_with_unit(name, help, unit, metric.clone());
-        metric
-    }
-
-    fn level(&mut self, name: (&str, Unit), help: &str) -> Level {
-        self.of(name, help, Level::default())
-    }
-
-    pub(super) fn counter(&mut self, name: &str, help: &str) -> Counter {
-        self.one(name, help, Counter::default())
-    }
-
-    fn bins(&mut self, name: (&str, Unit), help: &str, bins: BinEnds) -> Binned {
-        self.of(name, help, Family::new_with_constructor(bins))
-    }
-}
 
 /// How the control is.
 struct StateMetrics {
@@ -265,11 +224,6 @@ impl ServoThreadMetrics {
         raise(&self.unobserved, figures.unobserved);
         raise(&self.clock_resets, figures.set_anew);
     }
-}
-
-/// A counter that is counted elsewhere.
-pub(super) fn raise(counter: &Counter, to: u64) {
-    counter.inc_by(to.saturating_sub(counter.get()));
 }
 
 /// All of them.

@@ -27,7 +27,7 @@ mod topics;
 
 pub use address::{BrokerAddress, BrokerLogin, TopicPrefix};
 
-use crate::mtconnect::Monitoring;
+use crate::monitoring::Monitoring;
 use crate::tokens::hex;
 use control::clock::now;
 use link::Link;
