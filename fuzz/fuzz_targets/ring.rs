@@ -67,7 +67,7 @@ fn read(side: &mut ServoSide, set_ups: &mut SetUps) {
         count += 1;
         assert!(count < MOST);
     }
-    assert!(side.silence(1) <= 1);
+    assert!(side.silence(1, 1) <= 2);
     assert!(!before || side.is_damaged());
     let _ = (side.is_ended(), side.steps_waiting());
 }

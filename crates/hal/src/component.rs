@@ -125,14 +125,14 @@ impl Component {
         self.time_ns += period_ns;
         self.period.store(period_ns, Release);
         self.made.period(period_ns);
-        self.change_sessions();
+        self.change_sessions(period_ns);
         let feedback = self.pins.read(Time::s(self.time_ns as f64 / 1e9));
         self.follow_spindles(&feedback, period_ns);
         let Some(session) = &mut self.session else {
             return self.pins.off();
         };
         let leaves = self.is_leaving.then_some(FaultKind::ComponentUnloaded);
-        let lost = leaves.or_else(|| session.is_lost());
+        let lost = leaves.or_else(|| session.is_lost(period_ns));
         if let Some(kind) = lost {
             session.seat.kernel.report_control(kind);
         }
@@ -186,12 +186,12 @@ impl Component {
     }
 
     /// A session that is over and stands makes place for the next one.
-    fn change_sessions(&mut self) {
+    fn change_sessions(&mut self, period_ns: u64) {
         if let Some(session) = &mut self.session
             && self.stood_ns >= STANDS_NS
             && (session.seat.rings.is_ended()
                 || self.is_leaving
-                || !self.begin.is_empty() && session.is_lost().is_some())
+                || !self.begin.is_empty() && session.is_lost(period_ns).is_some())
             && !self.over.is_full()
             && let Some(session) = self.session.take()
         {
@@ -210,8 +210,8 @@ impl Component {
 
 impl ControlSession {
     /// Its control is gone, or not to be believed.
-    fn is_lost(&mut self) -> Option<FaultKind> {
-        let silent = self.seat.rings.silence(ffi::now_ns());
+    fn is_lost(&mut self, period_ns: u64) -> Option<FaultKind> {
+        let silent = self.seat.rings.silence(ffi::now_ns(), period_ns);
         if self.seat.rings.is_damaged() {
             Some(FaultKind::ControlSenseless)
         } else if silent > self.most_silent_ns || self.seat.rings.is_ended() {

@@ -80,9 +80,10 @@ pub struct ServoSide {
     steps: RingReader,
     said: RingWriter,
     records: RingWriter,
-    /// The control's sign of life, when it has changed last, and how long ago that was.
+    /// The control's sign of life, when it was looked at last, and for how long it has been the
+    /// same.
     alive: u64,
-    heard_ns: i64,
+    looked_ns: Option<i64>,
     silent_ns: i64,
     /// A message that cannot be: nothing of this control is believed from then on.
     is_damaged: bool,
@@ -101,7 +102,7 @@ impl ServoSide {
             said: RingWriter::new(memory, layout::SAID),
             records: RingWriter::new(memory, layout::RECORDS),
             alive: memory.words()[head::ALIVE].load(Acquire),
-            heard_ns: 0,
+            looked_ns: None,
             silent_ns: 0,
             is_damaged: false,
             bytes: Box::new([0; LONGEST_STEP]),
@@ -134,15 +135,23 @@ impl ServoSide {
         self.is_damaged
     }
 
-    /// For how long the control has shown no sign of life by this time of a clock, ns. Not by a
-    /// count of periods: a servo thread that was held up runs many at once.
-    pub fn silence(&mut self, now_ns: i64) -> i64 {
+    /// For how long the control has shown no sign of life by this time of a clock, ns, seen from a
+    /// thread that looks each period.
+    ///
+    /// Not by a count of periods: a servo thread that was held up runs many at once. Nor by the
+    /// clock alone: while a computer stands still, the control cannot show a sign of life either,
+    /// so that from one look to the next two periods count at most.
+    pub fn silence(&mut self, now_ns: i64, period_ns: u64) -> i64 {
         let alive = self.word(head::ALIVE).load(Acquire);
         let is_of_this = (alive >> 32) as u32 == self.session;
-        if is_of_this && alive != self.alive || self.heard_ns == 0 {
-            (self.alive, self.heard_ns) = (alive, now_ns);
+        let most = i64::try_from(period_ns).unwrap_or(i64::MAX).saturating_mul(2);
+        let since = self.looked_ns.map_or(0, |looked| now_ns.saturating_sub(looked).min(most));
+        self.looked_ns = Some(now_ns);
+        if is_of_this && alive != self.alive {
+            (self.alive, self.silent_ns) = (alive, 0);
+        } else {
+            self.silent_ns = self.silent_ns.saturating_add(since.max(0));
         }
-        self.silent_ns = now_ns.saturating_sub(self.heard_ns);
         self.silent_ns
     }
 

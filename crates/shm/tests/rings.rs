@@ -124,10 +124,27 @@ fn a_control_that_asks_for_a_session_is_no_sign_of_life_of_the_one_before_it() {
     let mut side = shm::ServoSide::new(&made, 1);
     let mut after = |session: u64, count: u64, now_ns: i64| {
         control.words()[ALIVE].store(session << 32 | count, Relaxed);
-        side.silence(now_ns)
+        side.silence(now_ns, 1_000_000)
     };
     assert_eq!(after(1, 1, 1_000), 0);
     assert_eq!(after(1, 2, 2_000), 0, "it is alive");
     assert_eq!(after(2, 3, 3_000), 1_000, "it has been killed, and another one asks");
     assert_eq!(after(2, 4, 9_000), 7_000);
+}
+
+#[test]
+fn a_computer_that_stood_still_makes_no_control_silent() {
+    const PERIOD: i64 = 1_000_000;
+    let name = format!("test-still-{}", std::process::id());
+    let made = shm::make(&name, 7, 1).unwrap();
+    let mut side = shm::ServoSide::new(&made, 1);
+    let mut look = |now_ns: i64| side.silence(now_ns, PERIOD as u64);
+    assert_eq!(look(PERIOD), 0);
+    // nothing has run for three seconds; then the periods that were missed run at once
+    assert_eq!(look(3_000 * PERIOD), 2 * PERIOD);
+    assert!((0..100).all(|k| look(3_000 * PERIOD + k * 1_000) < 3 * PERIOD));
+    // a control that is gone is silent for as long as the servo thread looks
+    let begun = 3_001 * PERIOD;
+    let found = (1..=50).map(|k| look(begun + k * PERIOD)).last();
+    assert!(found.is_some_and(|ns| (50 * PERIOD..54 * PERIOD).contains(&ns)), "{found:?}");
 }

@@ -25,6 +25,8 @@ const LOOK: Duration = Duration::from_micros(500);
 /// A component that has not counted a period for so long is not moved by HAL any more; a computer
 /// without a real-time kernel that is busy holds its threads up for less.
 const STANDS_STILL: Duration = Duration::from_secs(2);
+/// From one look to the next no more counts of that: a computer that stands still moves nothing.
+const HELD_UP: Duration = Duration::from_millis(20);
 /// For so long a session may take to begin: the one before comes to rest first.
 const BEGINS: Duration = Duration::from_secs(10);
 /// For so long the component may take to let go.
@@ -41,8 +43,11 @@ struct Bridge {
     rings: ServoRings,
     metrics: Arc<ServoMetrics>,
     unobserved: u64,
-    /// The last count of its periods, and when it was new.
-    seen: (u64, Instant),
+    /// The last count of its periods, when that was looked at, and for how long it has been the
+    /// same.
+    periods: u64,
+    looked: Instant,
+    stands_still: Duration,
 }
 
 /// Begin a session with the component, and then hand on until told to stop.
@@ -57,8 +62,8 @@ pub(super) fn start(
 ) -> Result<JoinHandle<WhatReturns>, String> {
     let Plant::Hal(drives) = &mut *machine else { return Err("these are no drives of HAL".into()) };
     let side = begin(drives, &kernel)?;
-    let seen = (side.periods(), now());
-    let mut bridge = Bridge { side, rings, metrics, unobserved: 0, seen };
+    let (periods, looked, stands_still) = (side.periods(), now(), Duration::ZERO);
+    let mut bridge = Bridge { side, rings, metrics, unobserved: 0, periods, looked, stands_still };
     let thread = std::thread::Builder::new().name("hal".into());
     let thread = thread.spawn(move || {
         let _over = over;
@@ -113,13 +118,17 @@ impl Bridge {
     /// The component is there, and HAL moves it.
     fn is_moved(&mut self) -> Result<(), String> {
         let (periods, at) = (self.side.periods(), now());
-        if periods != self.seen.0 {
-            self.seen = (periods, at);
+        let since = (at - self.looked).min(HELD_UP);
+        self.looked = at;
+        if periods == self.periods {
+            self.stands_still += since;
+        } else {
+            (self.periods, self.stands_still) = (periods, Duration::ZERO);
         }
         if !self.side.is_ours() {
             return Err("the HAL component has ended the session".into());
         }
-        if at - self.seen.1 > STANDS_STILL {
+        if self.stands_still > STANDS_STILL {
             return Err("HAL does not call leadscrew.update any more: its threads are stopped, or the component is unloaded".into());
         }
         Ok(())
