@@ -3,7 +3,7 @@
 
 hal-judge.py SAMPLES PITCH BOTTOM DEPTH TAPS
 hal-judge.py threads SAMPLES PITCH FROM TO PASSES SLOWEST FASTEST
-hal-judge.py oriented SAMPLES DEGREES...
+hal-judge.py oriented SAMPLES DEGREES[:TURNED]...
 hal-judge.py times MHZ NAME TIMES [NAME TIMES...]
 hal-judge.py beside OURS THEIRS PITCH START BOTTOM DEPTH TAPS
 
@@ -17,7 +17,7 @@ Z + PITCH * revolutions there, of which whole pitches are left out. It fails unl
 rev/min, within 3 um of one another.
 
 Oriented: it fails unless the spindle stands at these angles within its turn, one after the other, each for a quarter of a second
-and within 0.3 degrees.
+and within 0.3 degrees, having TURNED so many degrees since the one before, where that is said.
 
 Beside: the same program by two controls on the same plant, a row of a table for each tap. Between its arrival at START and its return
 there Z goes down to BOTTOM, and what is judged is the travel within DEPTH of BOTTOM. Ripple is what Z's acceleration changes by from
@@ -129,14 +129,22 @@ def oriented(path, degrees):
         # a drive may creep on by some counts
         if k == len(turns) or abs(turns[k] - turns[at]) > 6 * COUNT:
             if k - at >= least:
-                stands.append((turns[(at + k) // 2] % 1.0) * 360)
+                stands.append(turns[(at + k) // 2] * 360)
             at = k
-    left = list(degrees)
+    left, before = list(degrees), None
     for stand in stands:
-        if left and abs((stand - left[0] + 180) % 360 - 180) <= 0.3:
-            print(f"the spindle stands at {stand:.2f} degrees: {left.pop(0):g} was ordered")
+        if not left:
+            break
+        to, _, turned = left[0].partition(":")
+        if abs((stand - float(to) + 180) % 360 - 180) > 0.3:
+            continue
+        if turned and (before is None or abs(stand - before - float(turned)) > 0.6):
+            continue
+        came = "" if before is None else f", {stand - before:+.2f} from where it stood before"
+        print(f"the spindle stands at {stand % 360:.2f} degrees{came}: {left.pop(0)} was ordered")
+        before = stand
     if left:
-        sys.exit(f"the spindle has not stood at {left[0]:g} degrees in {path}: only at {[round(stand, 2) for stand in stands]}")
+        sys.exit(f"the spindle has not stood at {left[0]} degrees in {path}: only at {[round(stand, 2) for stand in stands]}")
 
 
 COUNT = 1 / 4096  # revolution
@@ -238,7 +246,7 @@ def main():
         numbers = [float(word) for word in sys.argv[4:]]
         return beside(sys.argv[2], sys.argv[3], *numbers[:4], int(numbers[4]))
     if sys.argv[1] == "oriented":
-        return oriented(sys.argv[2], [float(word) for word in sys.argv[3:]])
+        return oriented(sys.argv[2], sys.argv[3:])
     if sys.argv[1] == "threads":
         numbers = [float(word) for word in sys.argv[3:]]
         return threads(sys.argv[2], *numbers[:3], int(numbers[3]), *numbers[4:])

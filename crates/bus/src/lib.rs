@@ -13,7 +13,9 @@
 //! an axis' force is positive along the axis; a spindle turns positive clockwise seen from behind
 //! (M3).
 #![no_std]
-use units::{Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Spin, Time, Torque};
+use units::{
+    Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Orientation, Spin, Time, Torque,
+};
 
 /// Axes a machine may have, in the order X Y Z A B C U V W.
 pub const AXES: usize = 9;
@@ -140,7 +142,7 @@ pub struct SpindleCommand {
     pub torque: Torque,
     /// A drive that orients the spindle by itself shall bring it to this angle within a turn, and
     /// hold it there.
-    pub orient: Option<Angle>,
+    pub orient: Option<Orientation>,
     /// Its drive has said that it stands there: it may be locked.
     pub locked: bool,
 }

@@ -2,7 +2,7 @@
 use crate::{Arc, Axis, CamOrder, Hob, Polygon, Position, Span};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use units::{Angle, Lead, LeadGrowth, Length, Speed, Spin, SpinAccel, Time};
+use units::{Angle, Lead, LeadGrowth, Length, Orientation, Speed, Spin, SpinAccel, Time};
 
 /// One operation and the text it came from.
 #[derive(Clone, Debug, PartialEq)]
@@ -259,7 +259,12 @@ pub enum SpindleOrder {
         limit: Option<Spin>,
     },
     /// M19.
-    Orient(Angle),
+    Orient {
+        /// The angle, and how the spindle comes there.
+        to: Orientation,
+        /// For so long at most; `None`: as long as the machine gives it.
+        longest: Option<Time>,
+    },
     /// Throw the chips off the tool on the way from this hole to the next.
     ThrowChips(ChipRemoval),
 }

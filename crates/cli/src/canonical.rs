@@ -12,6 +12,7 @@ use control::job::{Operations, Session, read_program};
 use diag::Diagnostic;
 use serde_json::{Value, json};
 use std::io::{self, BufWriter, Write};
+use units::{Time, TurnDirection};
 
 /// Print them; true if the program is not refused.
 pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
@@ -275,9 +276,17 @@ fn spindle_order(spindle: u8, order: SpindleOrder) -> Value {
             "axis": chips.axis.letter().to_string(),
             "from_mm": chips.level.value(),
         }),
-        SpindleOrder::Orient(angle) => {
-            json!({ "op": "orient", "spindle": spindle, "angle_deg": angle.in_deg() })
-        }
+        SpindleOrder::Orient { to, longest } => json!({
+            "op": "orient",
+            "spindle": spindle,
+            "angle_deg": to.angle.in_deg(),
+            "direction": match to.direction {
+                TurnDirection::Shortest => "shortest",
+                TurnDirection::Forward => "forward",
+                TurnDirection::Backward => "backward",
+            },
+            "longest_s": longest.map(Time::value),
+        }),
     }
 }
 

@@ -78,6 +78,11 @@ impl Asked {
         unsafe { self.at::<bool>(name, 'b').read_volatile() }
     }
 
+    pub(crate) fn s32(&self, name: &str) -> i32 {
+        // SAFETY: memory that `hal_pin_s32_new` has leaked for a number.
+        unsafe { self.at::<i32>(name, 's').read_volatile() }
+    }
+
     pub(crate) fn set_bit(&self, name: &str, value: bool) {
         // SAFETY: as for `bit`.
         unsafe { self.at::<bool>(name, 'b').write_volatile(value) }

@@ -12,7 +12,7 @@ use bus::{
     AXES, AxisFeedback, Command, Feedback, Report, SPINDLES, Signals, SpindleCommand,
     SpindleFeedback,
 };
-use units::{Angle, Coordinate, Time};
+use units::{Angle, Coordinate, Orientation, Time, TurnDirection};
 
 /// Pins of an axis.
 #[derive(Debug)]
@@ -41,6 +41,7 @@ struct SpindlePins {
     pos_cmd: Pin<f64>,
     orient: Pin<bool>,
     orient_angle: Pin<f64>,
+    orient_mode: Pin<i32>,
     is_oriented: Pin<bool>,
     orient_fault: Pin<i32>,
     locked: Pin<bool>,
@@ -288,6 +289,7 @@ impl SpindlePins {
             pos_cmd: output(hal, &name("pos-cmd"))?,
             orient: output(hal, &name("orient"))?,
             orient_angle: output(hal, &name("orient-angle"))?,
+            orient_mode: output(hal, &name("orient-mode"))?,
             is_oriented: input(hal, &name("is-oriented"))?,
             orient_fault: input(hal, &name("orient-fault"))?,
             locked: output(hal, &name("locked"))?,
@@ -309,8 +311,14 @@ impl SpindlePins {
         self.reverse.set(rps < 0.0);
         self.brake.set(!enable || told.locked);
         let orient = told.orient.filter(|_| enable);
-        if let Some(angle) = orient {
+        if let Some(Orientation { angle, direction }) = orient {
             self.orient_angle.set(angle.in_deg().rem_euclid(360.0));
+            // as LinuxCNC's component `orient` takes it
+            self.orient_mode.set(match direction {
+                TurnDirection::Shortest => 0,
+                TurnDirection::Forward => 1,
+                TurnDirection::Backward => 2,
+            });
         }
         self.orient.set(orient.is_some() && !told.locked);
         self.locked.set(orient.is_some() && told.locked);

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use units::{Angle, Time};
+use units::{Angle, Orientation, Time, TurnDirection};
 
 /// Ramps of the converter, rev/s².
 const RAMP: f64 = 66.7;
@@ -329,19 +329,24 @@ fn a_drive_that_orients_the_spindle_has_the_pins_of_linuxcnc() {
     let mut pins = Pins::new(&hal, &crate::parameters::read().unwrap()).unwrap();
     let instantly =
         ObeysAfter { axes: [Time::ZERO; bus::AXES], spindles: [Time::ZERO; bus::SPINDLES] };
-    let mut write = |orient: Option<f64>, locked: bool| {
+    let mut write = |orient: Option<(f64, TurnDirection)>, locked: bool| {
         let mut command = Command::default();
-        let orient = orient.map(Angle::deg);
+        let orient = orient.map(|(at, direction)| Orientation { angle: Angle::deg(at), direction });
         command.spindles[0] =
             SpindleCommand { enable: true, orient, locked, ..SpindleCommand::default() };
         pins.write(&command, &Report::default(), &instantly, [false; bus::SPINDLES]);
         fake::with(|hal| {
             let bit = |name: &str| hal.bit(&format!("spindle.0.{name}"));
-            ((bit("orient"), bit("locked"), bit("brake")), hal.float("spindle.0.orient-angle"))
+            let to = (hal.float("spindle.0.orient-angle"), hal.s32("spindle.0.orient-mode"));
+            ((bit("orient"), bit("locked"), bit("brake")), to)
         })
     };
-    assert_eq!(write(Some(-90.0), false), ((true, false, false), 270.0));
-    assert_eq!(write(Some(-90.0), true), ((false, true, true), 270.0));
+    let (shortest, on, back) =
+        (TurnDirection::Shortest, TurnDirection::Forward, TurnDirection::Backward);
+    assert_eq!(write(Some((-90.0, shortest)), false), ((true, false, false), (270.0, 0)));
+    assert_eq!(write(Some((-90.0, shortest)), true), ((false, true, true), (270.0, 0)));
+    assert_eq!(write(Some((10.0, on)), false).1, (10.0, 1));
+    assert_eq!(write(Some((10.0, back)), false).1, (10.0, 2));
     assert_eq!(write(None, false).0, (false, false, false));
     fake::with(|hal| hal.set_bit("spindle.0.is-oriented", true));
     let said = pins.read(Time::ZERO).spindles[0];

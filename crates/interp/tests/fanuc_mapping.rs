@@ -210,8 +210,8 @@ fn story(program: &str, setup: &Setup) -> Vec<String> {
         OpKind::Rapid { to } => Some(format!("rapid {:?}", to.linear.map(units::Length::value))),
         OpKind::Line { to, .. } => Some(format!("feed {:?}", to.linear.map(units::Length::value))),
         OpKind::Dwell { time } => Some(format!("wait {}", time.value())),
-        OpKind::Spindle { order: SpindleOrder::Orient(angle), .. } => {
-            Some(format!("stand at {}", angle.in_deg()))
+        OpKind::Spindle { order: SpindleOrder::Orient { to, .. }, .. } => {
+            Some(format!("stand at {}", to.angle.in_deg()))
         }
         OpKind::Spindle { order: SpindleOrder::Turn(spin), .. } => {
             Some(format!("turn {}", spin.in_rpm().round()))

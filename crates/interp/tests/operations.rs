@@ -3,7 +3,7 @@
 use crate::shop::{ends, near, ops_of, refused, shop, tool};
 use canon::{Axis, Feed, Op, OpKind, PathMode, Plane, SpindleOrder, ToolKind, ToolLibrary};
 use interp::{Ops, Setup};
-use units::{Angle, Length, Spin, Time};
+use units::{Angle, Length, Spin, Time, TurnDirection};
 
 #[test]
 fn a_work_offset_moves_the_program_and_g53_does_not_care() {
@@ -261,4 +261,21 @@ fn a_profile_with_an_error_is_not_cut_however_often_it_is_called() {
     let all: Vec<Op> = ops.by_ref().collect();
     assert_eq!(ops.diagnostics().iter().map(|d| d.code).collect::<Vec<_>>(), ["I0203"]);
     assert!(all.iter().all(|op| !matches!(op.kind, OpKind::Line { .. })), "{all:?}");
+}
+
+#[test]
+fn m19_says_where_which_way_round_and_for_how_long() {
+    let order = |block: &str| {
+        let ops = ops_of(&shop(), block);
+        ops.iter().find_map(|op| match op.kind {
+            OpKind::Spindle { order: SpindleOrder::Orient { to, longest }, .. } => {
+                Some((to.angle.in_deg(), to.direction, longest.map(Time::value)))
+            }
+            _ => None,
+        })
+    };
+    assert_eq!(order("M19 R90"), Some((90.0, TurnDirection::Shortest, None)));
+    assert_eq!(order("M19 R90 P0"), Some((90.0, TurnDirection::Shortest, None)));
+    assert_eq!(order("M19 R90 P1 Q2.5"), Some((90.0, TurnDirection::Forward, Some(2.5))));
+    assert_eq!(order("M19 Q4 P2 R210"), Some((210.0, TurnDirection::Backward, Some(4.0))));
 }

@@ -34,7 +34,7 @@ use crate::waits::{
 use bus::{Feedback, State};
 use motion::WayOut;
 use sync::Phase;
-use units::Spin;
+use units::{Orientation, Spin, Time};
 
 /// What an activity may look at and write to.
 pub(crate) struct Context<'a> {
@@ -76,7 +76,7 @@ pub(crate) enum Activity {
     /// Waiting for a spindle's speed.
     AwaitingSpeed { spindle: u8, waited_s: f64 },
     /// Waiting for a spindle's angle.
-    AwaitingAngle { spindle: u8, angle: units::Angle, waited_s: f64 },
+    AwaitingAngle { spindle: u8, to: Orientation, longest: Option<Time>, waited_s: f64 },
     /// Waiting until a tool is put in by hand and confirmed.
     ChangingByHand { tool: u32 },
     /// Waiting for an input; whether it has been the other way, for how long.
@@ -291,9 +291,9 @@ impl Activity {
                 *waited_s += dt;
                 await_speed(*spindle, *waited_s, drives, context)
             }
-            Self::AwaitingAngle { spindle, angle, waited_s } => {
+            Self::AwaitingAngle { spindle, to, longest, waited_s } => {
                 *waited_s += dt;
-                await_angle(*spindle, *angle, *waited_s, drives, context)
+                await_angle(*spindle, (*to, *longest), *waited_s, drives, context)
             }
             Self::Changing { tool, waited_s } => {
                 *waited_s += dt;
@@ -392,10 +392,10 @@ fn begin_spindle(
             Activity::AtOnce
         }
         SpindleStep::AwaitSpeed => Activity::AwaitingSpeed { spindle, waited_s: 0.0 },
-        SpindleStep::Orient(angle) => {
+        SpindleStep::Orient { to, longest } => {
             drives.in_force[index] = Spin::ZERO;
             drives.removals[index] = None;
-            Activity::AwaitingAngle { spindle, angle: *angle, waited_s: 0.0 }
+            Activity::AwaitingAngle { spindle, to: *to, longest: *longest, waited_s: 0.0 }
         }
     })
 }

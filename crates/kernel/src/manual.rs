@@ -13,7 +13,7 @@ use crate::drives::{Drives, Finding};
 use crate::waits::is_not_oriented;
 use bus::{AXES, SPINDLES};
 use motion::{Goal, OnlineLimits, OnlineState};
-use units::{Angle, Spin, Time};
+use units::{Angle, Orientation, Spin, Time};
 
 /// How one axis is moved by hand, in its own unit and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +117,7 @@ impl Manual {
             match turning {
                 Some(SpindleByHand::To(angle, waited_s)) if !rests => {
                     *waited_s += period_s;
-                    spindle.hold(Some(*angle));
+                    spindle.hold(Some(Orientation::shortest(*angle)));
                     if spindle.held().is_some() {
                         *turning = None;
                     } else {

@@ -31,7 +31,7 @@ use sync::{
     Verdict,
 };
 use transport::Transport;
-use units::{Angle, Length, Spin, Time};
+use units::{Angle, Length, Orientation, Spin, Time};
 
 /// A tap under way.
 #[derive(Clone, Debug)]
@@ -379,7 +379,7 @@ impl TapRun {
         };
         match self.cycle.ask(tap, Time::ZERO) {
             Ask::Rest => spindle.stop(),
-            Ask::Hold(angle) => spindle.hold(angle),
+            Ask::Hold(angle) => spindle.hold(angle.map(Orientation::shortest)),
             Ask::Angle(now) => {
                 let s = spindle.lookahead_s();
                 let ahead = turned(rotation(s).unwrap_or(now), learnt(s).1);

@@ -9,7 +9,7 @@ use crate::queue::StepKind;
 use crate::record_requests::{Permission, RECORD_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::waiting::WaitFor;
-use units::{Angle, Time};
+use units::{Angle, Orientation, Time};
 
 /// A tool goes into the work only when its way out is written down, where that is done.
 pub(crate) fn record(
@@ -116,7 +116,7 @@ pub(crate) fn await_speed(
 
 pub(crate) fn await_angle(
     spindle: u8,
-    angle: units::Angle,
+    (to, longest): (Orientation, Option<Time>),
     waited_s: f64,
     drives: &mut Drives,
     context: &mut Context,
@@ -124,12 +124,13 @@ pub(crate) fn await_angle(
     let Some(control) = &mut drives.spindles[usize::from(spindle)] else {
         return Ok(Progress::Done(0.0));
     };
-    control.hold(Some(angle));
+    control.hold(Some(to));
     if control.held().is_some() {
         context.note(EventKind::SpindleOriented { spindle });
         return Ok(Progress::Done(0.0));
     }
-    is_not_oriented(spindle, control, waited_s, context.config.waits.oriented)?;
+    let limit = longest.unwrap_or(context.config.waits.oriented);
+    is_not_oriented(spindle, control, waited_s, limit)?;
     Ok(Progress::Busy)
 }
 

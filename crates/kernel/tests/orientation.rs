@@ -5,7 +5,7 @@ use bus::{Command, Feedback, Machine, Truth};
 use kernel::{Config, FaultKind, OwnRamps, Prediction, SyncMode};
 use plan::{SpindleStep, StepKind};
 use sim::{PlainDrive, SimulatedMachine};
-use units::{Angle, Spin, SpinAccel, Time};
+use units::{Angle, Orientation, Spin, SpinAccel, Time, TurnDirection};
 
 const RAMP: SpinAccel = SpinAccel::rev_per_s2(67.0);
 const DELAY: Time = Time::s(0.02);
@@ -66,11 +66,22 @@ impl<F: Fn(&Command, &mut Feedback)> Machine for Answers<F> {
 
 /// M3 S1000, then M19 at each of these angles, then M3 again, on a drive that answers so.
 fn oriented_on(angles: &[f64], answer: impl Fn(&Command, &mut Feedback)) -> Run {
+    let to = |degrees: &f64| Orientation::shortest(Angle::deg(*degrees));
+    let all: Vec<_> = angles.iter().map(to).collect();
+    oriented_to(&all, None, answer)
+}
+
+/// The same by these ways, each within this time.
+fn oriented_to(
+    all: &[Orientation],
+    longest: Option<Time>,
+    answer: impl Fn(&Command, &mut Feedback),
+) -> Run {
     let (machine, control) = mill();
     let mut steps = vec![turn(0.0, 1000.0), await_speed(), turn(1000.0, 0.0), await_speed()];
-    let orient = |degrees: &f64| SpindleStep::Orient(Angle::deg(*degrees));
-    for at in angles {
-        steps.push(StepKind::Spindle { spindle: 0, order: orient(at) });
+    for to in all {
+        let order = SpindleStep::Orient { to: *to, longest };
+        steps.push(StepKind::Spindle { spindle: 0, order });
         steps.push(StepKind::Dwell(Time::s(0.05)));
     }
     steps.extend([turn(0.0, 500.0), await_speed(), StepKind::End]);
@@ -99,7 +110,7 @@ fn the_drive_is_asked_when_the_spindle_stands_and_let_go_when_it_shall_turn() {
             );
         }
         if now.locked && !before.locked {
-            let angle = now.orient.expect("it is told").in_deg();
+            let angle = now.orient.expect("it is told").angle.in_deg();
             let stands = within_turn(pair[1].spindle(0).value() - angle / 360.0) * 360.0;
             assert!(stands.abs() < 0.1, "{stands} degrees off {angle}");
             locked.push(angle);
@@ -124,6 +135,43 @@ fn a_drive_that_never_says_so_is_an_alarm_after_the_time_that_it_is_given() {
     );
     assert!(text.contains(" s, limit 3.0000 s"), "{text}");
     assert!(seen.samples.last().expect("one").command.spindles[0].orient.is_none());
+}
+
+#[test]
+fn a_program_that_says_how_long_it_waits_is_taken_at_its_word() {
+    let to = [Orientation::shortest(Angle::deg(90.0))];
+    let never = |_: &Command, feedback: &mut Feedback| feedback.spindles[0].oriented = false;
+    let seen = oriented_to(&to, Some(Time::s(1.5)), never);
+    let text = seen.kernel.faults()[0].to_string();
+    assert!(text.contains("alarm 302") && text.contains(" s, limit 1.5000 s"), "{text}");
+}
+
+/// How far the spindle turned from where its drive was asked to where it stood, rev, for each.
+fn turned_by_the_drive(all: &[Orientation]) -> Vec<f64> {
+    let seen = oriented_to(all, None, |_, _| {});
+    assert_eq!(seen.kernel.faults(), []);
+    let (mut from, mut found) = (0.0, Vec::new());
+    for pair in seen.samples.windows(2) {
+        let [before, now] = [&pair[0].command.spindles[0], &pair[1].command.spindles[0]];
+        if now.orient.is_some() && before.orient.is_none() {
+            from = pair[1].spindle(0).value();
+        }
+        if now.locked && !before.locked {
+            found.push(pair[1].spindle(0).value() - from);
+        }
+    }
+    found
+}
+
+#[test]
+fn the_drive_turns_it_in_the_direction_that_it_is_told() {
+    let to = |degrees: f64, direction| Orientation { angle: Angle::deg(degrees), direction };
+    let (on, back) = (TurnDirection::Forward, TurnDirection::Backward);
+    let turned = turned_by_the_drive(&[to(0.0, on), to(90.0, on), to(120.0, back), to(60.0, on)]);
+    for (found, expected) in turned[1..].iter().zip([0.25, 30.0 / 360.0 - 1.0, 300.0 / 360.0]) {
+        assert!((found - expected).abs() < 2e-3, "{turned:?}");
+    }
+    assert_eq!(turned.len(), 4);
 }
 
 #[test]

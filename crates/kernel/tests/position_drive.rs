@@ -5,7 +5,7 @@ use bus::{Command, Feedback, Machine, State};
 use kernel::{Config, EncoderCheckControl, Fault, FaultKind};
 use plan::{SpindleStep, StepKind};
 use sim::SimulatedMachine;
-use units::{Angle, Spin, Time};
+use units::{Angle, Orientation, Spin, Time};
 
 /// A machine whose spindle is, a period later, where it was told to be; what its encoder counts is
 /// so many times that.
@@ -58,7 +58,13 @@ fn control_of(is_checked: bool) -> Config {
 }
 
 fn orient(degrees: f64) -> StepKind {
-    StepKind::Spindle { spindle: 0, order: SpindleStep::Orient(Angle::deg(degrees)) }
+    StepKind::Spindle {
+        spindle: 0,
+        order: SpindleStep::Orient {
+            to: Orientation::shortest(Angle::deg(degrees)),
+            longest: None,
+        },
+    }
 }
 
 /// M3, M19, a tap, M4, M5, one after the other.

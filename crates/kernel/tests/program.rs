@@ -6,7 +6,7 @@ use kernel::{EventKind, Full, Kernel, Pause, QUEUE};
 use motion::{Move, Path, Phase, Profile};
 use plan::{SpindleStep, Step, StepKind};
 use sim::{Tool, ToolKind};
-use units::{Angle, Length, Spin, Time};
+use units::{Angle, Length, Orientation, Spin, Time, TurnDirection};
 
 const ZERO: Position = Position::xyz(0.0, 0.0, 0.0);
 
@@ -108,7 +108,10 @@ fn the_spindle_comes_to_speed_is_awaited_and_stops_again() {
 
 #[test]
 fn a_turning_spindle_that_is_oriented_stops_and_is_held_at_the_angle() {
-    let orient = StepKind::Spindle { spindle: 0, order: SpindleStep::Orient(Angle::deg(135.0)) };
+    let orient = StepKind::Spindle {
+        spindle: 0,
+        order: SpindleStep::Orient { to: Orientation::shortest(Angle::deg(135.0)), longest: None },
+    };
     let seen = run_here(&[turn(0.0, 3000.0), await_speed(), orient, StepKind::End]);
     let angle = seen.samples.last().unwrap().spindle(0).value();
     let off = Angle::rev(angle - 0.375 - (angle - 0.375).round());
@@ -117,6 +120,23 @@ fn a_turning_spindle_that_is_oriented_stops_and_is_held_at_the_angle() {
     let slowest =
         seen.samples.iter().map(|s| s.truth.unwrap().spins[0].in_rpm()).fold(0.0, f64::min);
     assert!(slowest > -310.0, "{slowest} rpm");
+}
+
+#[test]
+fn a_held_spindle_turns_to_its_next_angle_in_the_direction_that_it_is_told() {
+    let orient = |degrees: f64, direction| {
+        let to = Orientation { angle: Angle::deg(degrees), direction };
+        StepKind::Spindle { spindle: 0, order: SpindleStep::Orient { to, longest: None } }
+    };
+    let (on, back) = (TurnDirection::Forward, TurnDirection::Backward);
+    for (direction, expected) in [(on, 330.0), (back, -30.0), (TurnDirection::Shortest, -30.0)] {
+        let first = run_here(&[orient(90.0, TurnDirection::Shortest), StepKind::End]);
+        let both = [orient(90.0, TurnDirection::Shortest), orient(60.0, direction), StepKind::End];
+        let seen = run_here(&both);
+        let stood = |run: &Run| Angle::rev(run.samples.last().unwrap().spindle(0).value());
+        let turned = (stood(&seen) - stood(&first)).in_deg();
+        assert!((turned - expected).abs() < 0.2, "{direction:?}: {turned}°");
+    }
 }
 
 #[test]

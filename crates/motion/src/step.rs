@@ -3,7 +3,7 @@ use crate::{
     Borrowed, GearStep, InputWait, Instant, Output, Path, Phase, Piece, ProbeEnd, Profile, Storage,
     Superpose, SurfaceSpeed, TapPlan, ThreadStretch, WayOut,
 };
-use units::{Angle, Axis, Length, Spin, Time};
+use units::{Angle, Axis, Length, Orientation, Spin, Time};
 
 /// Most bytes in a step whose storage takes no more than a reference for a plan.
 pub const STEP_BYTES: usize = 256;
@@ -274,8 +274,13 @@ pub enum SpindleStep<S: Storage> {
     },
     /// Wait until the spindle is within its at-speed window of the ordered speed (or at rest).
     AwaitSpeed,
-    /// Stop at this angle within a turn and hold it there.
-    Orient(Angle),
+    /// Stop at an angle within a turn and hold it there.
+    Orient {
+        /// The angle, and how the spindle comes there.
+        to: Orientation,
+        /// For so long at most; `None`: as long as the machine gives it.
+        longest: Option<Time>,
+    },
     /// Throw chips off while the axes go on; go on to the next step at once.
     Throw(S::Of<ChipThrow>),
 }

@@ -171,7 +171,7 @@ impl<From: Storage> SpindleStep<From> {
                 SpindleStep::Surface { surface: *surface, ramp: by.ramp(ramp)? }
             }
             Self::AwaitSpeed => SpindleStep::AwaitSpeed,
-            Self::Orient(angle) => SpindleStep::Orient(*angle),
+            Self::Orient { to, longest } => SpindleStep::Orient { to: *to, longest: *longest },
             Self::Throw(plan) => SpindleStep::Throw(by.chip_removal(plan)?),
         })
     }

@@ -68,7 +68,7 @@ impl Clock {
                     }
                 }
                 SpindleStep::AwaitSpeed => self.elapsed = self.elapsed.max(self.ready_at),
-                SpindleStep::Orient(_) => {}
+                SpindleStep::Orient { .. } => {}
                 SpindleStep::Throw(throw) => {
                     self.throw = Some(**throw);
                     self.ready_at = self.ready_at.max(self.elapsed + throw_lasts(throw, limits));

@@ -126,7 +126,7 @@ impl Heat {
                         state.takes(heat, 0.0, drive);
                         state.spin = throw.then.value();
                     }
-                    SpindleStep::AwaitSpeed | SpindleStep::Orient(_) => {}
+                    SpindleStep::AwaitSpeed | SpindleStep::Orient { .. } => {}
                 }
             }
             StepKind::Tap(tap) => {

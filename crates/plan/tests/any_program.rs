@@ -6,7 +6,7 @@ use motion::Shape;
 use plan::{Planner, Start, preflight};
 use plan::{SpindleStep, Step, StepKind};
 use proptest::prelude::*;
-use units::{Angle, Lead, Speed, Spin, Time};
+use units::{Angle, Lead, Orientation, Speed, Spin, Time};
 
 /// Mostly sensible numbers, and all that f64 has besides.
 fn number(span: f64) -> impl Strategy<Value = f64> {
@@ -75,7 +75,10 @@ fn op() -> impl Strategy<Value = OpKind> {
             spindle,
             order: SpindleOrder::Turn(Spin::rpm(x))
         }),
-        Just(OpKind::Spindle { spindle: 0, order: SpindleOrder::Orient(Angle::ZERO) }),
+        Just(OpKind::Spindle {
+            spindle: 0,
+            order: SpindleOrder::Orient { to: Orientation::shortest(Angle::ZERO), longest: None }
+        }),
         (0_u32..9).prop_map(|number| OpKind::ChangeTool { number }),
         number(5.0).prop_map(|x| OpKind::Dwell { time: Time::s(x) }),
         Just(OpKind::PathMode(PathMode::Blend { tolerance: None, merge: None })),
@@ -155,7 +158,9 @@ fn assert_hangs_together(steps: &[Step]) {
                 panic!("this machine's spindle turns the tool")
             }
             StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => awaited = true,
-            StepKind::Spindle { order: SpindleStep::Orient(_), .. } => assert_eq!(spin, Spin::ZERO),
+            StepKind::Spindle { order: SpindleStep::Orient { .. }, .. } => {
+                assert_eq!(spin, Spin::ZERO);
+            }
             StepKind::Spindle { order: SpindleStep::Throw(throw), .. } => {
                 assert!(awaited, "a ramp begins before the last one is over");
                 (spin, awaited) = (throw.then, false);

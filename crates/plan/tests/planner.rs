@@ -7,7 +7,7 @@ use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration, SpindleOrder};
 use motion::Shape;
 use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;
-use units::{Angle, Lead, Length, Time};
+use units::{Angle, Lead, Length, Orientation, Time};
 
 /// Whether a step goes on with the one before, along the same straight line and without a stop
 /// between them: a law with a limit of jerk has more phases than one step holds.
@@ -41,7 +41,7 @@ fn words(steps: &[Step]) -> String {
         }
         StepKind::Spindle { order: SpindleStep::Surface { .. }, .. } => "surface".into(),
         StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
-        StepKind::Spindle { order: SpindleStep::Orient(_), .. } => "orient".into(),
+        StepKind::Spindle { order: SpindleStep::Orient { .. }, .. } => "orient".into(),
         StepKind::Spindle { order: SpindleStep::Throw(throw), .. } => {
             format!("throw {:.0} then {:.0}", throw.throw.in_rpm(), throw.then.in_rpm())
         }
@@ -117,7 +117,10 @@ fn a_spindle_that_turns_is_stopped_and_awaited_before_a_tap() {
 
 #[test]
 fn a_spindle_that_is_oriented_stays_so_until_it_is_told_to_turn_again() {
-    let orient = || OpKind::Spindle { spindle: 0, order: SpindleOrder::Orient(Angle::deg(90.0)) };
+    let orient = || OpKind::Spindle {
+        spindle: 0,
+        order: SpindleOrder::Orient { to: Orientation::shortest(Angle::deg(90.0)), longest: None },
+    };
     let dwell = || OpKind::Dwell { time: Time::s(1.0) };
     let ops = [turn(600.0), dwell(), orient(), dwell(), rapid(5.0, 0.0, 0.0), turn(500.0), dwell()];
     assert_eq!(

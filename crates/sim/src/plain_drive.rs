@@ -15,7 +15,7 @@
 //! is given one by [`crate::SimulatedMachine::with_plain_drive`].
 use crate::rng::Rng;
 use core::f64::consts::TAU;
-use units::{Angle, Spin, SpinAccel, Time};
+use units::{Orientation, Spin, SpinAccel, Time, TurnDirection};
 
 /// A drive with its scatter; every scatter is one standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,9 +57,10 @@ pub(crate) struct Relay {
     decel: f64,
     speed_factor: f64,
     target: f64,
-    /// The angle within a turn that it brings the spindle to, rev; since when it is told that, s;
-    /// it stands there.
-    orients_to: Option<f64>,
+    /// The angle within a turn that it brings the spindle to; the place where that is, counted on
+    /// through whole turns, rev; since when it is told that, s; it stands there.
+    orients_to: Option<Orientation>,
+    turns_to: Option<f64>,
     told_s: f64,
     is_there: bool,
 }
@@ -78,16 +79,18 @@ impl Relay {
             speed_factor: 1.0,
             target: 0.0,
             orients_to: None,
+            turns_to: None,
             told_s: 0.0,
             is_there: false,
         }
     }
 
     /// It shall orient the spindle, or no longer.
-    pub(crate) fn orient(&mut self, to: Option<Angle>) {
-        let to = to.map(Angle::value).filter(|to| to.is_finite() && self.model.orients.is_some());
+    pub(crate) fn orient(&mut self, to: Option<Orientation>) {
+        let to = to.filter(|to| to.angle.is_finite() && self.model.orients.is_some());
         if to != self.orients_to {
             (self.orients_to, self.told_s, self.is_there) = (to, 0.0, false);
+            self.turns_to = None;
         }
     }
 
@@ -97,10 +100,18 @@ impl Relay {
     }
 
     /// Speed after a step of `h` seconds on the way to the angle, from `at`, rev.
-    fn step_to_angle(&mut self, omega: f64, at: f64, to: f64, h: f64) -> f64 {
+    fn step_to_angle(&mut self, omega: f64, at: f64, to: Orientation, h: f64) -> f64 {
         let (spin, accel) = self.model.orients.unwrap_or((Spin::ZERO, SpinAccel::ZERO));
         let (most, accel) = (spin.in_rad_per_s(), accel.value() * TAU);
-        let left = (to - at - (to - at).round()) * TAU;
+        let to = *self.turns_to.get_or_insert_with(|| {
+            let on = (to.angle.value() - at).rem_euclid(1.0);
+            at + match to.direction {
+                TurnDirection::Backward => on - 1.0,
+                TurnDirection::Shortest if on > 0.5 => on - 1.0,
+                TurnDirection::Shortest | TurnDirection::Forward => on,
+            }
+        });
+        let left = (to - at) * TAU;
         self.is_there = left.abs() < ORIENTED * TAU && omega.abs() < accel * h;
         // as fast as it can still brake from, and no further than there
         let fast = (2.0 * accel * left.abs()).sqrt().min(most).min(left.abs() / h);
@@ -151,6 +162,8 @@ impl Relay {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use TurnDirection::{Backward, Forward, Shortest};
+    use units::Angle;
 
     const STEP: f64 = 25e-6;
 
@@ -203,14 +216,20 @@ mod tests {
     }
 
     #[test]
-    fn it_orients_by_the_shorter_way_and_says_so_when_it_stands_there() {
+    fn it_orients_as_it_is_told_and_says_so_when_it_stands_there() {
         let orients = Some((Spin::rpm(100.0), SpinAccel::rev_per_s2(10.0)));
-        for (from, to, way) in
-            [(0.1, 0.3, 0.2), (0.1, 0.9, -0.2), (7.75, 0.25, -0.5), (3.0, 0.0, 0.0)]
-        {
+        for (from, to, direction, way) in [
+            (0.1, 0.3, Shortest, 0.2),
+            (0.1, 0.9, Shortest, -0.2),
+            (7.75, 0.25, Shortest, 0.5),
+            (3.0, 0.0, Shortest, 0.0),
+            (0.1, 0.3, Forward, 0.2),
+            (0.1, 0.3, Backward, -0.8),
+            (5.1, 0.9, Forward, 0.8),
+        ] {
             let mut relay = Relay::new(PlainDrive { orients, ..exact() }, Rng::new(1));
             let (mut omega, mut at, mut time) = (0.0, from, 0.0);
-            relay.orient(Some(Angle::rev(to)));
+            relay.orient(Some(Orientation { angle: Angle::rev(to), direction }));
             while !relay.is_oriented() && time < 3.0 {
                 let before: f64 = omega;
                 omega = relay.step(omega, at, STEP);
@@ -218,10 +237,12 @@ mod tests {
                 time += STEP;
             }
             let turned: f64 = at - from;
-            assert!((turned.abs() - f64::abs(way)).abs() < 1e-3, "{from} to {to}: {turned} rev");
-            // up and down at 10 rev/s²: 2·√(way/10), as it does not come to its speed within 0.14
-            // rev
-            let least = 2.0 * (f64::abs(way) / 10.0).sqrt();
+            assert!((turned - way).abs() < 1e-3, "{from} to {to}: {turned} rev");
+            // up and down at 10 rev/s², at most 100 rev/min: it comes to that within 0.14 rev
+            let (way, most) = (f64::abs(way), 100.0 / 60.0);
+            let ramps = most * most / 10.0;
+            let least =
+                if way < ramps { 2.0 * (way / 10.0).sqrt() } else { way / most + most / 10.0 };
             assert!(time >= least * 0.9 && time < least + 0.2, "{from} to {to}: {time} s");
             relay.orient(None);
             assert!(!relay.is_oriented());

@@ -22,6 +22,7 @@
 
 mod axes;
 mod coordinate;
+mod orientation;
 mod quantity;
 mod spread;
 
@@ -29,6 +30,7 @@ pub use axes::{Arc, Axis, Plane, Position, Ratio};
 pub use coordinate::{
     AxisKind, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Reading, SpeedReading,
 };
+pub use orientation::{Orientation, TurnDirection};
 use quantity::{product, quantity};
 pub use spread::{Distribution, FARTHEST_DEVIATIONS, Per, Spread};
 

@@ -1,7 +1,7 @@
 //! What is said.
 use bus::{AXES, Command, Feedback, SPINDLES, Truth};
 use serde::{Deserialize, Serialize, Serializer};
-use units::{Angle, Length, Time};
+use units::{Length, Time};
 
 /// Longest name.
 const LONGEST_NAME: usize = 255;
@@ -183,7 +183,7 @@ fn obeys(command: &Command) -> bool {
         .iter()
         .all(|axis| axis.position.is_finite() && axis.speed.is_finite() && axis.force.is_finite());
     let spindles = command.spindles.iter().all(|spindle| {
-        let turned = spindle.orient.is_none_or(Angle::is_finite);
+        let turned = spindle.orient.is_none_or(|to| to.angle.is_finite());
         spindle.angle.is_finite()
             && spindle.spin.is_finite()
             && spindle.torque.is_finite()

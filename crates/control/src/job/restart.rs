@@ -84,7 +84,7 @@ impl InForce {
                     self.spindles.retain(|(which, ..)| which != spindle);
                     self.spindles.push((*spindle, *order, op.span));
                 }
-                SpindleOrder::Orient(_) | SpindleOrder::ThrowChips(_) => {}
+                SpindleOrder::Orient { .. } | SpindleOrder::ThrowChips(_) => {}
             },
             OpKind::Coolant { .. } => self.coolant = Some(op.kind.clone()),
             OpKind::PathMode(_) | OpKind::Overrides { .. } => self.mode = Some(op.kind.clone()),

@@ -408,7 +408,7 @@ fn sentence(session: &Session, op: &Op) -> Option<String> {
             SpindleOrder::ConstantSurfaceSpeed { speed, .. } => {
                 format!("spindle {spindle}: G96, {:.0} m/min", speed.value().abs() * 0.06)
             }
-            SpindleOrder::Orient(_) | SpindleOrder::ThrowChips(_) => return None,
+            SpindleOrder::Orient { .. } | SpindleOrder::ThrowChips(_) => return None,
         },
         OpKind::Coolant { mist, flood } => match (mist, flood) {
             (false, false) => "coolant off".into(),

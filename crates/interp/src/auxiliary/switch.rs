@@ -9,6 +9,7 @@ use crate::{
     words::Words,
 };
 use diag::Diagnostic;
+use units::TurnDirection;
 
 /// G96 without D: no limit. LinuxCNC says it with this number.
 pub(crate) const NO_SPEED_LIMIT: f64 = 1e30;
@@ -183,15 +184,18 @@ fn orient<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) -> Ou
         return refuse("I0606", words.span(b'R'), text);
     }
     let mode = words.whole(b'P', 2)?.unwrap_or(0) as u8;
-    modes.spindle.turning = None;
-    out.say(&Call::SpindleOrient { angle, mode });
-    if let Some(longest) = words.get(b'Q') {
-        if longest <= 0.0 {
-            let text = format!("M19 waits Q seconds at most: more than 0, found {longest}");
-            return refuse("I0607", words.span(b'Q'), text);
-        }
-        out.say(&Call::WaitOriented(longest));
+    let longest = words.get(b'Q');
+    if let Some(longest) = longest.filter(|longest| *longest <= 0.0) {
+        let text = format!("M19 waits Q seconds at most: more than 0, found {longest}");
+        return refuse("I0607", words.span(b'Q'), text);
     }
+    let direction = match mode {
+        1 => TurnDirection::Forward,
+        2 => TurnDirection::Backward,
+        _ => TurnDirection::Shortest,
+    };
+    modes.spindle.turning = None;
+    out.say(&Call::SpindleOrient { angle, direction, mode, longest });
     Ok(())
 }
 

@@ -13,6 +13,7 @@ pub use orders::{CamCall, ControlPoint, HobOrder, PolygonOrder, StrokeZone, Tool
 
 use canon::{InputWait, Output, Plane};
 use diag::Span;
+use units::TurnDirection;
 
 /// Where a call comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -281,15 +282,18 @@ pub enum Call<'a> {
     SpindleTurn(Sense),
     /// M5.
     SpindleStop,
-    /// M19 R, P.
+    /// M19 R, P, Q.
     SpindleOrient {
         /// Degrees.
         angle: f64,
-        /// 0 shortest way, 1 clockwise, 2 counter-clockwise.
+        /// How it comes there.
+        direction: TurnDirection,
+        /// The number that LinuxCNC's call has for that: 0, 1 and 2 of M19, 2 and 3 of a cycle that
+        /// turns on clockwise and counter-clockwise.
         mode: u8,
+        /// Longest wait for it, seconds.
+        longest: Option<f64>,
     },
-    /// M19 Q: longest wait for it, seconds.
-    WaitOriented(f64),
     /// T.
     SelectTool(u32),
     /// M6 begins.

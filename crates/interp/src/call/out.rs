@@ -77,10 +77,9 @@ impl<S: Sink> Out<'_, S> {
             Call::SpindleMode(limit) => Waiting::Call(Call::SpindleMode(limit)),
             Call::SpindleTurn(sense) => Waiting::Call(Call::SpindleTurn(sense)),
             Call::SpindleStop => Waiting::Call(Call::SpindleStop),
-            Call::SpindleOrient { angle, mode } => {
-                Waiting::Call(Call::SpindleOrient { angle, mode })
+            Call::SpindleOrient { angle, direction, mode, longest } => {
+                Waiting::Call(Call::SpindleOrient { angle, direction, mode, longest })
             }
-            Call::WaitOriented(longest) => Waiting::Call(Call::WaitOriented(longest)),
             Call::Mist(on) => Waiting::Call(Call::Mist(on)),
             Call::Flood(on) => Waiting::Call(Call::Flood(on)),
             _ => return self.sink.call(&self.place, call),

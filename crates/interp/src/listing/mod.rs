@@ -312,11 +312,11 @@ impl<W: Write> Listing<W> {
                 self.text(place, &format!("SET_SPINDLE_MODE(0 {limit:.4})"));
             }
             Call::SpindleTurn(sense) => self.turn(place, *sense),
-            Call::SpindleOrient { angle, mode } => {
+            Call::SpindleOrient { angle, mode, longest, .. } => {
                 self.text(place, &format!("ORIENT_SPINDLE(0, {angle:.4}, {mode})"));
-            }
-            Call::WaitOriented(longest) => {
-                self.text(place, &format!("SPINDLE.0.WAIT_ORIENT_COMPLETE({longest:.4})"));
+                if let Some(longest) = longest {
+                    self.text(place, &format!("SPINDLE.0.WAIT_ORIENT_COMPLETE({longest:.4})"));
+                }
             }
             Call::SelectTool(number) => self.text(place, &format!("SELECT_TOOL({number})")),
             Call::ChangeTool(number) => self.text(place, &format!("CHANGE_TOOL({number})")),

@@ -9,7 +9,7 @@ use crate::{
 };
 use canon::{Await, InputWait, OpKind, SpindleOrder, UserCode};
 use diag::{Diagnostic, Span};
-use units::{Angle, MM_PER_INCH, Speed, Spin};
+use units::{Angle, MM_PER_INCH, Orientation, Speed, Spin, Time};
 
 /// Millimetres in a foot, the unit of surface speed with G20.
 const MM_PER_FOOT: f64 = 12.0 * MM_PER_INCH;
@@ -38,9 +38,11 @@ pub(crate) fn order_or_mode(resolver: &mut Resolver, call: &Call<'_>, span: Span
             resolver.spindle.sense = None;
             say_spindle(resolver, span);
         }
-        Call::SpindleOrient { angle, .. } => {
+        Call::SpindleOrient { angle, direction, longest, .. } => {
             resolver.spindle.sense = None;
-            order_spindle(resolver, SpindleOrder::Orient(Angle::deg(*angle)), span);
+            let to = Orientation { angle: Angle::deg(*angle), direction: *direction };
+            let longest = longest.map(Time::s);
+            order_spindle(resolver, SpindleOrder::Orient { to, longest }, span);
         }
         Call::SelectTool(number) => resolver.push(span, OpKind::SelectTool { number: *number }),
         Call::ChangeTool(number) => change_tool(resolver, *number, span),

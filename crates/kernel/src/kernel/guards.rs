@@ -17,7 +17,7 @@ use crate::setpoint_monitor::Led;
 use crate::track::Track;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use motion::THREADING_AXES;
-use units::{Angle, Axis};
+use units::Axis;
 
 impl Kernel {
     /// Whether the feedback is new.
@@ -140,7 +140,7 @@ fn unusable(command: &Command) -> Option<Subject> {
         !(axis.position.is_finite() && axis.speed.is_finite() && axis.force.is_finite())
     });
     let spindle = command.spindles.iter().position(|spindle| {
-        let turned = spindle.orient.is_none_or(Angle::is_finite);
+        let turned = spindle.orient.is_none_or(|to| to.angle.is_finite());
         !(spindle.angle.is_finite()
             && spindle.spin.is_finite()
             && spindle.torque.is_finite()

@@ -29,9 +29,11 @@ impl Kernel {
             (Activity::AwaitingSpeed { spindle, waited_s }, _) => {
                 of(WaitFor::SpindleSpeed(*spindle), *waited_s, Some(waits.at_speed))
             }
-            (Activity::AwaitingAngle { spindle, waited_s, .. }, _) => {
-                of(WaitFor::SpindleAngle(*spindle), *waited_s, Some(waits.oriented))
-            }
+            (Activity::AwaitingAngle { spindle, waited_s, longest, .. }, _) => of(
+                WaitFor::SpindleAngle(*spindle),
+                *waited_s,
+                Some(longest.unwrap_or(waits.oriented)),
+            ),
             (Activity::Changing { tool, waited_s }, _) => {
                 of(WaitFor::Tool(*tool), *waited_s, Some(waits.tool_change))
             }

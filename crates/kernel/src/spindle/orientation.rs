@@ -12,13 +12,13 @@
 use super::{SpindleLoop, Task};
 use bus::SpindleFeedback;
 use sync::{Blend, Rotation};
-use units::Angle;
+use units::{Angle, Orientation};
 
 /// A drive that orients the spindle by itself, at work.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ByDrive {
-    /// The angle within a turn that it is told.
-    pub(super) to: Angle,
+    /// What it is told.
+    pub(super) to: Orientation,
     /// For so long, s.
     told_s: f64,
     /// It has said that it is there.
@@ -31,14 +31,14 @@ impl SpindleLoop {
     /// The angle at which it is held, once it is.
     pub(crate) fn held(&self) -> Option<Angle> {
         if let Task::OrientedByDrive(drive) = self.order {
-            return drive.is_there.then_some(drive.to);
+            return drive.is_there.then_some(drive.to.angle);
         }
         let within = self.error.abs() <= self.control.windows.oriented.value();
         (matches!(self.order, Task::Held) && within && self.at_rest()).then_some(self.ordered.angle)
     }
 
     /// The angle within a turn that its drive shall bring it to by itself.
-    pub(super) const fn told_to_orient(&self) -> Option<Angle> {
+    pub(super) const fn told_to_orient(&self) -> Option<Orientation> {
         match self.order {
             Task::OrientedByDrive(drive) => Some(drive.to),
             _ => None,
@@ -55,12 +55,12 @@ impl SpindleLoop {
 
     /// Hold it, at an angle within a turn or where it stands. It should stand; if it does not, it
     /// is stopped first and the call repeated.
-    pub(crate) fn hold(&mut self, angle: Option<Angle>) {
+    pub(crate) fn hold(&mut self, to: Option<Orientation>) {
         match self.order {
             Task::Turn(..) => return,
             Task::Held => {}
             Task::LedAngle => self.order = Task::Held,
-            Task::OrientedByDrive(drive) if angle == Some(drive.to) => return,
+            Task::OrientedByDrive(drive) if to == Some(drive.to) => return,
             // a drive takes an angle when it is asked anew: it is let go for a period
             Task::OrientedByDrive(_) => return self.stop(),
             Task::Slew(_) | Task::Ramp(..) | Task::LedSpeed | Task::Brake => {
@@ -68,7 +68,7 @@ impl SpindleLoop {
                     return self.stop();
                 }
                 self.release();
-                if let (true, Some(to)) = (self.control.orients, angle) {
+                if let (true, Some(to)) = (self.control.orients, to) {
                     let drive = ByDrive { to, told_s: 0.0, is_there: false, fault: None };
                     self.order = Task::OrientedByDrive(drive);
                     return;
@@ -80,13 +80,13 @@ impl SpindleLoop {
                 self.order = Task::Held;
             }
         }
-        let Some(angle) = angle else { return };
-        let from = self.ordered.angle.value();
-        let turns = angle.value() - from;
-        let to = from + turns - libm::round(turns);
-        if (to - from).abs() > 1e-9 {
+        let Some(to) = to else { return };
+        let from = self.ordered.angle;
+        let to = to.from(from, self.control.windows.oriented);
+        if (to - from).abs() > Angle::rev(1e-9) {
             let (spin, accel) = self.control.orient;
-            self.order = Task::Turn(Blend::new(from, to, spin.value(), accel.value()), 0.0);
+            let turn = Blend::new(from.value(), to.value(), spin.value(), accel.value());
+            self.order = Task::Turn(turn, 0.0);
         }
     }
 

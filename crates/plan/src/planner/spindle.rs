@@ -32,7 +32,7 @@ impl Planner {
         let spin = match order {
             SpindleOrder::Stop => Spin::ZERO,
             SpindleOrder::Turn(spin) => *spin,
-            SpindleOrder::Orient(_)
+            SpindleOrder::Orient { .. }
                 if self.limits.tapping.own_ramps.is_some_and(|own| !own.orients) =>
             {
                 let text = "expected M3, M4 or M5: the drive of this spindle is only told a speed, and cannot stop at an angle";
@@ -40,11 +40,11 @@ impl Planner {
                 let found = Diagnostic::error("M0337", job.span, text).with_help(help);
                 return self.findings.add(found);
             }
-            SpindleOrder::Orient(angle) => {
+            SpindleOrder::Orient { to, longest } => {
                 self.rest(job, usize::from(index));
                 // what was in force before turns it no more
                 self.spindles[usize::from(index)].order(Spin::ZERO);
-                let order = SpindleStep::Orient(*angle);
+                let order = SpindleStep::Orient { to: *to, longest: *longest };
                 return self.hand_on(job, StepKind::Spindle { spindle: index, order });
             }
             SpindleOrder::ThrowChips(chips) => {

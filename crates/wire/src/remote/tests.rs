@@ -5,7 +5,10 @@ use crate::{LONGEST, VERSION};
 use bus::{AXES, Machine, SPINDLES};
 use proptest::prelude::*;
 use std::collections::VecDeque;
-use units::{Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Spin, Torque};
+use units::{
+    Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Orientation, Spin, Torque,
+    TurnDirection,
+};
 
 /// A stream whose other end was written beforehand.
 #[derive(Debug, Default)]
@@ -91,7 +94,7 @@ fn command() -> Command {
         angle: Angle::rev(-3.25),
         spin: Spin::rpm(-1000.0),
         torque: Torque::n_m(4.5),
-        orient: Some(Angle::deg(90.0)),
+        orient: Some(Orientation { angle: Angle::deg(90.0), direction: TurnDirection::Backward }),
         locked: true,
     };
     command.outputs.switch(3, true);
@@ -274,7 +277,7 @@ fn a_command_that_no_drive_can_obey_is_no_command() {
         |c, wrong| c.spindles[1].angle = Angle::rev(wrong),
         |c, wrong| c.spindles[1].spin = Spin::rev_per_s(wrong),
         |c, wrong| c.spindles[1].torque = Torque::n_m(wrong),
-        |c, wrong| c.spindles[1].orient = Some(Angle::rev(wrong)),
+        |c, wrong| c.spindles[1].orient = Some(Orientation::shortest(Angle::rev(wrong))),
         |c, wrong| c.outputs.analogue[0] = wrong,
         |c, wrong| c.coupled.as_mut().unwrap().place = Length::mm(wrong),
         |c, wrong| c.coupled.as_mut().unwrap().lead = Lead::mm_per_rev(wrong),

@@ -15,6 +15,7 @@ use crate::{
     cycles::holes::pattern::{Pattern, at_level},
     modes::Modes,
 };
+use units::TurnDirection;
 
 /// G85.
 pub(crate) fn feed_out<S: Sink>(pattern: &Pattern, hole: &CycleHole, out: &mut Out<'_, S>) {
@@ -61,9 +62,12 @@ pub(crate) fn out_by_hand<S: Sink>(
 
 /// The spindle stops at angle 0, turning on in its sense.
 pub(crate) fn hold_spindle<S: Sink>(modes: &Modes, out: &mut Out<'_, S>) {
-    let mode = if modes.spindle.turning == Some(Sense::Clockwise) { 2 } else { 3 };
+    let (direction, mode) = match modes.spindle.turning {
+        Some(Sense::Clockwise) => (TurnDirection::Forward, 2),
+        _ => (TurnDirection::Backward, 3),
+    };
     out.say(&Call::SpindleStop);
-    out.say(&Call::SpindleOrient { angle: 0.0, mode });
+    out.say(&Call::SpindleOrient { angle: 0.0, direction, mode, longest: None });
 }
 
 /// It turns as it did before.
