@@ -2,7 +2,7 @@
 use super::engagement::{ToolEngagement, deflection};
 use super::field::Field;
 use super::milled::{HeightMap, Largest, Milled, MillingPlace, RapidCut};
-use super::verdict::{Seen, force_basis, verdict};
+use super::verdict::{Noticed, force_basis, verdict};
 use crate::judged::Judged;
 use crate::{Config, Contact};
 use canon::{Tool, ToolKind};
@@ -32,7 +32,7 @@ pub(super) struct Found {
     spin_max: f64,
     pub(super) rapids: Vec<RapidCut>,
     pub(super) rapid_count: usize,
-    pub(super) seen: Seen,
+    pub(super) seen: Noticed,
 }
 
 fn most(of: &mut Most, value: f64, place: MillingPlace) {

@@ -9,9 +9,9 @@ use units::Length;
 /// Rapids that are named one by one.
 const NAMED: usize = 3;
 
-/// What says of a mill's use that something is wrong or not known, whatever it has removed.
+/// What was noticed of the use of a mill, whatever it has removed.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct Noticed {
     /// First place of a cut with the spindle at rest.
     pub(super) still: Option<MillingPlace>,
     /// First place of a cut with the spindle turning backwards.
@@ -49,7 +49,7 @@ pub(super) fn extent(block: &Stock) -> String {
     format!("{}, {}, {}", axis(0), axis(1), axis(2))
 }
 
-pub(super) fn verdict(seen: &Seen, milled: &Milled, tool: &Tool, config: &Config) -> Verdict {
+pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Config) -> Verdict {
     let ToolKind::EndMill(mill) = &tool.kind else {
         return Verdict::NotJudged { reason: "no mill".into() };
     };
@@ -112,7 +112,7 @@ fn rapids(milled: &Milled) -> Option<String> {
     }
 }
 
-fn still(seen: &Seen) -> Vec<String> {
+fn still(seen: &Noticed) -> Vec<String> {
     let at_rest = seen.still.map(|at| format!("it cuts with the spindle at rest: {at}"));
     let backwards =
         seen.backwards.map(|at| format!("it cuts with the spindle turning backwards: {at}"));
