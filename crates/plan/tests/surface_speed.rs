@@ -83,7 +83,7 @@ fn a_thread_needs_revolutions_per_minute() {
         surface: Length::mm(-10.0),
     });
     let said = findings_of(lathe(), [surface(Some(2500.0)), thread.clone(), thread]);
-    let refused = "M0355 Error line 2: a thread needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write G97 S… before it";
+    let refused = "M0355 Error line 2: a thread needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write G97 S530 before it, which is its speed at this X"; // 100 m/min / (π·60 mm)
     assert_eq!(said.matches("M0355").count(), 1, "{said}");
     assert!(said.contains(refused), "{said}");
 }

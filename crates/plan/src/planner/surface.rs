@@ -106,8 +106,14 @@ impl Planner {
     }
 
     fn refuse_surface(&mut self, job: &Job, what: &str) {
+        let spindle = self.spindles.get(SPINDLE);
+        let here = spindle.filter(|state| state.surface.is_some()).map(|state| state.ordered);
+        let works = match here.map(|spin| whole_rpm(spin.abs())).filter(|rpm| *rpm > 0.0) {
+            Some(rpm) => format!("G97 S{} before it, which is its speed at this X", number(rpm)),
+            None => "G97 S… before it".into(),
+        };
         let text = format!(
-            "{what} needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write G97 S… before it"
+            "{what} needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write {works}"
         );
         self.findings.add(Diagnostic::error("M0355", job.span, text));
         // what follows is judged as at the speed that there is
