@@ -180,6 +180,11 @@ fn numbers_beside_the_percent_sign_and_simulators_lines_are_fanucs() {
         guess("[BILLET X50 Z80\nO3\nT0101\nG0 X50. Z2.\nG28 U0 W0\nM30\n"),
         Some(Dialect::FanucLatheA)
     );
+    // Denford's simulators state a blank of their lathes without Y, one of their mills with it
+    let lathe = "[BILLET X47.63  Z80\nO3\nG54\nG28\nT0707 M06\nG0 X50 Z-1\nM30\n";
+    assert_eq!(guess(lathe), Some(Dialect::FanucLatheA));
+    let mill = "[BILLET X100 Y60 Z20\nO3\nG54\nT1 M6\nG0 X50 Z-1\nM30\n";
+    assert_eq!(guess(mill), Some(Dialect::Fanuc));
     assert_eq!(guess("O3\nG120.1 P1 Q1\nG0 X1.\nM30\n"), Some(Dialect::Mitsubishi));
 }
 

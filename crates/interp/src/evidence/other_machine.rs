@@ -63,7 +63,8 @@ pub(crate) fn printer(source: &[u8]) -> Option<Diagnostic> {
     )
 }
 
-/// Whether a program turns: it never names Y, and has a code of lathes.
+/// Whether a program turns: it never names Y, and has a code of lathes, or an arc in the plane of X
+/// and Z.
 pub fn is_turned(source: &[u8]) -> bool {
     let mut turns = false;
     for text in source[..source.len().min(BYTES as usize)].split(|byte| *byte == b'\n') {
@@ -71,6 +72,7 @@ pub fn is_turned(source: &[u8]) -> bool {
         if line.has("Y") {
             return false;
         }
+        turns |= line.has("XZIK");
         turns |= line.words.iter().any(|(letter, number, _)| {
             *letter == 'G' && matches!(number.parse(), Ok(7.0 | 8.0 | 18.0 | 33.0 | 76.0 | 96.0))
         });

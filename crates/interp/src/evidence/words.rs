@@ -123,6 +123,9 @@ fn form(line: &Line, first: bool, tell: &mut impl FnMut(Evidence)) {
     }
     if first && code.starts_with('[') && code[1..].starts_with(|c: char| c.is_ascii_alphabetic()) {
         say(Family::Fanuc, 4, "a line for a simulator of Fanuc's controls", code);
+        if code.starts_with("[BILLETX") && code.contains('Z') && !code.contains('Y') {
+            say(Family::FanucLathe, 4, "a round blank: a diameter and a length", code);
+        }
     }
     if code.starts_with(':') && digits(&code[1..]) > 0 {
         say(Family::Fanuc, 4, "a numbered program begins, in the ISO way", code);

@@ -168,6 +168,9 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
 /// What works in the place of a code that is not executed.
 pub(crate) const fn instead(tenths: u16) -> &'static str {
     match tenths {
+        470 => {
+            "the control's own letters are not known here: let the CAM post the strokes of the text, in G0, G1, G2 and G3"
+        }
         434 | 435 => "G43 H_ takes the tool's length along Z",
         620 | 630 => "write G64, or G61 for exact stops",
         661 => "G66 calls the macro after each block that moves, G65 once",
