@@ -99,7 +99,7 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
         _ => first,
     };
     if !is_asked && best.hint.is_none() && errors(&best.found) > 0 {
-        let others = other_readings(&asked, dialect, words, interp::is_turned(text));
+        let others = other_readings(&asked, dialect, words, text);
         let other = without_fault(&asked, dialect, &others, path, text)?;
         match other {
             Some(other) if args.summary => return Ok(other.fitted),
@@ -132,11 +132,17 @@ fn other_readings(
     asked: &ProgramOptions,
     tried: Dialect,
     words: Option<Dialect>,
-    turned: bool,
+    text: &[u8],
 ) -> Vec<Reading> {
+    let turned = interp::is_turned(text);
+    // Grbl's dialect leaves it out, and on a machining centre it ends a scaling
+    let scales = text.windows(3).any(|word| word.eq_ignore_ascii_case(b"G50"));
     let (plain, whole) = (asked.decimal_point, Some(DecimalPoint::Calculator));
     let mut others = match words {
         _ if turned => vec![(Dialect::FanucLatheA, plain), (Dialect::FanucLatheA, whole)],
+        None if scales => {
+            vec![(Dialect::Fanuc, plain), (Dialect::Grbl, plain), (Dialect::Fanuc, whole)]
+        }
         None => vec![(Dialect::Grbl, plain), (Dialect::Fanuc, plain), (Dialect::Fanuc, whole)],
         Some(told) if told.grammar() == gcode::Grammar::Fanuc => vec![(told, whole)],
         Some(_) => Vec::new(),

@@ -33,6 +33,20 @@ fn a_program_tells_how_it_is_read_and_where() {
     assert!(said(&run).contains("NOT JUDGED: of 1 feature, 1 not judged"), "{}", said(&run));
 }
 
+/// The block is 100 by 60 by 20 mm, the zero of G54 its rear left corner; the mill is fed to it
+/// through the air.
+#[test]
+fn a_size_alone_is_laid_where_the_mill_cuts() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "%\nO1\n(STOCK 100X60X20)\n(T1 10. END MILL)\nT1 M6\nG21 G90 G54\nS3000 M3\n\
+                G1 X-10. Y-30. F1000.\nG43 H1 Z5.\nG1 Z-2. F200.\nX110.\nG0 Z50.\nM30\n%\n";
+    fs::write(folder.path().join("plate.nc"), text).unwrap();
+    let words = ["check", "plate.nc", "--dialect", "fanuc", "--missing-tools", "stand-in"];
+    let text = said(&leadscrew(&words, folder.path()));
+    let block = "X 0.00 to 100.00, Y -60.00 to 0.00, Z -20.00 to 0.00 mm of G54";
+    assert!(text.contains("A0110") && text.contains(block), "{text}");
+}
+
 #[test]
 fn a_machine_that_is_too_small_is_said_with_one_that_is_not() {
     let folder = tempfile::tempdir().unwrap();

@@ -92,6 +92,19 @@ fn m_codes_of_a_builder_are_named_let_pass_or_refused() {
     assert_eq!(count(|kind| matches!(kind, OpKind::UserCode(_))), 3);
 }
 
+/// The first block of Tormach's post for Fusion 360.
+#[test]
+fn the_end_of_a_scaling_is_left_out() {
+    let text = "G90 G54 G64 G50 G17 G40 G80 G94 G91.1 G49\nG21\nG50\nG1 X1 F100\nM2\n";
+    let (kinds, found) = read(text, &grbl());
+    assert_eq!(codes(&found), ["I0113"]);
+    assert!(kinds.iter().any(|kind| matches!(kind, OpKind::Line { .. })));
+    let (_, found) = read("G50\nM2\n", &Setup::default());
+    assert_eq!(codes(&found), ["I0102"], "LinuxCNC has no such code");
+    let (_, found) = read("G51 X2\nM2\n", &grbl());
+    assert_eq!(codes(&found), ["I0102"]);
+}
+
 #[test]
 fn a_program_tells_that_it_is_for_grbl() {
     for text in ["$H\nG21\nG0 X1\nM2\n", "(Made with a post for GRBL)\nG21\nG0 X1\nM2\n"] {

@@ -1,15 +1,11 @@
 //! The stock that a program mills: what its comments state, what the machine's file says, or else
-//! as much as the program reaches over, which is said.
+//! as much as the program reaches over, which is said
+//! ([`stock_comments`](super::stock_comments)).
 //!
-//! | comment | read as |
-//! |---|---|
-//! | `(STOCK X0 Y0 Z-20 X100 Y60 Z0)` | two corners |
-//! | `(STOCK/BLOCK, 100, 60, 20, 0, 0, 20)` | size, and where the program's zero lies above the lower corner (`CutViewer`) |
-//! | `(stockMin: 0, 0, -20)` and `(stockMax: 100, 60, 0)` | the corners (a post that writes both) |
-//!
-//! Numbers are in the program's unit and count from G54 as it is when the program begins. A size
-//! without a place (`STOCK DX 4IN DY 2IN DZ 1IN`) is not read: where it lies is not said.
-use super::described::{comments, unit_of};
+//! Where only a size is told, the block is assumed to lie as work is set up: along X and Y with its
+//! middle, its lower or its upper end at the zero of G54, whichever is nearest to where the mills
+//! go; its top at Z0, or its underside where nothing is fed below Z0. That is said, too.
+use super::stock_comments::{Extent, Stated, stated};
 use crate::job::Session;
 use canon::{Op, OpKind, Plane, Position, Tool, ToolKind};
 use diag::{Diagnostic, Span};
@@ -20,21 +16,22 @@ use verify::{MillStock, Stock, StockSource};
 /// cutting through.
 const BESIDE: f64 = 1.5;
 const BELOW: f64 = 2.0;
-/// No stock is larger, mm.
-const LARGEST: f64 = 100_000.0;
+/// Rounding of a program's numbers, mm.
+const ROUNDING: f64 = 1e-6;
 /// Pieces of a turn in which the reach of an arc is looked at.
 const PIECES: f64 = 64.0;
 
-/// A box, mm: ends along X, Y and Z.
-type Extent = [[f64; 2]; 3];
-
 /// What the program says and where its mills are fed.
 pub struct MilledStock {
-    stated: Option<Extent>,
+    stated: Option<Stated>,
     mounted: u32,
     at: Position,
     /// Where tips are fed, and the largest radius of the mills.
     reach: Option<Extent>,
+    /// The same of the places that are no higher than the zero of G54: on the way there a tool may
+    /// be fed through the air from far away.
+    low: Option<Extent>,
+    zero_z: f64,
     radius: f64,
     /// The highest place of the tip at which a mill is fed across.
     across: f64,
@@ -48,10 +45,12 @@ impl MilledStock {
     /// Of a program, on a machine where this tool is in the spindle.
     pub fn new(source: &[u8], session: &Session) -> Self {
         Self {
-            stated: stated(source),
+            stated: stated_by(source),
             mounted: session.tool(),
             at: session.interp_setup().start,
             reach: None,
+            low: None,
+            zero_z: session.work_zero().linear[2].value(),
             radius: 0.0,
             across: f64::NEG_INFINITY,
             first: Span::default(),
@@ -122,9 +121,9 @@ impl MilledStock {
             self.across = self.across.max(start[2]).max(end[2]);
         }
         for at in places.into_iter().filter(|at| at.iter().all(|value| value.is_finite())) {
-            let reach = self.reach.get_or_insert_with(|| at.map(|value| [value, value]));
-            for (ends, value) in reach.iter_mut().zip(at) {
-                *ends = [ends[0].min(value), ends[1].max(value)];
+            widen(&mut self.reach, at);
+            if at[2] <= self.zero_z + ROUNDING {
+                widen(&mut self.low, at);
             }
         }
     }
@@ -134,8 +133,13 @@ impl MilledStock {
         let own = machine_stock(session)?;
         let Some(reach) = self.reach else { return Some(own) };
         let zero = own.block.zero;
-        if let Some(block) = self.stated {
-            return Some(placed(&block, zero, StockSource::Comment));
+        match self.stated {
+            Some(Stated::Block(block)) => return Some(placed(&block, zero, StockSource::Comment)),
+            Some(Stated::Size(size)) => {
+                let block = laid(size, &self.low.unwrap_or(reach), zero.map(Length::value));
+                return Some(placed(&block, zero, StockSource::Size));
+            }
+            None => {}
         }
         if self.fits(&own.block, &reach) {
             return Some(own);
@@ -170,22 +174,29 @@ impl MilledStock {
     /// That the stock is assumed, and which.
     pub fn remark(&self, session: &Session) -> Option<Diagnostic> {
         let stock = self.found(session)?;
-        if stock.source != StockSource::Extent {
-            return None;
-        }
         let axis = |i: usize| {
             let block = &stock.block;
             let [from, to] = [block.from[i], block.to[i]].map(|at| (at - block.zero[i]).value());
             format!("{} {from:.2} to {to:.2}", ['X', 'Y', 'Z'][i])
         };
-        let text = format!(
-            "the stock of the machine's file is not what this program mills: a block as large as its reach is assumed, {}, {}, {} mm of G54",
-            axis(0),
-            axis(1),
-            axis(2)
-        );
+        let block = format!("{}, {}, {} mm of G54", axis(0), axis(1), axis(2));
+        let (code, text) = match stock.source {
+            StockSource::MachineFile | StockSource::Comment => return None,
+            StockSource::Size => (
+                "A0110",
+                format!(
+                    "a comment tells the size of the stock, and not where it lies: it is assumed to lie at {block}"
+                ),
+            ),
+            StockSource::Extent => (
+                "A0109",
+                format!(
+                    "the stock of the machine's file is not what this program mills: a block as large as its reach is assumed, {block}"
+                ),
+            ),
+        };
         let help = "state it: (STOCK X0 Y0 Z-20 X100 Y60 Z0) in the program, two corners in its unit, or [setup.stock] in the machine's file; what is milled out of an assumed stock is never found good";
-        Some(Diagnostic::note("A0109", self.first, text).with_help(help))
+        Some(Diagnostic::note(code, self.first, text).with_help(help))
     }
 
     /// The same of all operations of a program.
@@ -199,7 +210,7 @@ impl MilledStock {
 
     /// What comments state, for a planner: in machine coordinates.
     pub(super) fn stated_in(source: &[u8], session: &Session) -> Option<Stock> {
-        let block = stated(source)?;
+        let Some(Stated::Block(block)) = stated_by(source) else { return None };
         let own = machine_stock(session)?;
         Some(placed(&block, own.block.zero, StockSource::Comment).block)
     }
@@ -225,89 +236,51 @@ fn placed(block: &Extent, zero: [Length; 3], source: StockSource) -> MillStock {
     MillStock { block: Stock { from: end(0), to: end(1), zero }, source }
 }
 
-/// The block that comments state, mm in G54.
-fn stated(source: &[u8]) -> Option<Extent> {
-    let text = String::from_utf8_lossy(&source[..source.len().min(MilledStock::LOOKED_AT)]);
-    let unit = unit_of(&text);
-    let (mut least, mut most) = (None, None);
-    for comment in comments(&text) {
-        let upper = comment.trim().to_ascii_uppercase();
-        if let Some(rest) = upper.strip_prefix("STOCK/BLOCK") {
-            if let [sx, sy, sz, ox, oy, oz] = numbers(rest)[..] {
-                return block([-ox, -oy, -oz], [sx - ox, sy - oy, sz - oz], unit);
-            }
-        } else if let Some(rest) = upper.strip_prefix("STOCKMIN:") {
-            least = <[f64; 3]>::try_from(numbers(rest)).ok();
-        } else if let Some(rest) = upper.strip_prefix("STOCKMAX:") {
-            most = <[f64; 3]>::try_from(numbers(rest)).ok();
-        } else if let Some(rest) = upper.strip_prefix("STOCK ")
-            && let Some([a, b]) = corners(rest)
-        {
-            return block(a, b, unit);
-        }
+/// An extent that also has this place.
+fn widen(extent: &mut Option<Extent>, at: [f64; 3]) {
+    let extent = extent.get_or_insert_with(|| at.map(|value| [value, value]));
+    for (ends, value) in extent.iter_mut().zip(at) {
+        *ends = [ends[0].min(value), ends[1].max(value)];
     }
-    block(least?, most?, unit)
 }
 
-/// A box between two corners; `None`: it has no volume, or none that fits a machine.
-fn block(a: [f64; 3], b: [f64; 3], unit: f64) -> Option<Extent> {
-    let ends = [0, 1, 2].map(|i| [a[i].min(b[i]) * unit, a[i].max(b[i]) * unit]);
-    let fine = |[from, to]: [f64; 2]| to > from && from.abs() < LARGEST && to.abs() < LARGEST;
-    ends.into_iter().all(fine).then_some(ends)
+/// A block of this size, mm in G54, that tips reach over, mm in machine coordinates.
+fn laid(size: [f64; 3], reach: &Extent, zero: [f64; 3]) -> Extent {
+    let across = |i: usize| {
+        let middle = f64::midpoint(reach[i][0], reach[i][1]) - zero[i];
+        let half = size[i] / 2.0;
+        let places = [half, 0.0, -half];
+        let off = |at: &f64| (at - middle).abs();
+        let at = places.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(half);
+        [at - half, at + half]
+    };
+    let below = reach[2][0] < zero[2] - ROUNDING;
+    let z = if below { [-size[2], 0.0] } else { [0.0, size[2]] };
+    [across(0), across(1), z]
 }
 
-/// Numbers between commas.
-fn numbers(text: &str) -> Vec<f64> {
-    let words = text.split([',', ' ']).filter(|word| !word.is_empty());
-    words.map_while(|word| word.parse().ok().filter(|v: &f64| v.is_finite())).collect()
-}
-
-/// X, Y and Z twice over.
-fn corners(text: &str) -> Option<[[f64; 3]; 2]> {
-    let mut found = [Vec::new(), Vec::new(), Vec::new()];
-    for word in text.split_whitespace() {
-        let axis = "XYZ".find(word.chars().next()?)?;
-        found[axis].push(word[1..].parse().ok().filter(|v: &f64| v.is_finite())?);
-    }
-    let [xs, ys, zs] = found;
-    let ([x, a], [y, b], [z, c]) = (&xs[..], &ys[..], &zs[..]) else { return None };
-    Some([[*x, *y, *z], [*a, *b, *c]])
+/// What the comments at a program's beginning state.
+fn stated_by(source: &[u8]) -> Option<Stated> {
+    stated(&String::from_utf8_lossy(&source[..source.len().min(MilledStock::LOOKED_AT)]))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::laid;
 
+    /// The tip goes 5 mm beside the block at each side; the zero of G54 is at X200 Y100 Z50.
     #[test]
-    fn comments_state_the_stock() {
-        let plate = Some([[0.0, 100.0], [-5.0, 60.0], [-20.0, 0.0]]);
-        for text in [
-            "(STOCK X0 Y-5 Z-20 X100 Y60 Z0)\nG0 X0",
-            "%\n(T1 D=6. flat end mill)\n(stock x100 y60 z0 x0 y-5 z-20)",
-            "(STOCK/BLOCK, 100, 65, 20, 0, 5, 20)",
-            "; STOCK/BLOCK,100.0,65.0,20.0,0.0,5.0,20.0",
-            "(stockMin: 0.00, -5.00, -20.00)\n(stockMax: 100.00, 60.00, 0.00)",
-        ] {
-            assert_eq!(stated(text.as_bytes()), plate, "{text}");
-        }
-        let inch = stated(b"G20\n(STOCK X0 Y0 Z-1 X4 Y2 Z0)");
-        assert_eq!(inch, Some([[0.0, 101.6], [0.0, 50.8], [-25.4, 0.0]]));
-    }
-
-    #[test]
-    fn what_states_no_place_is_no_stock() {
-        for text in [
-            "(STOCK 6061AL DX 3.5IN DY 2.0IN DZ 1.0IN)",
-            "(STOCK = 3.6 X 2. X 1.)",
-            "(STOCK/BLOCK, 100, 60, 20)",
-            "(STOCK X0 Y0 Z0 X0 Y60 Z20)",
-            "(STOCK X0 Y0 Z0)",
-            "(STOCK DIAMETER)",
-            "(stockMin: 0, 0, 0)",
-            "(STOCK/BLOCK, 1e300, 1e300, 1e300, 0, 0, 0)",
-            "(STOCK ü)",
-        ] {
-            assert_eq!(stated(text.as_bytes()), None, "{text}");
-        }
+    fn a_size_is_laid_where_the_mills_go() {
+        let zero = [200.0, 100.0, 50.0];
+        let reach = |x: [f64; 2], y: [f64; 2], z: [f64; 2]| [x, y, z];
+        let corner =
+            laid([100.0, 60.0, 20.0], &reach([195.0, 305.0], [95.0, 165.0], [45.0, 60.0]), zero);
+        assert_eq!(corner, [[0.0, 100.0], [0.0, 60.0], [-20.0, 0.0]]);
+        let middle =
+            laid([100.0, 60.0, 20.0], &reach([145.0, 255.0], [65.0, 135.0], [45.0, 60.0]), zero);
+        assert_eq!(middle, [[-50.0, 50.0], [-30.0, 30.0], [-20.0, 0.0]]);
+        let rear =
+            laid([100.0, 60.0, 20.0], &reach([95.0, 205.0], [35.0, 105.0], [50.0, 75.0]), zero);
+        assert_eq!(rear, [[-100.0, 0.0], [-60.0, 0.0], [0.0, 20.0]]);
     }
 }

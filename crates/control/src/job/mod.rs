@@ -17,6 +17,7 @@ pub mod options;
 pub mod preflight;
 pub mod restart;
 mod session;
+mod stock_comments;
 pub mod subprograms;
 pub mod table_notes;
 

@@ -70,6 +70,8 @@ pub(crate) struct Rules {
     pub(crate) has_laser: bool,
     /// S of G4 is a wait in seconds, where no P stands.
     pub(crate) dwells_by_s: bool,
+    /// G50 ends a scaling, of which there is none.
+    pub(crate) ends_scaling: bool,
     /// Letters that may stand where no code takes them: they have no effect there.
     pub(crate) idle: Letters,
     /// R may be too short by so much to reach an arc's end, mm and inches.

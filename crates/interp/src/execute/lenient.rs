@@ -60,6 +60,19 @@ pub(crate) fn dwell_by_s(ex: &mut Executor) -> Outcome {
     Ok(())
 }
 
+/// The end of a scaling that has not begun.
+pub(crate) fn remark_on_scaling(ex: &mut Executor, span: diag::Span) {
+    if ex.idle_told & set("G") != 0 {
+        return;
+    }
+    ex.idle_told |= set("G");
+    let text = "G50 has no effect here, and is left out";
+    ex.remarks.push(
+        diag::Diagnostic::warning("I0113", span, text)
+            .with_help("it ends a scaling, which this dialect does not begin. Said once"),
+    );
+}
+
 /// Words that the dialect takes without effect.
 pub(crate) fn drop_idle(ex: &mut Executor, modal: Letters) {
     let Some((letter, span)) = ex.words.drop_idle(ex.settings.rules.idle, modal) else { return };

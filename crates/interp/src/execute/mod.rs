@@ -97,6 +97,9 @@ fn obey<S: Sink>(
     if ex.settings.rules.has_laser {
         lenient::remark_on_laser(ex);
     }
+    if let Some(span) = ex.words.ends_scaling {
+        lenient::remark_on_scaling(ex, span);
+    }
     if ex.settings.rules.idle != 0 {
         lenient::drop_idle(ex, modal | beside);
     }

@@ -49,6 +49,8 @@ pub(crate) struct Words {
     pub(crate) by_increments: bool,
     /// So much the step to the next hole of a cycle turns, hole by hole, degrees.
     pub(crate) step_turns_deg: f64,
+    /// G50 of a dialect that knows no scaling.
+    pub(crate) ends_scaling: Option<Span>,
     /// How far the block was executed.
     pub(crate) stage: Stage,
 }
@@ -71,6 +73,7 @@ impl Words {
             unread: 0,
             by_increments: false,
             step_turns_deg: 0.0,
+            ends_scaling: None,
             stage: Stage::Words,
         }
     }
@@ -82,6 +85,7 @@ impl Words {
         (self.present, self.unread, self.stage) = (0, 0, Stage::Words);
         (self.cycle_off, self.by_increments) = (false, false);
         self.step_turns_deg = 0.0;
+        self.ends_scaling = None;
         if self.any_code {
             self.g = [NONE; G_GROUPS];
             self.m = [NONE; M_GROUPS];
@@ -112,6 +116,10 @@ impl Words {
         match word.letter {
             b'G' => match self.rules.own_code(value) {
                 Some(own) => self.take_code(own, word.span),
+                None if self.rules.ends_scaling && value == 50.0 => {
+                    self.ends_scaling = Some(word.span);
+                    Ok(())
+                }
                 None => self.take_g(value, word.span),
             },
             b'M' => self.take_m(value, word.span),

@@ -30,6 +30,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "A0109",
         "The stock of the machine's file is not what the program mills: the block that is assumed, and how to state it.",
     ),
+    (
+        "A0110",
+        "A comment tells the size of the stock, and not where it lies: where it is assumed to lie, and how to state it.",
+    ),
     ("A0201", "A lift table makes no cam: the row and what is wrong with it are said."),
     ("A0401", "The oscillation that D asks of the control cannot be computed; why is said."),
     ("A0402", "The kept measurement that E1 asks for is not there; how to measure is said."),

@@ -15,7 +15,8 @@ pub struct Milling {
     pub form: String,
     /// Diameter of the mill.
     pub diameter_mm: Measured,
-    /// Where the stock is known from: "machine file", "comment", "extent" (assumed); null: nowhere.
+    /// Where the stock is known from: "machine file", "comment", "size" (of a comment,
+    /// its place assumed), "extent" (assumed); null: nowhere.
     pub stock: Option<String>,
     /// Side of a cell of the grid.
     pub cell_mm: Measured,

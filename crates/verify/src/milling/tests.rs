@@ -359,6 +359,13 @@ fn what_is_not_known_is_not_judged() {
     assumed.mill_stock.as_mut().unwrap().source = StockSource::Extent;
     let assumed = reason(&cut(assumed));
     assert!(assumed.contains("X 0 to 100, Y 0 to 60, Z -20 to 0 mm of G54"), "{assumed}");
+    let mut sized = flat();
+    sized.mill_stock.as_mut().unwrap().source = StockSource::Size;
+    let sized = reason(&cut(sized));
+    assert!(
+        sized.contains("where the stock lies is assumed, its size a comment's: X 0"),
+        "{sized}"
+    );
     let described = Config {
         described_mills: ToolLibrary::new([Tool {
             stand_in: true,

@@ -53,8 +53,7 @@ pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Con
     let ToolKind::EndMill(mill) = &tool.kind else {
         return Verdict::NotJudged { reason: "no mill".into() };
     };
-    let is_extent = milled.source == Some(StockSource::Extent);
-    let assumed = is_extent || tool.stand_in;
+    let assumed = milled.source.is_some_and(StockSource::is_assumed) || tool.stand_in;
     let mut wrong = Vec::new();
     let rapids = rapids(milled);
     if !assumed {
@@ -65,11 +64,16 @@ pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Con
     let mut unknown = Vec::new();
     match config.mill_stock {
         None => unknown.push(crate::contact::NO_STOCK.to_owned()),
-        Some(stock) if is_extent => unknown.push(format!(
-            "the stock is assumed, as large as the program's extent: {} mm of G54",
-            extent(&stock.block)
-        )),
-        Some(_) => {}
+        Some(stock) => {
+            let how = match stock.source {
+                StockSource::MachineFile | StockSource::Comment => None,
+                StockSource::Size => Some("where the stock lies is assumed, its size a comment's"),
+                StockSource::Extent => {
+                    Some("the stock is assumed, as large as the program's extent")
+                }
+            };
+            unknown.extend(how.map(|how| format!("{how}: {} mm of G54", extent(&stock.block))));
+        }
     }
     if tool.stand_in {
         unknown.push("the mill is assumed, by the program's comment".into());

@@ -6,11 +6,14 @@
 //!   X10 Y5            G0 is in force where a program begins
 //!   (the end)         a program ends where its text does: M2 and M30 may be missing
 //!   G4 S2             waits for two seconds, as Marlin does, with a remark
+//!   G50               the end of a scaling, which never begins here: left out, with a remark
 //!   G2 … K0, D1       words that no code takes have no effect, with a remark
 //! ```
 //!
 //! What Grbl itself lacks (cycles, tool lengths, O-words) is read all the same: grblHAL has most of
 //! it.
+//!
+//! Mach3's and Tormach's posts (`PathPilot`) write G50 in the first block of each program.
 //!
 //! Source: Grbl's documentation, "Grbl v1.1 Interface" and "Commands"; the code lists of `grblHAL`
 //! and `FluidNC`.
@@ -33,6 +36,7 @@ pub(crate) const RULES: Rules = Rules {
     begins_rapidly: true,
     has_laser: true,
     dwells_by_s: true,
+    ends_scaling: true,
     idle: set("DHKPQ"),
     short_radius: [0.005, 0.0002],
     ..linuxcnc::RULES
