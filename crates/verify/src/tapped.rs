@@ -105,7 +105,7 @@ impl Thread {
         self.torque_expected.map(band)
     }
 
-    /// What it expects on the way out, with the same doubt.
+    /// What it expects on the way out, as uncertain as that.
     pub fn torque_out_band(&self) -> Option<[Torque; 2]> {
         let [least, most] = Self::TORQUE_OUT_SHARES;
         let band = |[low, high]: [Torque; 2]| [low * least, high * most];
