@@ -1,14 +1,5 @@
 //! What came out of the cut: one [`Feature`] for each hole and thread, in the order cut.
 //!
-//! ```text
-//!                 y                         surface ──────┬─────────────┬──
-//!                 │   ○ ← x, y of the axes                │  ▒       ▒  │ ↑       ↑
-//!                 │                                       │  ▒ full  ▒  │ depth   │
-//!                 └────── x                               │  ▒ form  ▒  │ ↓       │ tip_depth
-//!                                                         │   ▒     ▒   │ chamfer │
-//!                                                         └────\___/────┘         ↓
-//! ```
-//!
 //! Positions are machine coordinates; depths count from the surface, positive into the material;
 //! errors are signed so that positive means *deeper* or *more*. Values keep their units here;
 //! the certificate's keys (`depth_error_um`, …) are made where the file is written.

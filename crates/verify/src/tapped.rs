@@ -1,4 +1,13 @@
 //! An internal thread as it was made, with its measures.
+//!
+//! ```text
+//!                 y                         surface ──────┬─────────────┬──
+//!                 │   ○ ← x, y of the axes                │  ▒       ▒  │ ↑       ↑
+//!                 │                                       │  ▒ full  ▒  │ depth   │
+//!                 └────── x                               │  ▒ form  ▒  │ ↓       │ tip_depth
+//!                                                         │   ▒     ▒   │ chamfer │
+//!                                                         └────\___/────┘         ↓
+//! ```
 use crate::class::ThreadClass;
 use crate::gauge::Gauge;
 use canon::Hand;
