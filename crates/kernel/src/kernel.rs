@@ -44,6 +44,8 @@ use units::{Coordinate, Time};
 
 /// Faults that are kept; the first ones tell why.
 pub const FAULTS: usize = 16;
+/// Drives that are told to be off say so at the latest then, behind the command's delay, s.
+const SWITCHED_OFF_S: f64 = 0.01;
 /// Steps that may be done within one period: what needs no time must not starve the loops.
 const STEPS_PER_TICK: usize = QUEUE;
 
@@ -90,6 +92,8 @@ pub struct Kernel {
     /// A drive or an encoder is gone: once everything stands, outputs go off; the periods for which
     /// it has stood.
     drive_lost: Option<u32>,
+    /// For so long outputs have been switched off, s; `None`: they are on, or were from the start.
+    off_s: Option<f64>,
     /// Axes that are moved by hand.
     manual: Manual,
     /// Where encoders count from; axes that look for that.
@@ -135,6 +139,7 @@ impl Kernel {
             spindle_monitor: SpindleMonitor::default(),
             feedback_age: FeedbackAge::default(),
             drive_lost: None,
+            off_s: None,
             manual: Manual::default(),
             homing: Homing::default(),
             recovering: None,
@@ -233,6 +238,9 @@ impl Kernel {
             Mode::Running => self.run(feedback),
             Mode::Halted => self.halt(feedback),
         };
+        if matches!(self.mode, Mode::Disabled) {
+            self.off_s = Some(self.off_s.map_or(0.0, |off| off + self.config.period.value()));
+        }
         command.coupled = self.kept_together();
         self.probe_before = feedback.probe;
         if self.homing.is_shifted() {
@@ -262,6 +270,13 @@ impl Kernel {
         self.setpoints.reset();
         self.spindle_monitor = SpindleMonitor::default();
         self.mode = Mode::Starting(waited);
+        // what drives say before they have been switched off is not about being on again
+        let answers_s = self.config.command_delay.value() + SWITCHED_OFF_S;
+        if let Some(off) = self.off_s.filter(|off| *off < answers_s) {
+            self.off_s = Some(off + self.config.period.value());
+            return self.drives.command();
+        }
+        self.off_s = None;
         match self.drives.check_ready(feedback) {
             Ok(()) => {
                 self.mode = Mode::Running;

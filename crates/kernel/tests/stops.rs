@@ -211,7 +211,13 @@ fn recovered(spindle_rev: f64, z_mm: f64, way: Way) -> (Bench, Stored) {
     let mut bench = Bench { machine, kernel, samples: Vec::new(), events: Vec::new() };
     let point = |rev, mm| Point { angle: Angle::rev(rev), place: Length::mm(mm) };
     let stored = Stored::line(point(0.0, 2.0), point(14.0, -12.0), Direction::Inward).unwrap();
-    bench.kernel.recover(RecoveryPlan {
+    bench.kernel.recover(plan(stored, way));
+    bench.until(|b| b.kernel.is_over());
+    (bench, stored)
+}
+
+fn plan(stored: Stored, way: Way) -> RecoveryPlan {
+    RecoveryPlan {
         axis: canon::Axis::Z,
         spindle: 0,
         stored,
@@ -219,9 +225,33 @@ fn recovered(spindle_rev: f64, z_mm: f64, way: Way) -> (Bench, Stored) {
         way,
         spin: (Spin::rpm(120.0), SpinAccel::rev_per_s2(20.0)),
         feed: (Speed::mm_per_s(2.0), Accel::mm_per_s2(100.0)),
-    });
-    bench.until(|b| b.kernel.is_over());
-    (bench, stored)
+    }
+}
+
+/// What drives said before they were switched off arrives some periods later: it says nothing of
+/// drives that are switched on again meanwhile.
+#[test]
+fn a_recovery_right_after_an_emergency_stop_waits_for_the_drives() {
+    for (delay, pause) in [(0, 0), (0, 1), (2, 0), (2, 1), (2, 3), (2, 40)] {
+        let mut model = machine(delay);
+        model.axes.iter_mut().find(|(index, _)| *index == 2).unwrap().1.start =
+            Coordinate::new(0.5);
+        let kernel = Kernel::new(control(&model));
+        let machine = SimulatedMachine::new(model).unwrap();
+        let mut bench = Bench { machine, kernel, samples: Vec::new(), events: Vec::new() };
+        (0..400).for_each(|_| bench.tick());
+        let pressed = bus::Feedback { emergency_stop: true, ..bench.machine.feedback() };
+        let command = bench.kernel.tick(&pressed);
+        assert!(!command.axes[2].enable);
+        bench.machine.exchange(&command);
+        (0..pause).for_each(|_| bench.tick());
+        let point = |rev, mm| Point { angle: Angle::rev(rev), place: Length::mm(mm) };
+        let stored = Stored::line(point(0.0, 2.0), point(14.0, -12.0), Direction::Inward).unwrap();
+        bench.kernel.recover(plan(stored, Way::Straight));
+        bench.until(|b| b.kernel.is_over() || !b.kernel.faults().is_empty());
+        assert_eq!(bench.kernel.faults(), [], "{delay} periods on the way, {pause} later");
+        assert!((bench.z() - 2.0).abs() < 0.003, "{} mm", bench.z());
+    }
 }
 
 #[test]
