@@ -123,7 +123,7 @@ impl Job {
     ///
     /// # Errors
     /// It is refused; a file that the options name cannot be read or is wrong. An alarm on the
-    /// machine and a workpiece out of tolerance are no errors: [`Finished::verdict`] says them.
+    /// machine and a workpiece out of tolerance are no errors: [`Finished::ending`] says them.
     pub fn run(self, options: &RunOptions) -> Result<Finished, Refused> {
         let mut run = crate::Run::prepare(self, options)?;
         run.prove(&mut |_| ())?;

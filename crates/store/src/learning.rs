@@ -16,7 +16,7 @@
 //!
 //! `early_rev` is by how many turns a spindle that is followed by its encoder must be told to turn
 //! back earlier than its machine's file makes one think. What all such files have in common is in
-//! [`kept_file`](crate::kept_file).
+//! `kept_file`.
 use crate::kept_file::{self, KeptFile, Whose};
 use crate::{Error, SMALL_FILE_LIMIT};
 use diag::Diagnostic;

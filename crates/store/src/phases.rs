@@ -19,7 +19,7 @@
 //!   response = …
 //! ```
 //!
-//! What all such files have in common is in [`kept_file`](crate::kept_file).
+//! What all such files have in common is in `kept_file`.
 use crate::kept_file::{KeptFile, Whose, mark};
 use crate::{Error, SMALL_FILE_LIMIT};
 use diag::Diagnostic;

@@ -1,6 +1,6 @@
 //! The stock that a program mills: what its comments state, what the machine's file says, or else
 //! as much as the program reaches over, which is said
-//! ([`stock_comments`](super::stock_comments)).
+//! (`stock_comments`).
 //!
 //! Where only a size is told, the block is assumed to lie as work is set up: along X and Y with its
 //! middle, its lower or its upper end at the zero of G54, whichever is nearest to where the mills

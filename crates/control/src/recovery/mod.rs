@@ -8,7 +8,7 @@
 //! ```
 //!
 //! A tool that is not screwed to the work (a pass over a thread, a cam, a polygon, a gear) needs no
-//! angle: [`withdraw`].
+//! angle: `withdraw`.
 //!
 //! Nothing is written before the tap is out: a recovery that is killed can be begun again, as often
 //! as it takes.

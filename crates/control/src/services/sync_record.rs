@@ -6,7 +6,7 @@
 //! ```
 //!
 //! In lock-step simulated time stands while the disk works, so a fast disk and a slow one would
-//! differ: there an acknowledgement comes [`ALLOWANCE`] after the request, by the machine's time,
+//! differ: there an acknowledgement comes `ALLOWANCE` after the request, by the machine's time,
 //! whenever the disk is done before. In real time it comes when it comes.
 use crate::Refused;
 use crate::{KernelHandle, MachineHandle};

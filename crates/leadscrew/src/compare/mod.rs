@@ -7,7 +7,7 @@
 //!           └► tools in a floating holder ─► run on the same spindle ────► depth of each hole ─► mean, 1σ
 //! ```
 //!
-//! What the conventional cycle must scatter by is said beside it, by [`closed_form`].
+//! What the conventional cycle must scatter by is said beside it, by `closed_form`.
 mod closed_form;
 
 use crate::Program;

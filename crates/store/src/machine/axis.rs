@@ -26,7 +26,7 @@ const GRAVITY_M_PER_S2: f64 = 9.806_65;
 pub(super) const FARTHEST_MM: f64 = 100_000.0;
 
 /// One axis, linear or rotary; its drive and what it moves are those of a linear one, as in
-/// [`super::rotary`].
+/// `machine/rotary.rs`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Which.
