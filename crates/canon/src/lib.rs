@@ -23,6 +23,7 @@ extern crate alloc;
 mod cam;
 mod coupling;
 mod frame;
+mod material;
 mod op;
 mod series;
 mod thread;
@@ -33,6 +34,7 @@ pub use cam::{CamLibrary, CamOrder, CamProfile};
 pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
 pub use diag::Span;
 pub use frame::{Counting, LengthUnit, ProgramFrame};
+pub use material::Material;
 pub use op::{
     Answer, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, Probe,
     ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,

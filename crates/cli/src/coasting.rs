@@ -49,7 +49,7 @@ pub(crate) fn warnings(file: &MachineFile) -> Vec<String> {
         format!(
             "[drives] {key}: if {when} in a tap the spindle coasts and the tap goes on into its hole. In {} with {} mm of hole below it \
              survive {}; {brakes} from every speed",
-            material.name,
+            material.name(),
             ROOM.value(),
             survives.join(" and ")
         )

@@ -15,7 +15,7 @@ const MOST_WARNINGS: usize = 5;
 /// For people.
 pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
     let Finished { job, outcome, seed, tolerances, .. } = finished;
-    let (machine, material) = (&job.session.machine.name, job.material.name);
+    let (machine, material) = (&job.session.machine.name, job.material.name());
     let mut said = format!("{} on {machine}, {material}, seed {seed}\n", job.program.name);
     said += &format!("tools from {}\n", job.session.tools_from);
     said += &crate::measures::tables(outcome);

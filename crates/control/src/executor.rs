@@ -1,11 +1,10 @@
-//! One servo period: the kernel answers what the machine has said, and the machine obeys. Beside
-//! the component of HAL (`crates/hal/src/component.rs`) nothing else calls `tick`, which
-//! `xtask/tests/layout.rs` holds.
+//! One servo period: the kernel answers what the machine has said ([`servo::answer`]), and the
+//! machine obeys.
 //!
 //! ```text
-//!   feedback ─► Kernel::tick ─► command ─► observe ─► exchange ─► next feedback
-//!                    ▲                                    │
-//!                    └── readings of periods that were missed
+//!   feedback ─► servo::answer ─► command ─► observe ─► exchange ─► next feedback
+//!                     ▲                                    │
+//!                     └── readings of periods that were missed
 //! ```
 //!
 //! In lock-step all of it happens in [`Executor::period`]; in real time the servo thread does it by
@@ -171,8 +170,8 @@ impl Executor {
             return Sample { feedback: machine.feedback(), report, ..Sample::default() };
         };
         let answer = answer(ticked, moved, ticks);
-        observe(kernel, machine, &answer.sample);
-        let sample = answer.sample;
+        observe(kernel, machine, answer.sample());
+        let sample = *answer.sample();
         if let (Some(kernel), Some(machine)) = (kernel.here(), machine.here()) {
             obey(kernel, machine, &answer);
         }
@@ -205,41 +204,45 @@ impl KernelBefore {
 
 /// What the kernel has answered in a period.
 pub(crate) struct Ticked {
-    /// What observers see: positions.
-    pub(crate) sample: Sample,
-    /// What the machine is told: what its encoders count.
-    command: Command,
+    answer: servo::Answer,
+    /// What the machine had said.
     feedback: Feedback,
     /// A machine whose control is gone (a simulated failure) goes on without a tick.
     is_abandoned: bool,
 }
 
+impl Ticked {
+    /// What observers see: positions.
+    pub(crate) const fn sample(&self) -> &Sample {
+        &self.answer.sample
+    }
+}
+
 /// The first half of a period: what the machine has said, and what the kernel commands.
 pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes) -> Ticked {
     let feedback = machine.feedback();
-    let mut sample = Sample { feedback, truth: machine.truth(), ..Sample::default() };
     let is_abandoned = machine.is_abandoned();
-    if !is_abandoned {
-        sample.command = ticks.time(|| kernel.tick(&feedback));
-    }
-    sample.report = kernel.report();
-    if is_abandoned {
-        sample.report.state = State::Faulted;
-    }
-    let command = sample.command;
-    kernel.in_positions(&mut sample);
-    Ticked { sample, command, feedback, is_abandoned }
+    let mut answer = if is_abandoned {
+        let report = bus::Report { state: State::Faulted, ..kernel.report() };
+        let mut sample = Sample { feedback, report, ..Sample::default() };
+        kernel.in_positions(&mut sample);
+        servo::Answer { sample, command: Command::default() }
+    } else {
+        ticks.time(|| servo::answer(kernel, &feedback))
+    };
+    answer.sample.truth = machine.truth();
+    Ticked { answer, feedback, is_abandoned }
 }
 
 /// The second half: the machine obeys, and the kernel lives through the periods that were missed
 /// meanwhile.
-pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, answer: &Ticked) {
-    if answer.is_abandoned {
+pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, ticked: &Ticked) {
+    if ticked.is_abandoned {
         return machine.wait();
     }
-    let heard = machine.exchange(&answer.command);
-    for between in missed(&answer.feedback, &heard, machine.period()) {
-        kernel.tick(&between);
+    let heard = machine.exchange(&ticked.answer.command);
+    for between in missed(&ticked.feedback, &heard, machine.period()) {
+        servo::answer(kernel, &between);
     }
 }
 
@@ -251,7 +254,7 @@ pub fn period<B>(
     observe: impl FnOnce(&mut Kernel, &mut Plant, &Sample) -> ControlFlow<B>,
 ) -> ControlFlow<B> {
     let answer = answer(kernel, machine, &TickTimes::new(false));
-    observe(kernel, machine, &answer.sample)?;
+    observe(kernel, machine, answer.sample())?;
     obey(kernel, machine, &answer);
     ControlFlow::Continue(())
 }

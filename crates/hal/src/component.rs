@@ -9,10 +9,10 @@ use crate::attendant::{Attendant, Desk};
 use crate::ffi::{self, Hal, Member};
 use crate::parameters::LoadParameters;
 use crate::pins::{ObeysAfter, Pins};
-use bus::{Feedback, SPINDLES, Sample};
+use bus::{Feedback, SPINDLES};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
-use servo::{Record, Seat};
+use servo::{Answer, Record, Seat};
 use shm::{Made, RunDownKind, STANDSTILL, ServoSide, TiedPeriod};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Release};
@@ -138,10 +138,7 @@ impl Component {
         }
         session.seat.before_tick();
         let was_off = session.seat.kernel.is_off();
-        let mut sample = Sample { feedback, ..Sample::default() };
-        sample.command = session.seat.kernel.tick(&feedback);
-        sample.report = session.seat.kernel.report();
-        let command = sample.command;
+        let Answer { sample, command } = servo::answer(&mut session.seat.kernel, &feedback);
         let turns = self.spins.iter().any(|spin| spin.abs() > STANDSTILL);
         let stands = session.seat.kernel.is_off() || session.seat.kernel.is_standing() && !turns;
         self.stood_ns = if stands { self.stood_ns.saturating_add(period_ns) } else { 0 };
@@ -157,7 +154,6 @@ impl Component {
                 (false, false) => RunDownKind::None,
             },
         });
-        session.seat.kernel.in_positions(&mut sample);
         let number = session.seat.after_tick();
         let record = Record {
             number,

@@ -11,7 +11,7 @@ use diag::Diagnostic;
 use sim::SimulatedMachine;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use store::machine::Material;
+use store::machine::StockMaterial;
 
 /// The text of a program.
 #[derive(Debug, Clone)]
@@ -61,7 +61,7 @@ pub struct Job {
     /// Machine, tools, parameters, cams.
     pub session: Session,
     /// What the workpiece is made of.
-    pub material: Material,
+    pub material: StockMaterial,
     /// What the planner is told.
     pub plan: plan::Options,
     /// Number of the workpiece on the simulated machine, from 1.

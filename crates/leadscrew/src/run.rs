@@ -10,6 +10,7 @@ use crate::program::{Job, Program};
 use crate::replay::{Replay, With};
 use crate::run_outputs;
 use crate::time::{Added, WithoutJerk};
+use canon::Material;
 use control::job::preflight::{self, Proved, wrong_from};
 use control::job::restart::{self, Restart};
 use control::observers::{Observer, TraceThread};
@@ -21,7 +22,7 @@ use control::{Loaded, Outcome, ProgramRun, RealTimeOptions, Refused, TickTimes, 
 use kernel::{Kernel, Order, Pause};
 use std::path::{Path, PathBuf};
 use store::certificate::Certificate;
-use store::machine::{Follows, Material};
+use store::machine::{Follows, StockMaterial};
 use store::output::Folder;
 use store::trace::{Columns, Writer};
 use sync::{Prediction, SyncMode};
@@ -306,10 +307,10 @@ fn start_trace(path: &Path, job: &Job, seed: u64) -> Result<TraceThread, Refused
 ///
 /// # Errors
 /// There is none of this name.
-pub fn material(named: Option<&str>, usual: Material) -> Result<Material, Refused> {
+pub fn material(named: Option<&str>, usual: StockMaterial) -> Result<StockMaterial, Refused> {
     let Some(name) = named else { return Ok(usual) };
-    Material::named(name).ok_or_else(|| {
-        let known = Material::KNOWN.map(|m| m.name).join(", ");
+    StockMaterial::named(name).ok_or_else(|| {
+        let known = Material::ALL.map(Material::name).join(", ");
         Refused::because(format!("there is no material \"{name}\": expected one of {known}"))
     })
 }

@@ -27,7 +27,7 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
         ended: outcome.ended,
         verdict: verdict(outcome),
         count: count(&outcome.features),
-        material: job.material.name.to_owned(),
+        material: job.material.name().to_owned(),
         tolerances: tolerances(&finished.tolerances),
         inputs: Inputs {
             program_sha256: sha256(&job.program.text),
@@ -149,7 +149,7 @@ pub(crate) fn report(finished: &Finished, motion: report::Motion) -> String {
         program: job.program.name.clone(),
         machine: machine.name.clone(),
         dialect: job.session.dialect.name().to_owned(),
-        material: job.material.name.to_owned(),
+        material: job.material.name().to_owned(),
         seed: finished.seed,
         tools: job.session.tools.clone(),
         origin: outcome.recorder.origin(),

@@ -19,9 +19,11 @@
 mod bytes;
 mod check;
 mod message;
+mod period;
 mod seat;
 
 pub use bytes::{Unreadable, decode, encode};
 pub use check::{Senseless, check_request, check_step};
 pub use message::{Record, Replied, Said, SetUp};
+pub use period::{Answer, answer};
 pub use seat::{Rings, Seat};

@@ -148,7 +148,7 @@ fn a_machine_is_found_by_name_or_by_file() {
 
 #[test]
 fn materials_are_known_by_name() {
-    let kc = |name| machine::Material::named(name).map(|m| m.cutting_force_n_per_mm2);
+    let kc = |name| machine::StockMaterial::named(name).map(|m| m.cutting_force_n_per_mm2);
     assert_eq!([kc("C45"), kc("alsi"), kc("cheese")], [Some(3900.0), Some(1300.0), None]);
 }
 

@@ -1,6 +1,6 @@
 //! What the judge is told beforehand: the tools, what was asked of the workpiece, the material.
 use crate::{Bar, MillStock, Stock, ThreadClass};
-use canon::{CamLibrary, Flute, Tool, ToolLibrary};
+use canon::{CamLibrary, Flute, Material, Tool, ToolLibrary};
 use units::{Angle, Length, Torque};
 
 /// What to judge by.
@@ -122,55 +122,37 @@ impl Default for Tolerances {
     }
 }
 
-/// What is cut.
-///
-/// Torque of a sharp tap in it, from the area of the thread's section and its lever arm:
-/// M = tan 30° · kc · K · (D − D₀)² · (D + 2·D₀) / 24000, with M in N·m, kc in N/mm², the nominal
-/// diameter D and the bored diameter D₀ in mm, K for the flute form.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Material {
-    /// C45, 1.0503.
-    CarbonSteel,
-    /// 42CrMo4, 1.7225.
-    AlloySteel,
-    /// Austenitic stainless steel.
-    Stainless,
-    /// Grey cast iron GG25.
-    CastIron,
-    /// `AlSi`.
-    Aluminium,
-    /// Free-cutting brass.
-    Brass,
+/// Specific cutting force kc of tapping, N/mm².
+pub(crate) const fn cutting_force_n_per_mm2(material: Material) -> f64 {
+    match material {
+        Material::CarbonSteel => 3900.0,
+        Material::AlloySteel => 3600.0,
+        Material::Stainless => 4200.0,
+        Material::CastIron => 2900.0,
+        Material::Aluminium => 1300.0,
+        Material::Brass => 2300.0,
+    }
 }
 
-impl Material {
-    /// Specific cutting force kc of tapping, N/mm².
-    pub const fn cutting_force_n_per_mm2(self) -> f64 {
-        match self {
-            Self::CarbonSteel => 3900.0,
-            Self::AlloySteel => 3600.0,
-            Self::Stainless => 4200.0,
-            Self::CastIron => 2900.0,
-            Self::Aluminium => 1300.0,
-            Self::Brass => 2300.0,
-        }
-    }
-
-    /// Torque of a sharp tap with all chamfer teeth engaged.
-    pub fn tapping_torque(self, nominal: Length, bored: Length, flute: Flute) -> Torque {
-        let (d, d0) = (nominal.value(), bored.value());
-        let k = match flute {
-            Flute::SpiralFlute if matches!(self, Self::Aluminium) => 1.05,
-            Flute::SpiralFlute => 1.15,
-            Flute::SpiralPoint => 0.95,
-            Flute::Straight => 1.35,
-        };
-        let tan30 = 1.0 / 3.0_f64.sqrt();
-        Torque::n_m(
-            tan30 * self.cutting_force_n_per_mm2() * k * (d - d0).powi(2) * (d + 2.0 * d0)
-                / 24_000.0,
-        )
-    }
+/// Torque of a sharp tap with all chamfer teeth engaged, from the area of the thread's section and
+/// its lever arm: M = tan 30° · kc · K · (D − D₀)² · (D + 2·D₀) / 24000, with M in N·m, kc in
+/// N/mm², the nominal diameter D and the bored diameter D₀ in mm, K for the flute form.
+pub(crate) fn tapping_torque(
+    material: Material,
+    nominal: Length,
+    bored: Length,
+    flute: Flute,
+) -> Torque {
+    let (d, d0) = (nominal.value(), bored.value());
+    let k = match flute {
+        Flute::SpiralFlute if matches!(material, Material::Aluminium) => 1.05,
+        Flute::SpiralFlute => 1.15,
+        Flute::SpiralPoint => 0.95,
+        Flute::Straight => 1.35,
+    };
+    let tan30 = 1.0 / 3.0_f64.sqrt();
+    let kc = cutting_force_n_per_mm2(material);
+    Torque::n_m(tan30 * kc * k * (d - d0).powi(2) * (d + 2.0 * d0) / 24_000.0)
 }
 
 #[cfg(test)]
@@ -179,7 +161,8 @@ mod tests {
 
     #[test]
     fn an_m6_spiral_flute_tap_in_c45_takes_1_73_newton_metres() {
-        let torque = Material::CarbonSteel.tapping_torque(
+        let torque = tapping_torque(
+            Material::CarbonSteel,
             Length::mm(6.0),
             Length::mm(5.0),
             Flute::SpiralFlute,

@@ -11,6 +11,7 @@
 //! Axis and edges differ by the holder's deflection: a soft holder lets the tap follow its thread
 //! where the machine does not. The sync error is the machine's, the thread is the edges'.
 use crate::class::ThreadClass;
+use crate::config::tapping_torque;
 use crate::gauge::{CutThread, Gauge, Gauged};
 use crate::groove::{Cut, OffHelix, TapForm};
 use crate::hole::Drilled;
@@ -128,7 +129,7 @@ impl<'a> Inspection<'a> {
     fn torque_expected(&self) -> Option<Torque> {
         let flute = self.track.tap_tool()?.flute;
         let material = self.config.material?;
-        Some(material.tapping_torque(self.track.size.nominal, self.flanks.minor_diameter, flute))
+        Some(tapping_torque(material, self.track.size.nominal, self.flanks.minor_diameter, flute))
     }
 
     /// The evidence of contact.

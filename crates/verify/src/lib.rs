@@ -42,7 +42,7 @@ pub use bar::Bar;
 pub use cam::GroundCam;
 pub use canon::{Family, Hand, ThreadSize};
 pub use class::{ThreadClass, UnknownClass};
-pub use config::{Config, Material, Tolerances};
+pub use config::{Config, Tolerances};
 pub use contact::{Contact, Stock};
 pub use feature::{Feature, FeatureKind};
 pub use gauge::{CutThread, Gauge, Gauged};

@@ -79,7 +79,7 @@ pub struct Thread {
     pub torque_in: Option<Torque>,
     /// Largest torque on the way out, once the chip's root is sheared: from half a turn back on.
     pub torque_out: Option<Torque>,
-    /// Torque the formula of [`Material`](crate::Material) expects of a sharp tap; `None` without a
+    /// Torque that the formula of tap makers expects of a sharp tap; `None` without a
     /// material.
     pub torque_expected: Option<Torque>,
     /// Largest axial force on the tap (magnitude), where it can be known.

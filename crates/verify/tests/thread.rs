@@ -1,11 +1,12 @@
 //! Threads judged from synthetic records whose error is known in closed form.
 mod common;
+use canon::Material;
 use canon::{Op, OpKind, ToolKind, ToolLibrary};
 use common::{Record, config, judge, judge_with, thread, tools};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use units::{Angle, Coordinate, Length};
-use verify::{Config, Hand, Judge, Material};
+use verify::{Config, Hand, Judge};
 
 const SQRT3: f64 = 1.732_050_807_568_877_2;
 

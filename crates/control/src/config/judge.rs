@@ -1,7 +1,7 @@
 //! What the judge goes by.
 use super::scatter::known_tools;
 use canon::{Position, ToolLibrary};
-use store::machine::{Follows, MachineFile, Material};
+use store::machine::{Follows, MachineFile, StockMaterial};
 use units::Length;
 use verify::{Bar, Config, Tolerances};
 
@@ -10,11 +10,11 @@ use verify::{Bar, Config, Tolerances};
 pub fn judge(
     machine: &MachineFile,
     tools: &ToolLibrary,
-    material: Material,
+    material: StockMaterial,
     zero: &Position,
 ) -> Config {
     Config {
-        material: known(material),
+        material: Some(material.material),
         tolerances: tolerances(machine.control.synchronisation.follows == Follows::Encoder),
         stock: Some(verify::Stock {
             from: [0, 1, 2].map(|i| zero.linear[i] + machine.setup.stock.from[i]),
@@ -48,17 +48,5 @@ pub fn tolerances(follows_encoder: bool) -> Tolerances {
     Tolerances {
         thread_overrun: if follows_encoder { TURNS_BACK_WITHIN } else { usual.thread_overrun },
         ..usual
-    }
-}
-
-fn known(material: Material) -> Option<verify::Material> {
-    match material.name {
-        "C45" => Some(verify::Material::CarbonSteel),
-        "42CrMo4" => Some(verify::Material::AlloySteel),
-        "stainless" => Some(verify::Material::Stainless),
-        "GG25" => Some(verify::Material::CastIron),
-        "AlSi" => Some(verify::Material::Aluminium),
-        "brass" => Some(verify::Material::Brass),
-        _ => None,
     }
 }

@@ -1,8 +1,8 @@
 //! The simulated machine: axes, spindles, magazine and workpiece for the simulator.
 use super::scatter::{alignment, real_tools};
-use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
+use canon::{Flute, Holder, Material, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
-    Axis, InputModel, InputSource, MachineFile, Material, Motor, PositionFrom, Round, Spindle,
+    Axis, InputModel, InputSource, MachineFile, Motor, PositionFrom, Round, Spindle, StockMaterial,
     TapSeat, eccentric,
 };
 use units::{Angle, AxisKind, Coordinate, Inertia, Lead, Length, Spread};
@@ -16,7 +16,7 @@ const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
 pub fn simulator(
     machine: &MachineFile,
     tools: &ToolLibrary,
-    material: Material,
+    material: StockMaterial,
     seed: u64,
     zero: &Position,
 ) -> sim::Config {
@@ -27,7 +27,7 @@ pub fn simulator(
 pub fn simulator_of_part(
     machine: &MachineFile,
     tools: &ToolLibrary,
-    material: Material,
+    material: StockMaterial,
     (seed, part): (u64, u32),
     zero: &Position,
 ) -> sim::Config {
@@ -251,7 +251,7 @@ pub fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
     })
 }
 
-fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
+fn tool(tool: &Tool, seat: &TapSeat, material: StockMaterial) -> sim::Tool {
     let kind = match &tool.kind {
         ToolKind::Drill { point_angle } | ToolKind::SpotDrill { point_angle } => {
             sim::ToolKind::Drill { diameter: tool.diameter, point_angle: *point_angle }
@@ -345,11 +345,12 @@ pub fn bar(machine: &MachineFile, config: &sim::Config) -> Option<sim::Bar> {
 /// for turning by as much as for tapping.
 fn turning_force(machine: &MachineFile, tapping: f64) -> sim::Kienzle {
     let own = machine.setup.stock.material;
-    let is = |material: &Material| material.cutting_force_n_per_mm2 == tapping;
-    let chosen = Material::KNOWN.into_iter().find(|known| is(known) && !is(&own)).unwrap_or(own);
-    let usual = sim::Kienzle::named(chosen.name);
-    let stated = Material::named(chosen.name)
-        .map_or(1.0, |known| chosen.cutting_force_n_per_mm2 / known.cutting_force_n_per_mm2);
+    let is = |material: &StockMaterial| material.cutting_force_n_per_mm2 == tapping;
+    let mut known = Material::ALL.into_iter().map(StockMaterial::usual);
+    let chosen = known.find(|known| is(known) && !is(&own)).unwrap_or(own);
+    let usual = sim::Kienzle::named(chosen.name());
+    let typical = StockMaterial::usual(chosen.material).cutting_force_n_per_mm2;
+    let stated = chosen.cutting_force_n_per_mm2 / typical;
     sim::Kienzle { at_1_mm_n_per_mm2: usual.at_1_mm_n_per_mm2 * stated, ..usual }
 }
 
@@ -371,8 +372,8 @@ fn insert(form: &canon::Insert) -> sim::Insert {
 }
 
 /// Torque of a flute form over the formula's (tap makers' tables).
-fn flute_factor(flute: Flute, material: Material) -> f64 {
-    let aluminium = material.name == "AlSi";
+fn flute_factor(flute: Flute, material: StockMaterial) -> f64 {
+    let aluminium = material.material == Material::Aluminium;
     match flute {
         Flute::SpiralFlute if aluminium => 1.05,
         Flute::SpiralFlute => 1.15,

@@ -13,7 +13,7 @@ use std::{
     io::Read,
     path::{Path, PathBuf},
 };
-use store::machine::{MachineFile, Material, Ramp};
+use store::machine::{MachineFile, Ramp, StockMaterial};
 use store::tools::{TableUnit, ToolTable};
 use units::Coordinate;
 
@@ -79,7 +79,7 @@ pub struct Session {
 
 impl Session {
     /// What the machine's file says of planning, for a work of this material.
-    pub const fn plan_options(&self, material: Material) -> plan::Options {
+    pub const fn plan_options(&self, material: StockMaterial) -> plan::Options {
         plan::Options {
             force_ramp: match self.machine.tapping.ramp {
                 Ramp::PowerCurve => None,
@@ -272,7 +272,7 @@ impl Session {
 
     /// What the workpiece is judged by that is clamped at this zero. Tools are as the table has
     /// them.
-    pub fn judge(&self, material: Material, zero: &canon::Position) -> verify::Config {
+    pub fn judge(&self, material: StockMaterial, zero: &canon::Position) -> verify::Config {
         verify::Config {
             synchronised: self.taps.method == plan::TapMethod::Synchronised,
             cams: self.cams.library.clone(),

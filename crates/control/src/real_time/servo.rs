@@ -171,7 +171,7 @@ impl Servo {
             answered = Some((answer, number, self.seat.kernel.picture()));
         });
         let Some((answer, number, picture)) = answered else { return };
-        let sample = answer.sample;
+        let sample = *answer.sample();
         obey(&mut self.seat.kernel, &mut self.machine, &answer);
         self.metrics.period();
         let heard = self.machine.feedback();

@@ -128,7 +128,7 @@ impl MachineBody {
                 spindle: range(overrides.spindle_least_share, overrides.spindle_most_share),
             },
             stock: Some(StockBody {
-                material: stock.material.name.to_owned(),
+                material: stock.material.name().to_owned(),
                 from: corner(stock.from),
                 to: corner(stock.to),
                 bore_mm: stock.bore.value(),

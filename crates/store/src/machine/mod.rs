@@ -66,7 +66,7 @@ pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
 pub use scatter::Scatter;
-pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
+pub use setup::{Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapSeat, TapWear};
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};

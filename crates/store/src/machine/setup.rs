@@ -4,7 +4,7 @@ use super::plant::{Graduations, ScrewGrowth};
 use super::scatter::StatedBefore;
 use super::signals::InputModel;
 use crate::keys::Keys;
-use canon::Position;
+use canon::{Material, Position};
 use std::ops::RangeInclusive;
 use units::{Length, Stiffness, Time};
 
@@ -55,7 +55,7 @@ impl Round {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stock {
     /// What it is made of.
-    pub material: Material,
+    pub material: StockMaterial,
     /// Corner at the negative ends.
     pub from: [Length; 3],
     /// Corner at the positive ends; its Z is the surface.
@@ -64,11 +64,11 @@ pub struct Stock {
     pub bore: Length,
 }
 
-/// A material.
+/// What a part is made of on this machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
+pub struct StockMaterial {
     /// Its name.
-    pub name: &'static str,
+    pub material: Material,
     /// Specific cutting force kc in tapping, N/mm².
     pub cutting_force_n_per_mm2: f64,
 }
@@ -160,28 +160,33 @@ pub struct TapSeat {
     pub flank_stiffness: Stiffness,
 }
 
-impl Material {
-    /// Materials known by name. kc of tapping: typical values of tool makers' tables.
-    pub const KNOWN: [Self; 6] = [
-        Self::of("C45", 3900.0),
-        Self::of("42CrMo4", 3600.0),
-        Self::of("stainless", 4200.0),
-        Self::of("GG25", 2900.0),
-        Self::of("AlSi", 1300.0),
-        Self::of("brass", 2300.0),
-    ];
-
-    /// The material of that name, in any case of letters.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::KNOWN.into_iter().find(|m| m.name.eq_ignore_ascii_case(name))
+impl StockMaterial {
+    /// A material as it usually is. kc of tapping: typical values of tool makers' tables.
+    pub const fn usual(material: Material) -> Self {
+        let cutting_force_n_per_mm2 = match material {
+            Material::CarbonSteel => 3900.0,
+            Material::AlloySteel => 3600.0,
+            Material::Stainless => 4200.0,
+            Material::CastIron => 2900.0,
+            Material::Aluminium => 1300.0,
+            Material::Brass => 2300.0,
+        };
+        Self { material, cutting_force_n_per_mm2 }
     }
 
-    const fn of(name: &'static str, cutting_force_n_per_mm2: f64) -> Self {
-        Self { name, cutting_force_n_per_mm2 }
+    /// The material of that name, in any case of letters, as it usually is.
+    pub fn named(name: &str) -> Option<Self> {
+        Material::named(name).map(Self::usual)
+    }
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        self.material.name()
     }
 
     fn read(keys: &mut Keys<'_>) -> Self {
-        let mut material = keys.choice("material", &Self::KNOWN.map(|m| (m.name, m)));
+        let known = Material::ALL.map(|material| (material.name(), Self::usual(material)));
+        let mut material = keys.choice("material", &known);
         if let Some(kc) = keys.optional("cutting_force_n_per_mm2", 1.0..=20_000.0) {
             material.cutting_force_n_per_mm2 = kc;
         }
@@ -228,7 +233,7 @@ impl Stock {
             }
         }
         let bore = Length::mm(keys.optional("bore_mm", 0.0..=FARTHEST_MM).unwrap_or(0.0));
-        let stock = Self { material: Material::read(keys), from, to, bore };
+        let stock = Self { material: StockMaterial::read(keys), from, to, bore };
         if bore > Length::ZERO && stock.bar_radius().is_none_or(|radius| bore >= radius * 2.0) {
             keys.conflict(
                 "bore_mm",

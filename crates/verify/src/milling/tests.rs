@@ -399,7 +399,7 @@ fn limits_of_the_tool_decide() {
         }
         limited.body.stick_out = Some(Length::mm(40.0));
         let mut config = config(limited, [0.0; 3]);
-        config.material = Some(crate::Material::Aluminium);
+        config.material = Some(canon::Material::Aluminium);
         let mut mover = Mover::at(config, [0.0; 3], [-20.0, 30.0, -2.0]);
         mover.feed([120.0, 30.0, -2.0]);
         mover.finish().unwrap()

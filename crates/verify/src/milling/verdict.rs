@@ -1,8 +1,9 @@
 //! Whether a mill's use is good: what is known to be wrong, and what could not be judged.
 use super::milled::{Largest, Milled, MillingPlace};
 use super::stock::StockSource;
+use crate::config::cutting_force_n_per_mm2;
 use crate::verdict::Verdict;
-use crate::{Config, Material, Stock};
+use crate::{Config, Stock};
 use canon::{Mill, Tool, ToolKind};
 use units::Length;
 
@@ -23,7 +24,7 @@ pub(super) struct Noticed {
 /// Specific cutting force, N/mm²: the material's one of tapping, whose chips are thin; thicker ones
 /// take less.
 pub(super) fn force_basis(config: &Config) -> Option<f64> {
-    config.material.map(Material::cutting_force_n_per_mm2)
+    config.material.map(cutting_force_n_per_mm2)
 }
 
 /// A number of millimetres as people write it.
