@@ -152,7 +152,8 @@ fn home(path: &str, modules: &[String], handed_on: &BTreeMap<String, String>) ->
 /// A file's text before its tests, without comments.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap();
-    let text = text.split("#[cfg(test)]").next().unwrap_or_default().to_owned();
+    let tests = ["#[cfg(test)]", "#[cfg(all(test"].iter().filter_map(|mark| text.find(mark)).min();
+    let text = &text[..tests.unwrap_or(text.len())];
     text.lines().flat_map(|line| [line.split("//").next().unwrap_or_default(), "\n"]).collect()
 }
 

@@ -4,7 +4,7 @@
 //! in a line of a hundred megabytes is as cheap and as readable as any other.
 use crate::say;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, renderer::DecorStyle};
-use control::job::subprograms::Drawn;
+use control::job::drawn::Drawn;
 use diag::{Diagnostic, Label, Severity, Span};
 use interp::Finding;
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
 //! What was refused, and why: one sentence, or findings with their places in a text.
-use crate::job::subprograms::Drawn;
+use crate::job::drawn::Drawn;
 use diag::Diagnostic;
 
 /// Why nothing was done.

@@ -9,6 +9,7 @@
 pub mod cams;
 mod described;
 pub mod dialect;
+pub mod drawn;
 mod interruption;
 mod live;
 pub mod mill_stock;

@@ -4,10 +4,10 @@ use crate::Refused;
 use crate::config::machine_file::MachineSource;
 use crate::job::cams::CamSetup;
 use crate::job::dialect;
+use crate::job::drawn::Drawn;
 use crate::job::interruption::Interruption;
 use crate::job::operations::Before;
 use crate::job::options::{DecimalPoint, ProgramOptions};
-use crate::job::subprograms::Drawn;
 use canon::ToolLibrary;
 use std::{
     io::Read,

@@ -13,6 +13,7 @@
 //! A name is a file's name and nothing else: it has no folders in it, and a link that leads out of
 //! its folder is not followed. So no program can read what lies elsewhere.
 use crate::Refused;
+use crate::job::drawn::Drawn;
 use crate::job::options::ProgramOptions;
 use gcode::Grammar;
 use std::path::{Path, PathBuf};
@@ -23,15 +24,6 @@ const MOST_FILES: usize = 256;
 /// How files with Fanuc's programs end.
 const FANUC_ENDINGS: [&str; 10] =
     [".nc", ".NC", ".cnc", ".CNC", ".tap", ".TAP", ".ngc", ".txt", ".TXT", ""];
-
-/// A file that a program draws in.
-#[derive(Clone, Debug)]
-pub struct Drawn {
-    /// Where it lies, as it is shown.
-    pub path: String,
-    /// What it holds.
-    pub sub: interp::Subprogram,
-}
 
 /// Those that the program calls and does not define, and what they call in turn.
 ///

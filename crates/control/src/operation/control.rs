@@ -3,15 +3,14 @@
 //! In lock-step what paces the time calls [`Control::period`] once per servo period, and nothing
 //! moves while none is called. In real time the servo thread keeps the time, and
 //! [`Control::period`] looks at what it has done. A [`Request`] acts from the next period on.
-use super::drives::InWork;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
 use super::meters::Meters;
 use super::outside::{self, Outside};
-use super::programs::{Loaded, UnderWay};
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
+use super::under_way::{InWork, Loaded, UnderWay};
 use crate::job::{Before, Operations, ProgramOptions, Session};
 use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
@@ -476,7 +475,7 @@ impl Control {
             }
             self.told_features = judged;
             let first = under_way.first;
-            let cut = super::programs::count_from(first, under_way.running.judged_so_far());
+            let cut = super::under_way::count_from(first, under_way.running.judged_so_far());
             self.note_progress(first, cut, false);
             if let Err(why) = self.keep_program() {
                 self.events.notice(why.to_string());

@@ -4,23 +4,13 @@ use super::event::Event;
 use super::manual::refused_by_kernel;
 use super::request::{Accepted, Refusal};
 use super::state::{EmergencyStop, ExecutionEvent, Mode, Power};
+use super::under_way::InWork;
 use crate::config;
 use crate::recovery::WayOut;
 use crate::stops::RecoverySettings;
 use canon::Axis;
 use kernel::{Order, WithdrawalPlan};
 use sim::Fault;
-use sync::recovery::Stored;
-use units::Length;
-
-/// What ties a tool to the work, from when a recovery begins: the kernel forgets it then.
-#[derive(Clone, Copy)]
-pub(super) enum InWork {
-    /// A tap on its thread, and the surface of the work.
-    Tap(Stored, Length),
-    /// A tool with a way off the work.
-    Tool(motion::WayOut),
-}
 
 impl Control {
     pub(super) fn switch_power(&mut self, on: bool) -> Result<Accepted, Refusal> {

@@ -1,19 +1,10 @@
-//! A program that has ended, with all that report, certificate and history are made from; and the
-//! folder in which it is recorded.
-use super::control::Control;
-use super::event::{Alarm, Event};
-use crate::clock::unix_ms;
+//! A program that has ended, with all that report, certificate and history are made from.
+use super::event::Alarm;
+use crate::Outcome;
 use crate::job::Session;
 use crate::job::preflight::Proved;
-use crate::observers::TraceThread;
-use crate::{Outcome, Running, config};
-use report::Recorder;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use store::output::Folder;
-use store::trace::{Columns, Writer};
-
-/// The trace of a run, in its folder.
-const TRACE: &str = "trace.parquet";
 
 /// A program that has ended, was given up, or was stopped by an alarm.
 pub struct EndedProgram {
@@ -47,74 +38,4 @@ impl EndedProgram {
         self.alarms = self.outcome.faults.iter().map(alarm).collect();
         self
     }
-}
-
-impl Control {
-    /// What a program has left half cut is judged when its tool is out.
-    pub(super) fn settle(&mut self) {
-        let is_over = self.executor.kernel.is_standing() && !self.is_recovering;
-        if !self.workpiece.judge.is_settled() && is_over && !self.is_tap_in_thread() {
-            self.workpiece.judge.settle(self.next_op);
-        }
-        let judged = self.workpiece.judge.features();
-        for feature in judged.get(self.told_features..).unwrap_or_default() {
-            self.events.push(Event::Feature(Box::new(feature.clone())));
-        }
-        self.told_features = judged.len();
-    }
-
-    /// From now on record each program, with every period, in a folder of its own below this one.
-    pub fn record_programs(&mut self, folder: PathBuf) {
-        self.runs = Some(folder);
-    }
-
-    /// The program that has ended since the last time, if it was recorded.
-    pub fn take_ended(&mut self) -> Option<EndedProgram> {
-        self.ended.take()
-    }
-
-    /// Begin to record a program; that it cannot be is said, and the program runs all the same.
-    pub(super) fn begin_record(
-        &mut self,
-        session: &Session,
-        name: &str,
-        running: &mut Running,
-    ) -> Option<Folder> {
-        let begun = self.runs.as_deref().map(|runs| begin(runs, session, name, self.seed))?;
-        match begun {
-            Ok((folder, trace)) => {
-                running.record(recorder(session), trace);
-                Some(folder)
-            }
-            Err(why) => {
-                self.events.notice(format!("this run is not recorded: {why}"));
-                None
-            }
-        }
-    }
-}
-
-fn recorder(session: &Session) -> Recorder {
-    Recorder::new(&session.tools).limited(config::path_limits(&session.machine))
-}
-
-/// A folder with the moment as its name, and the thread that writes the trace into it.
-fn begin(
-    runs: &Path,
-    session: &Session,
-    name: &str,
-    seed: u64,
-) -> Result<(Folder, TraceThread), String> {
-    let folder = Folder::begin(&runs.join(unix_ms().to_string())).map_err(|e| e.to_string())?;
-    let seed = seed.to_string();
-    let about = [
-        ("leadscrew", env!("CARGO_PKG_VERSION")),
-        ("program", name),
-        ("machine", session.machine.name.as_str()),
-        ("seed", seed.as_str()),
-    ];
-    let columns = Columns::of(&session.machine);
-    let writer = Writer::create(&folder.path(TRACE), columns, &about).map_err(|e| e.to_string())?;
-    let trace = TraceThread::start(writer).map_err(|e| format!("no thread for the trace: {e}"))?;
-    Ok((folder, trace))
 }

@@ -2,27 +2,18 @@
 //! settings; in a state folder.
 //!
 //! A request that changes something is accepted when it is on the disk, not before.
-use super::control::Control;
-use super::event::Alarm;
 use super::request::Refusal;
-use crate::clock::unix_ms;
-use crate::job::Left;
-use crate::{Refused, config};
-use canon::Axis;
+use crate::Refused;
 use std::path::Path;
 use store::parameters::Parameters;
-use store::state::{AlarmRecord, HomedAxis, Homing, LastProgram, Settings, State, StateFolder};
-use units::{Length, Time};
-
-/// References that differ by no more are the same, mm or degrees.
-const SAME_REFERENCE: f64 = 1e-6;
+use store::state::{Homing, State, StateFolder};
 
 /// A state folder, and what was found in it; without one nothing is kept.
 #[derive(Default)]
 pub(super) struct Kept {
     folder: Option<StateFolder>,
     /// References of absolute encoders.
-    homed: Homing,
+    pub(super) homed: Homing,
 }
 
 impl Kept {
@@ -45,7 +36,7 @@ impl Kept {
     }
 
     /// Save something, if there is a folder.
-    fn save(
+    pub(super) fn save(
         &mut self,
         save: impl FnOnce(&mut StateFolder) -> Result<(), store::Error>,
     ) -> Result<(), Refusal> {
@@ -55,174 +46,6 @@ impl Kept {
                 Refusal::because(format!("it cannot be kept, and stays as it was: {why}"))
             }),
         }
-    }
-}
-
-impl Control {
-    /// What was kept is in force again.
-    pub(super) fn take_kept(&mut self, state: State) {
-        if let Some(parameters) = state.parameters {
-            for (number, value) in parameters.iter() {
-                self.data.parameters.set(number as usize, value);
-            }
-        }
-        if let Some(tools) = state.tools {
-            self.data.tools = tools;
-        }
-        self.alarms = state.alarms.into_iter().map(remembered).collect();
-        if let Some(Settings {
-            feed_override,
-            rapid_override,
-            spindle_override,
-            single_block,
-            optional_stop,
-            block_skip,
-            ..
-        }) = state.settings
-        {
-            let kernel = &mut self.executor.kernel;
-            kernel.order(kernel::Order::FeedOverride(feed_override));
-            kernel.order(kernel::Order::RapidOverride(rapid_override));
-            kernel.order(kernel::Order::SpindleOverride(spindle_override));
-            kernel.order(kernel::Order::SingleBlock(single_block));
-            kernel.order(kernel::Order::OptionalStop(optional_stop));
-            while kernel.next_event().is_some() {} // of orders from before the control was on
-            self.options.program.block_skip = block_skip;
-        }
-        if let Some(last) = state.last_program {
-            self.events.notice(said_of(&last));
-            self.last_program = Some(last);
-        }
-    }
-
-    /// Parameters, work offsets among them, are on the disk.
-    pub(super) fn keep_parameters(&mut self) -> Result<(), Refusal> {
-        let parameters = kept_parameters(&self.data.parameters);
-        self.kept.save(|folder| folder.save_parameters(&parameters))
-    }
-
-    /// The tools are on the disk.
-    pub(super) fn keep_tools(&mut self) -> Result<(), Refusal> {
-        let tools = &self.data.tools;
-        self.kept.save(|folder| folder.save_tools(tools))
-    }
-
-    /// Overrides and switches are on the disk.
-    pub(super) fn keep_settings(&mut self) -> Result<(), Refusal> {
-        let operator = self.executor.kernel.operator();
-        let settings = Settings {
-            feed_override: operator.share(false),
-            rapid_override: operator.share(true),
-            spindle_override: operator.spindle_share(),
-            single_block: operator.single_block(),
-            optional_stop: operator.optional_stop(),
-            block_skip: self.options.program.block_skip.clone(),
-            ..Settings::default()
-        };
-        self.kept.save(|folder| folder.save_settings(&settings))
-    }
-
-    /// Which program it is, and how far it has come, is on the disk.
-    pub(super) fn keep_program(&mut self) -> Result<(), Refusal> {
-        let Some(last) = self.last_program.clone() else { return Ok(()) };
-        self.kept.save(|folder| folder.save_last_program(&last))
-    }
-
-    /// What a program has changed; that it could not be kept is said, for nothing waits for an
-    /// answer.
-    pub(super) fn keep_all(&mut self) {
-        let kept = [self.keep_parameters(), self.keep_tools(), self.keep_program()];
-        for why in kept.into_iter().filter_map(Result::err) {
-            self.events.notice(why.to_string());
-        }
-    }
-
-    /// The reference of an axis whose encoder is absolute is on the disk: it holds as long as this
-    /// machine's encoder does.
-    pub(super) fn keep_homed(&mut self, axis: Axis) {
-        if !self.has_absolute_encoder(axis) || self.kept.folder.is_none() {
-            return;
-        }
-        let (letter, epoch) = (axis.letter(), self.epoch());
-        let zero = self.executor.kernel.zero(axis).value();
-        let mut homed = self.kept.homed.clone();
-        homed.axis.retain(|kept| kept.axis != letter);
-        homed.axis.push(HomedAxis { axis: letter, zero, epoch });
-        match self.kept.save(|folder| folder.save_homed(&homed)) {
-            Ok(()) => self.kept.homed = homed,
-            Err(why) => self.events.notice(why.to_string()),
-        }
-    }
-
-    /// The drives have come up: axes whose absolute encoders were referenced on this machine know
-    /// where they are.
-    pub(super) fn take_homed(&mut self) {
-        for homing in config::homing(&self.base.machine) {
-            let axis = homing.axis;
-            let Some(kept) = self.kept.homed.of(axis.letter(), self.epoch()).cloned() else {
-                continue;
-            };
-            if !self.has_absolute_encoder(axis) || self.executor.kernel.is_homed(axis) {
-                continue;
-            }
-            if self.executor.kernel.home(axis, &homing.how).is_err() {
-                continue; // it is homed when it is asked for
-            }
-            let zero = self.executor.kernel.zero(axis).value();
-            if (zero - kept.zero).abs() > SAME_REFERENCE {
-                self.executor.kernel.forget_home(axis);
-                let letter = axis.letter();
-                self.events.notice(format!(
-                    "{letter} is not homed: the machine file's reference of {letter} has changed by {:+.4} since it was; home {letter}",
-                    zero - kept.zero
-                ));
-            }
-        }
-    }
-
-    fn has_absolute_encoder(&self, axis: Axis) -> bool {
-        let homing = config::homing(&self.base.machine);
-        let absolute = |homing: &config::AxisHoming| {
-            homing.axis == axis && homing.how.method == kernel::HomingMethod::Absolute
-        };
-        homing.iter().any(absolute)
-    }
-
-    pub(super) fn keep_alarm(&mut self, alarm: &Alarm) {
-        let kept = AlarmRecord {
-            number: u32::from(alarm.number),
-            text: alarm.text.clone(),
-            remedy: alarm.remedy.clone(),
-            unix_ms: unix_ms(),
-            program: alarm.program.clone(),
-            line: (alarm.line > 0).then_some(alarm.line),
-        };
-        if let Err(why) = self.kept.save(|folder| folder.save_alarm(kept)) {
-            self.events.notice(why.to_string());
-        }
-    }
-}
-
-/// An alarm from before the control was switched on.
-fn remembered(alarm: AlarmRecord) -> Alarm {
-    Alarm {
-        number: u16::try_from(alarm.number).unwrap_or(u16::MAX),
-        text: alarm.text,
-        remedy: alarm.remedy,
-        program: alarm.program,
-        line: alarm.line.unwrap_or(0),
-        time: Time::ZERO,
-        is_cleared: true,
-    }
-}
-
-/// How far the last program came.
-fn said_of(last: &LastProgram) -> String {
-    let LastProgram { path, line, feature, is_completed, .. } = last;
-    if *is_completed || *line == 0 {
-        format!("the last program was {path}")
-    } else {
-        format!("the last program was {path}: it was left at line {line}, in feature {feature}")
     }
 }
 
@@ -239,21 +62,4 @@ pub fn kept_parameters(left: &interp::Parameters) -> Parameters {
         let _ = kept.set(number, value); // its numbers are in order
     }
     kept
-}
-
-/// What a program leaves behind, as the control takes it.
-pub(super) fn take_left(control: &mut Control, left: Left) {
-    control.data.parameters = left.parameters;
-    control.data.rest = left.rest;
-    for (mut tool, entry) in left.tools {
-        // an entry that the program has not changed is the table's: geometry and wear together
-        let changed = |is: f64, was: f64| (is - was).abs() > 1e-9;
-        if changed(entry.offset[2], tool.worn_length().value()) {
-            tool.length = Length::mm(entry.offset[2]) - tool.wear.length;
-        }
-        if changed(entry.diameter, tool.worn_diameter().value()) {
-            tool.diameter = Length::mm(entry.diameter) - tool.wear.radius * 2.0;
-        }
-        control.data.tools.insert(tool);
-    }
 }

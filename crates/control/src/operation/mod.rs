@@ -18,10 +18,11 @@
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
 //! | `proving` | texts interpreted and planned apart from the control, which goes on meanwhile |
-//! | `kept` | what outlives the control, in its state folder |
+//! | `under_way` | a program that is loaded, and one that is under way; what ties a tool to the work |
+//! | `kept`, `keeping` | the state folder; what outlives the control goes there and comes back |
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
-//! | `outside` | a machine in another process: its sync record, a tool that a control before has left |
-//! | `ended` | a program that has ended, for report, certificate and history |
+//! | `outside`, `left_in_work` | a machine in another process and its sync record; a tool that a control before has left |
+//! | `ended`, `recording` | a program that has ended, for report, certificate and history; the folder of its record |
 //! | `meters`, `timeline` | measured speed and load; planned ends of operations, for the time left |
 //! | `signals`, `tool_path` | what a scope shows; what a picture of the program is drawn from |
 //! | `hosted` | a control in a thread of its own, paced by the clock, for any number of clients |
@@ -32,7 +33,9 @@ mod drives;
 mod ended;
 mod event;
 pub mod hosted;
+mod keeping;
 mod kept;
+mod left_in_work;
 mod manual;
 mod meters;
 mod offsets;
@@ -40,19 +43,20 @@ mod outside;
 mod programs;
 mod proving;
 mod questions;
+mod recording;
 mod request;
 mod signals;
 mod state;
 mod status;
 mod timeline;
 mod tool_path;
+mod under_way;
 
 pub use control::{Control, ControlOptions};
 pub use ended::EndedProgram;
 pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
 pub use outside::LeftInWork;
-pub use programs::LoadedProgram;
 pub use proving::{Begun, Found, Proven, Proving};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;
@@ -62,3 +66,4 @@ pub use status::{
     Switches, WaitingStatus, said_of,
 };
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};
+pub use under_way::LoadedProgram;

@@ -8,72 +8,26 @@
 use super::control::Control;
 use super::ended::EndedProgram;
 use super::event::Event;
-use super::kept::take_left;
+use super::keeping::take_left;
 use super::proving::Fit;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
-use super::timeline::Timeline;
 use super::tool_path::ToolPath;
-use crate::job::preflight::{Proved, wrong_from};
+use super::under_way::{Loaded, LoadedProgram, UnderWay, count_from};
+use crate::job::Session;
+use crate::job::preflight::wrong_from;
 use crate::job::restart::{self, Restart};
-use crate::job::{Operations, Session};
 use crate::observers::use_up;
-use crate::{Executor, Loaded as Ready, Refused, Running};
+use crate::{Loaded as Ready, Refused, Running};
 use bus::State;
 use canon::{Axis, Op, OpKind, Position, SpindleOrder};
 use diag::{Diagnostic, Severity};
 use kernel::Order;
-use std::path::PathBuf;
 use std::sync::Arc;
-use store::output::Folder;
 use store::state::LastProgram;
-use units::{Coordinate, Time};
-use verify::Feature;
 
 /// Findings of a program that is accepted which are said.
 const MOST_NOTES: usize = 20;
-
-/// A program that is loaded.
-pub(super) struct Loaded {
-    pub(super) path: PathBuf,
-    pub(super) name: String,
-    pub(super) text: Vec<u8>,
-    /// Where the next start begins, if not at the beginning.
-    pub(super) from: Option<restart::From>,
-    /// Planned time from start to end.
-    pub(super) planned: Time,
-    /// What a picture of it shows.
-    shown: Arc<LoadedProgram>,
-}
-
-/// A program that is loaded, for a client that shows it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LoadedProgram {
-    /// Its name.
-    pub name: String,
-    /// Its text.
-    pub text: Vec<u8>,
-    /// The way of the tool, as it was when the program was loaded.
-    pub path: ToolPath,
-}
-
-/// A program, or blocks that were typed, from the start to the end.
-pub(super) struct UnderWay {
-    pub(super) running: Running,
-    pub(super) name: String,
-    pub(super) path: PathBuf,
-    pub(super) session: Session,
-    pub(super) text: Vec<u8>,
-    pub(super) proved: Proved,
-    /// What is recorded of it.
-    pub(super) folder: Option<Folder>,
-    timeline: Timeline,
-    /// The operation that is executed, and since when.
-    executed: (u32, Time),
-    /// Number of its first operation, and how many of its own were left out before it.
-    pub(super) first: u32,
-    restart: Option<Restart>,
-}
 
 impl Control {
     /// A request whose text is fit to be executed.
@@ -314,60 +268,6 @@ impl Control {
     }
 }
 
-impl UnderWay {
-    /// Its own operation, counted from 0, that the machine's number stands for.
-    fn own(&self, op: u32) -> usize {
-        let from_start = op.saturating_sub(self.first) as usize;
-        match &self.restart {
-            None => from_start,
-            Some(restart) => restart.skip + from_start.saturating_sub(restart.prelude.len()),
-        }
-    }
-
-    /// A period is over.
-    pub(super) fn follow(&mut self, executor: &Executor) {
-        let op = executor.kernel.report().op;
-        if self.executed.0 != op {
-            self.executed = (op, executor.machine.feedback().time);
-        }
-    }
-
-    /// Planned time of what is left of it.
-    pub(super) fn left(&self, now: Time) -> Time {
-        let (op, since) = self.executed;
-        let own = u32::try_from(self.own(op)).unwrap_or(u32::MAX);
-        self.timeline.left(own, now - since)
-    }
-
-    /// Codes in force.
-    pub(super) fn codes(&self) -> &[String] {
-        self.proved.operations.codes_at(self.own(self.executed.0))
-    }
-
-    /// Where the operation that is executed leads the axes; of a tap, its bottom. `None`: it moves
-    /// nothing, or that shows only when the machine has answered.
-    pub(super) fn goal(&self) -> Option<Position> {
-        if self.running.is_live() {
-            return None;
-        }
-        match &self.proved.operations.all().get(self.own(self.executed.0))?.kind {
-            OpKind::Rapid { to }
-            | OpKind::Line { to, .. }
-            | OpKind::Arc { to, .. }
-            | OpKind::Spline { to, .. } => Some(*to),
-            OpKind::Threading(thread) => Some(thread.to),
-            OpKind::Tap(tap) => Some(tap.start.with(tap.axis, Coordinate::linear(tap.bottom))),
-            _ => None,
-        }
-    }
-
-    /// What it leaves where it was given up.
-    fn left_at(&self, op: u32) -> crate::job::Left {
-        let setup = self.session.interp_setup();
-        Operations::left_at(self.session.before.clone(), &self.text, &setup, self.own(op))
-    }
-}
-
 fn find(fit: &Fit, from: restart::From) -> Result<Restart, Refusal> {
     let Fit { name, text, session, proved, .. } = fit;
     let (start, top) = (session.interp_setup().start, session.machine.tool_change.z);
@@ -437,9 +337,4 @@ fn notes_of(findings: &[Diagnostic]) -> Vec<String> {
         .take(MOST_NOTES)
         .map(|finding| format!("line {}: {}", finding.span.line, finding.message))
         .collect()
-}
-
-/// Features from this operation on: those before are another program's, or an earlier run's.
-pub(super) fn count_from(first: u32, features: &[Feature]) -> u32 {
-    features.iter().filter(|feature| feature.op >= first).count() as u32
 }

@@ -258,7 +258,7 @@ impl Control {
 
     fn axes(&self, feedback: &bus::Feedback) -> Vec<AxisStatus> {
         let system = self.work_offset();
-        let goal = self.under_way.as_ref().and_then(super::programs::UnderWay::goal);
+        let goal = self.under_way.as_ref().and_then(super::under_way::UnderWay::goal);
         let status = |axis: &store::machine::Axis| {
             let letter = axis.letter;
             let counted = feedback.axes[letter.index()].position;

@@ -1,5 +1,6 @@
 //! What requests are answered, and what has happened.
-use super::{AlarmBody, Shown};
+use super::lists::AlarmBody;
+use super::values::Shown;
 use control::operation::hosted::{FindingData, Journaled};
 use control::operation::{Accepted, Event, said_of};
 use serde::Serialize;

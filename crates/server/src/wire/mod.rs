@@ -2,6 +2,7 @@
 //! TypeScript of the page and the schemas of the OpenAPI document.
 mod answers;
 mod feature;
+mod files;
 mod lists;
 mod machine;
 mod needs;
@@ -13,9 +14,9 @@ pub(crate) use answers::{
     AcceptedBody, EventBody, EventsBody, OperatorBody, RefusalBody, SessionBody,
 };
 pub(crate) use feature::FeatureBody;
+pub(crate) use files::{FileBody, FolderBody};
 pub(crate) use lists::{
-    AlarmBody, FileBody, FolderBody, HoleBody, OffsetBody, ProgramBody, SavedBody, SegmentBody,
-    ToolBody, ToolLifeBody,
+    AlarmBody, HoleBody, OffsetBody, ProgramBody, SavedBody, SegmentBody, ToolBody, ToolLifeBody,
 };
 pub(crate) use machine::{
     MachineAxis, MachineBody, MachineSpindle, OverrideRange, OverrideRanges, StockBody,
@@ -23,6 +24,3 @@ pub(crate) use machine::{
 pub(crate) use needs::RequestNeeds;
 pub(crate) use request::{OperatorOrder, RequestBody, SessionOrder, ToolFieldName};
 pub(crate) use runs::{RunBody, RunDetailBody, RunTraceBody, RunTraceSignal, RunsBody};
-
-/// A line of the control's text as clients see it: paths without the folder of programs.
-pub(crate) type Shown<'a> = &'a dyn Fn(&str) -> String;

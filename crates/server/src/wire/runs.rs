@@ -1,5 +1,6 @@
 //! The history of runs.
-use super::{AlarmBody, FeatureBody};
+use super::feature::FeatureBody;
+use super::lists::AlarmBody;
 use serde::{Deserialize, Serialize};
 
 /// A program that was executed.

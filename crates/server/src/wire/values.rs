@@ -5,6 +5,9 @@ use control::operation::hosted::{RefusalData, RefusalKind};
 use store::machine::MachineFile;
 use units::{AxisKind, Coordinate};
 
+/// A line of the control's text as clients see it: paths without the folder of programs.
+pub(crate) type Shown<'a> = &'a dyn Fn(&str) -> String;
+
 /// The request cannot be what was meant.
 pub(super) fn wrong(reason: String) -> RefusalData {
     RefusalData { kind: RefusalKind::Request, reason, remedy: None, findings: Vec::new() }
