@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
 use control::job::ProgramOptions;
-use control::operation::{Begun, Execution, Proving, Request};
+use control::operation::{Begun, Execution, Proving, Request, ToolField};
 use control::{Control, ControlOptions};
 use units::Coordinate;
 
@@ -43,7 +43,8 @@ fn a_program_is_read_in_another_thread_loaded_and_started_while_periods_pass() {
     let path = folder.path().join("part.ngc");
     std::fs::write(&path, TEXT).unwrap();
     let mut control = homed();
-    for request in [Request::Load(path), Request::Start] {
+    for (request, x) in [(Request::Load(path), 1.0), (Request::Start, 2.0)] {
+        control.request(&Request::TouchOff(Axis::X, Coordinate::new(x))).unwrap();
         let proving = proving(&mut control, &request);
         let thread = std::thread::scope(|scope| {
             let thread = scope.spawn(|| proving.prove());
@@ -57,6 +58,84 @@ fn a_program_is_read_in_another_thread_loaded_and_started_while_periods_pass() {
         control.period();
     }
     assert_eq!(control.execution(), Execution::ProgramCompleted);
+}
+
+/// Loaded in the control.
+fn loaded(control: &mut Control, text: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("part.ngc");
+    std::fs::write(&path, text).unwrap();
+    control.request(&Request::Load(path)).unwrap();
+    folder
+}
+
+fn is_answered(control: &mut Control, request: &Request) -> bool {
+    matches!(control.begin(request), Begun::Answered(Ok(_)))
+}
+
+#[test]
+fn what_is_loaded_is_started_without_being_proved_again_where_nothing_has_changed() {
+    let mut control = homed();
+    let _folder = loaded(&mut control, TEXT);
+    assert!(control.renewal().is_none());
+    assert!(is_answered(&mut control, &Request::Start));
+    for _ in 0..20_000 {
+        control.period();
+    }
+    assert_eq!(control.execution(), Execution::ProgramCompleted);
+    // the program has left its own modes in force
+    let renewal = control.renewal().expect("it stands elsewhere than before");
+    control.renew(renewal.prove());
+    assert!(control.renewal().is_none());
+    assert!(is_answered(&mut control, &Request::Start));
+}
+
+#[test]
+fn offsets_tools_and_skipped_blocks_that_change_are_proved_again() {
+    let mut control = homed();
+    let _folder = loaded(&mut control, TEXT);
+    for change in [
+        Request::TouchOff(Axis::X, Coordinate::new(3.0)),
+        Request::EditTool(1, ToolField::WearLength, 0.1),
+        Request::BlockSkip(2, true),
+        Request::ManualDataInput("G1 F600 X2".into()),
+    ] {
+        control.request(&change).unwrap_or_else(|why| panic!("{change:?}: {why}"));
+        while control.execution().is_under_way() {
+            control.period();
+        }
+        let renewal = control.renewal().unwrap_or_else(|| panic!("{change:?}"));
+        assert!(!is_answered(&mut control, &Request::Start), "{change:?}");
+        control.renew(renewal.prove());
+        assert!(control.renewal().is_none(), "{change:?}");
+    }
+    assert!(is_answered(&mut control, &Request::Start));
+}
+
+#[test]
+fn a_renewal_that_is_refused_is_not_repeated_and_is_said_at_the_start() {
+    let mut control = homed();
+    let _folder = loaded(&mut control, "G21 G90 G54 G94\nG1 F600 X290\nX0\nM2\n");
+    control.request(&Request::TouchOff(Axis::X, Coordinate::new(-9e3))).unwrap();
+    let renewal = control.renewal().expect("the offset has changed");
+    control.renew(renewal.prove());
+    assert!(control.renewal().is_none());
+    let refused = control.request(&Request::Start).unwrap_err().to_string();
+    assert!(refused.contains("travel"), "{refused}");
+}
+
+#[test]
+fn of_two_programs_that_are_loaded_one_after_the_other_the_last_is_started() {
+    let mut control = homed();
+    let first = loaded(&mut control, TEXT);
+    control.request(&Request::TouchOff(Axis::X, Coordinate::new(3.0))).unwrap();
+    let renewal = control.renewal().expect("the offset has changed");
+    let _second = loaded(&mut control, "G21 G90 G54 G94\nG1 F600 X2\nM2\n");
+    control.renew(renewal.prove());
+    drop(first);
+    assert!(is_answered(&mut control, &Request::Start));
+    assert!(control.status().program.unwrap().name.ends_with("part.ngc"));
+    assert_eq!(control.status().program.unwrap().line, 0);
 }
 
 #[test]

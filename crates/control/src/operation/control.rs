@@ -8,6 +8,7 @@ use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
 use super::meters::Meters;
 use super::outside::{self, Outside};
+use super::proving::Begun;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 use super::under_way::{InWork, Loaded, UnderWay};
@@ -101,6 +102,21 @@ pub(super) struct Data {
     pub(super) parameters: interp::Parameters,
     pub(super) tools: ToolLibrary,
     pub(super) rest: Option<OpsRest>,
+    /// How often what is in force has changed.
+    pub(super) rest_number: u64,
+}
+
+impl Data {
+    /// What a program, or something else, has left in force.
+    pub(super) fn leave(&mut self, rest: Option<OpsRest>) {
+        (self.rest, self.rest_number) = (rest, self.rest_number + 1);
+    }
+
+    /// The spindle was stopped, or turned by hand.
+    pub(super) fn stop_spindles(&mut self) {
+        let rest = self.rest.take().map(OpsRest::stopped);
+        self.leave(rest);
+    }
 }
 
 impl Control {
@@ -145,8 +161,12 @@ impl Control {
             tools: config::judged_tools(machine, &base.tools, seed, 1),
             ..base.judge(material, &zero)
         };
-        let data =
-            Data { parameters: base.parameters.clone(), tools: base.tools.clone(), rest: None };
+        let data = Data {
+            parameters: base.parameters.clone(),
+            tools: base.tools.clone(),
+            rest: None,
+            rest_number: 0,
+        };
         let mut control = Self {
             options,
             executor: Executor::new(kernel, plant),
@@ -209,7 +229,7 @@ impl Control {
             ..self.base.interp_setup()
         };
         let operations = Operations::after(before, b"", &setup);
-        self.data.rest.clone_from(&operations.left().rest);
+        self.data.leave(operations.left().rest.clone());
     }
 
     /// Ask for something. Whether it is done now or in the periods to come, it is answered at once:
@@ -233,9 +253,9 @@ impl Control {
             Request::Load(_)
             | Request::Search(_)
             | Request::Start
-            | Request::ManualDataInput(_) => match self.proving(request)? {
-                Some(proving) => self.complete(proving.prove()),
-                None => Ok(Accepted::default()),
+            | Request::ManualDataInput(_) => match self.begin(request) {
+                Begun::Answered(answer) => answer,
+                Begun::Proving(proving) => self.complete(proving.prove()),
             },
             Request::FeedHold => self.hold(),
             Request::Resume => self.resume(),

@@ -36,7 +36,7 @@ impl Control {
 
     /// Spindle and coolant are off without a word of a program.
     pub(super) fn everything_was_stopped(&mut self) {
-        self.data.rest = self.data.rest.take().map(interp::OpsRest::stopped);
+        self.data.stop_spindles();
         self.handwheel = [None; bus::AXES];
     }
 

@@ -184,7 +184,7 @@ fn said_of(last: &LastProgram) -> String {
 /// What a program leaves behind, as the control takes it.
 pub(super) fn take_left(control: &mut Control, left: Left) {
     control.data.parameters = left.parameters;
-    control.data.rest = left.rest;
+    control.data.leave(left.rest);
     for (mut tool, entry) in left.tools {
         // an entry that the program has not changed is the table's: geometry and wear together
         let changed = |is: f64, was: f64| (is - was).abs() > 1e-9;

@@ -128,7 +128,7 @@ impl Control {
 
     fn after_spindle(&mut self, done: Result<(), ManualRefusal>) -> Result<Accepted, Refusal> {
         done.map_err(|why| refused_by_kernel(why, Axis::Z))?;
-        self.data.rest = self.data.rest.take().map(interp::OpsRest::stopped);
+        self.data.stop_spindles();
         self.enter(Mode::Manual);
         Ok(Accepted::default())
     }

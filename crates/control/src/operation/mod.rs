@@ -17,7 +17,7 @@
 //! | `manual` | jog, handwheel, spindle by hand |
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
-//! | `proving` | texts interpreted and planned apart from the control, which goes on meanwhile |
+//! | `proving`, `proof` | texts interpreted and planned apart from the control, which goes on meanwhile; what for |
 //! | `under_way` | a program that is loaded, and one that is under way; what ties a tool to the work |
 //! | `kept`, `keeping` | the state folder; what outlives the control goes there and comes back |
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
@@ -41,6 +41,7 @@ mod meters;
 mod offsets;
 mod outside;
 mod programs;
+mod proof;
 mod proving;
 mod questions;
 mod recording;
@@ -57,6 +58,7 @@ pub use ended::EndedProgram;
 pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
 pub use outside::LeftInWork;
+pub use proof::ProofMark;
 pub use proving::{Begun, Found, Proven, Proving};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;

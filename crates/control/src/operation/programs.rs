@@ -9,7 +9,7 @@ use super::control::Control;
 use super::ended::EndedProgram;
 use super::event::Event;
 use super::keeping::take_left;
-use super::proving::Fit;
+use super::proof::{Basis, Fit, Proof};
 use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
 use super::tool_path::ToolPath;
@@ -33,15 +33,15 @@ impl Control {
     /// A request whose text is fit to be executed.
     pub(super) fn execute_fit(&mut self, request: &Request, fit: Fit) -> Result<Accepted, Refusal> {
         match request {
-            Request::Load(_) => self.load(fit),
-            Request::Search(from) => self.search(*from, &fit),
+            Request::Search(from) => self.search(*from, fit),
             Request::Start => self.start(fit),
             _ => self.execute_typed(fit),
         }
     }
 
-    fn load(&mut self, fit: Fit) -> Result<Accepted, Refusal> {
-        let Fit { path, name, text, proved, .. } = fit;
+    /// Load a text that was proved on this basis.
+    pub(super) fn load(&mut self, fit: Fit, basis: Basis) -> Result<Accepted, Refusal> {
+        let Fit { path, name, text, proved, .. } = &fit;
         let planned = proved.known.planned;
         let mut notes = vec![format!(
             "{name}: {} operations, planned {:.1} s",
@@ -51,13 +51,16 @@ impl Control {
         notes.extend(notes_of(&proved.known.findings));
         self.last_program = Some(LastProgram {
             path: name.clone(),
-            sha256: store::certificate::sha256(&text),
+            sha256: store::certificate::sha256(text),
             ..LastProgram::default()
         });
         self.keep_program()?;
         let way = self.path_through(proved.operations.all());
         let shown = Arc::new(LoadedProgram { name: name.clone(), text: text.clone(), path: way });
-        self.loaded = Some(Loaded { path, name, text, from: None, planned, shown });
+        let (path, name) = (path.clone(), name.clone());
+        let reads_files = fit.reads_files();
+        let proof = Some(Proof::of(basis, Some(fit)));
+        self.loaded = Some(Loaded { path, name, proof, reads_files, from: None, planned, shown });
         self.execution_after(ExecutionEvent::Reset);
         Ok(Accepted { notes })
     }
@@ -78,12 +81,13 @@ impl Control {
     }
 
     /// Where the program would be begun, and what is restored before its first move.
-    fn search(&mut self, from: restart::From, fit: &Fit) -> Result<Accepted, Refusal> {
-        let restart = find(fit, from)?;
-        let notes = restored(&fit.session, &restart);
-        if let Some(loaded) = &mut self.loaded {
-            loaded.from = Some(from);
-        }
+    fn search(&mut self, from: restart::From, fit: Fit) -> Result<Accepted, Refusal> {
+        let found = find(&fit, from).map(|restart| restored(&fit.session, &restart));
+        let basis = self.basis();
+        let Some(loaded) = &mut self.loaded else { return Ok(Accepted::default()) };
+        loaded.proof = Some(Proof::of(basis, Some(fit)));
+        let notes = found?;
+        loaded.from = Some(from);
         Ok(Accepted { notes })
     }
 

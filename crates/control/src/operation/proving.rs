@@ -9,13 +9,13 @@
 //! A request that is completed is asked for its needs again, and what it was proved for must still
 //! be so.
 use super::control::Control;
+use super::proof::{Basis, Fit, Proof, ProofMark};
 use super::request::{Accepted, Refusal, Request};
 use super::timeline::Timeline;
-use crate::job::preflight::{self, Proved};
-use crate::job::{Before, ProgramOptions, Session, read_program};
+use super::under_way::Loaded;
+use crate::job::preflight;
+use crate::job::{Before, Interruption, ProgramOptions, Session, read_program};
 use crate::{Refused, config};
-use canon::{Position, ToolLibrary};
-use interp::Parameters;
 use std::path::{Path, PathBuf};
 
 /// How a request has begun.
@@ -35,15 +35,7 @@ pub struct Proving {
     pub(super) text: Vec<u8>,
     before: Before,
     basis: Basis,
-}
-
-/// What a text is proved for.
-#[derive(Clone, Debug, PartialEq)]
-struct Basis {
-    position: Position,
-    mounted: u32,
-    parameters: Parameters,
-    tools: ToolLibrary,
+    interruption: Interruption,
 }
 
 /// What a program would meet that is read now: an editor shows what it makes of one that is
@@ -58,7 +50,8 @@ pub struct Found {
 impl Found {
     /// In a session that was loaded from files.
     pub fn put_into(self, session: &mut Session) {
-        let Self { basis: Basis { position, mounted, parameters, tools }, before, stands } = self;
+        let Self { basis: Basis { position, mounted, parameters, tools, .. }, before, stands } =
+            self;
         if stands {
             session.on_control((position, mounted), parameters, tools, before);
         } else {
@@ -70,28 +63,32 @@ impl Found {
 /// A text that was interpreted and planned: fit to be executed, or refused.
 pub struct Proven {
     request: Request,
+    path: PathBuf,
     basis: Basis,
     result: Result<Fit, Refusal>,
 }
 
-/// A text that may be executed.
-pub(super) struct Fit {
-    pub(super) path: PathBuf,
-    pub(super) name: String,
-    pub(super) text: Vec<u8>,
-    pub(super) session: Session,
-    pub(super) proved: Proved,
-    pub(super) timeline: Timeline,
-}
-
 impl Proving {
+    /// Which text is proved, and for what.
+    pub fn mark(&self) -> ProofMark {
+        ProofMark { path: self.path.clone(), basis: self.basis.clone() }
+    }
+
+    /// It is not wanted any more when this says so.
+    #[must_use]
+    pub fn unless(self, interruption: Interruption) -> Self {
+        Self { interruption, ..self }
+    }
+
     /// Interpret and plan it.
     pub fn prove(self) -> Proven {
-        let Self { request, options, path, name, text, before, basis } = self;
+        let Self { request, options, path, name, text, before, basis, interruption } = self;
+        let of = path.clone();
         let proved = (|| {
             let mut session = Session::load(&options, &path, &text)?;
-            let Basis { position, mounted, parameters, tools } = basis.clone();
+            let Basis { position, mounted, parameters, tools, .. } = basis.clone();
             session.on_control((position, mounted), parameters, tools, before);
+            session.interruption = interruption;
             let plan = session.plan_options(session.machine.setup.stock.material);
             let limits = config::planner(&session.machine);
             let (mut clock, mut timeline) = (plan::Clock::default(), Timeline::default());
@@ -113,7 +110,7 @@ impl Proving {
             proved,
             timeline,
         });
-        Proven { request, basis, result }
+        Proven { request, path: of, basis, result }
     }
 }
 
@@ -125,6 +122,9 @@ impl Control {
             if let Err(need) = self.meets(need) {
                 return Begun::Answered(Err(Refusal::State(need)));
             }
+        }
+        if let Some(fit) = self.proved_already(request) {
+            return Begun::Answered(self.execute_fit(request, fit));
         }
         match self.proving(request) {
             Ok(Some(proving)) => Begun::Proving(Box::new(proving)),
@@ -138,13 +138,16 @@ impl Control {
     /// # Errors
     /// The text is refused, a need is no longer met, or what it was proved for is no longer so.
     pub fn complete(&mut self, proven: Proven) -> Result<Accepted, Refusal> {
-        let Proven { request, basis, result } = proven;
+        let Proven { request, basis, result, .. } = proven;
         for need in request.needs() {
             self.meets(need).map_err(Refusal::State)?;
         }
         let fit = result?;
-        // a program that is loaded is proved again when it is started
-        if !matches!(request, Request::Load(_)) && basis != self.basis() {
+        // one that is loaded need not be begun from here
+        if matches!(request, Request::Load(_)) {
+            return self.load(fit, basis);
+        }
+        if basis != self.basis() {
             return Err(Refusal::because(
                 "offsets, tools or positions have changed while it was read: ask again",
             ));
@@ -158,7 +161,7 @@ impl Control {
             Request::Load(path) => (path.clone(), path.display().to_string(), read_program(path)?),
             Request::Search(_) | Request::Start => {
                 let Some(loaded) = &self.loaded else { return Ok(None) };
-                (loaded.path.clone(), loaded.name.clone(), loaded.text.clone())
+                (loaded.path.clone(), loaded.name.clone(), loaded.shown.text.clone())
             }
             Request::ManualDataInput(text) => {
                 (Path::new("-").to_owned(), "MDI".into(), text.as_bytes().to_vec())
@@ -174,7 +177,42 @@ impl Control {
             text,
             before: Before { rest: self.data.rest.clone(), is_typed },
             basis: self.basis(),
+            interruption: Interruption::default(),
         }))
+    }
+
+    /// The program that is loaded, if a request needs it and it is proved for what is so now.
+    fn proved_already(&mut self, request: &Request) -> Option<Fit> {
+        if !matches!(request, Request::Search(_) | Request::Start) {
+            return None;
+        }
+        let basis = self.basis();
+        self.loaded.as_mut()?.proof.take()?.fit_on(&basis)
+    }
+
+    /// The program that is loaded, where it is not proved for what is so now: proved while nothing
+    /// else is to be done, it begins to move at once when it is started.
+    pub fn renewal(&self) -> Option<Proving> {
+        let loaded = self.loaded.as_ref()?;
+        let rests = self.under_way.is_none() && self.is_at_standstill() && self.is_homed_all();
+        let is_proved = || loaded.proof.as_ref().is_some_and(|proof| proof.is_on(&self.basis()));
+        if loaded.reads_files || !rests || is_proved() {
+            return None;
+        }
+        self.proving(&Request::Start).ok().flatten()
+    }
+
+    /// What came of a renewal is kept, as long as the same program is loaded.
+    pub fn renew(&mut self, proven: Proven) {
+        let Proven { path, basis, result, .. } = proven;
+        let fit = result.ok();
+        let is_of = |loaded: &&mut Loaded| {
+            let is_text = |fit: &Fit| fit.text == loaded.shown.text;
+            loaded.path == path && fit.as_ref().is_none_or(is_text)
+        };
+        if let Some(loaded) = self.loaded.as_mut().filter(is_of) {
+            loaded.proof = Some(Proof::of(basis, fit));
+        }
     }
 
     /// What a program would meet that is read now.
@@ -184,12 +222,14 @@ impl Control {
         Found { basis: self.basis(), before, stands }
     }
 
-    fn basis(&self) -> Basis {
+    pub(super) fn basis(&self) -> Basis {
         Basis {
             position: self.position(),
             mounted: self.mounted(),
             parameters: self.data.parameters.clone(),
             tools: self.data.tools.clone(),
+            rest_number: self.data.rest_number,
+            block_skip: self.options.program.block_skip.clone(),
         }
     }
 }

@@ -1,4 +1,5 @@
 //! A program that is loaded, and one that is under way: where it is, and what is left of it.
+use super::proof::Proof;
 use super::timeline::Timeline;
 use super::tool_path::ToolPath;
 use crate::job::preflight::Proved;
@@ -17,7 +18,10 @@ use verify::Feature;
 pub(super) struct Loaded {
     pub(super) path: PathBuf,
     pub(super) name: String,
-    pub(super) text: Vec<u8>,
+    /// Proved for what was so when it was loaded, or for what is so since; `None`: not yet.
+    pub(super) proof: Option<Proof>,
+    /// It is made from more than its text, which may change until it is started.
+    pub(super) reads_files: bool,
     /// Where the next start begins, if not at the beginning.
     pub(super) from: Option<restart::From>,
     /// Planned time from start to end.

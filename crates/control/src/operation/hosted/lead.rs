@@ -3,6 +3,7 @@ use super::journal::Journal;
 use super::picture::Picture;
 use super::recording::{Recording, SignalRows};
 use super::refusal::RefusalData;
+use super::renewal::{self, Renewal};
 use super::{HostOptions, RequestAnswer, Shared, held};
 use crate::Refused;
 use crate::clock::now;
@@ -38,19 +39,26 @@ pub(super) enum Job {
     Request(Request, Answered),
     /// A text is proved that a request needs.
     Proven(Box<Proven>, Answered),
+    /// The program that is loaded is proved again, or was broken off.
+    Renewed(Box<Proven>),
     /// Something of a front end in the same process.
     Work(Box<dyn FnOnce(&mut Control) + Send>),
     /// The last one.
     End,
 }
 
-/// A text that is to be proved, and where the answer goes.
-type Text = (Box<Proving>, Answered);
+/// A text that is to be proved, and where the answer goes if it was asked for.
+type Text = (Box<Proving>, Option<Answered>);
 
 /// The thread that proves texts, one after another, until the control's thread has ended.
 fn prove(texts: &Receiver<Text>, jobs: &SyncSender<Job>) {
     while let Ok((text, answer)) = texts.recv() {
-        if jobs.send(Job::Proven(Box::new(text.prove()), answer)).is_err() {
+        let proven = Box::new(text.prove());
+        let job = match answer {
+            Some(answer) => Job::Proven(proven, answer),
+            None => Job::Renewed(proven),
+        };
+        if jobs.send(job).is_err() {
             return;
         }
     }
@@ -100,6 +108,10 @@ struct Lead {
     control: Control,
     /// To the thread that proves texts.
     texts: SyncSender<Text>,
+    /// The one that is on its way.
+    renewal: Option<Renewal>,
+    /// When something was asked for last.
+    asked: Instant,
     shared: Arc<Shared>,
     host: HostOptions,
     /// The servo thread gives the time: periods are only looked at.
@@ -128,6 +140,8 @@ impl Lead {
         Self {
             control,
             texts,
+            renewal: None,
+            asked: start,
             shared,
             host,
             is_real_time,
@@ -153,6 +167,7 @@ impl Lead {
             self.keep_up();
             if now() >= self.due {
                 self.publish();
+                self.renew();
             }
         }
     }
@@ -161,23 +176,27 @@ impl Lead {
     fn answer(&mut self, job: Job) -> bool {
         match job {
             Job::Request(request, answer) => {
+                self.asked = now();
                 match self.control.begin(&request) {
                     Begun::Answered(answered) => self.tell(answered, answer),
-                    Begun::Proving(text) => {
-                        if let Err(
-                            TrySendError::Full((_, answer))
-                            | TrySendError::Disconnected((_, answer)),
-                        ) = self.texts.try_send((text, answer))
-                        {
-                            answer(Err(RefusalData::busy(MOST_TEXTS)));
-                        }
-                    }
+                    Begun::Proving(text) => self.prove(request, text, answer),
                 }
                 true
             }
             Job::Proven(proven, answer) => {
                 let answered = self.control.complete(*proven);
                 self.tell(answered, answer);
+                true
+            }
+            Job::Renewed(proven) => {
+                if let Some(renewal) = self.renewal.take() {
+                    if !renewal.is_stopped() {
+                        self.control.renew(*proven);
+                    }
+                    for (request, answer) in renewal.over() {
+                        self.answer(Job::Request(request, answer));
+                    }
+                }
                 true
             }
             Job::Work(work) => {
@@ -187,6 +206,35 @@ impl Lead {
                 true
             }
             Job::End => false,
+        }
+    }
+
+    /// A text is to be proved before a request is answered.
+    fn prove(&mut self, request: Request, text: Box<Proving>, answer: Answered) {
+        if let Some(renewal) = &mut self.renewal {
+            if renewal.is_of(&text) && renewal.waiting() < MOST_TEXTS {
+                return renewal.wait(request, answer);
+            }
+            renewal.stop();
+        }
+        if let Err(TrySendError::Full((_, answer)) | TrySendError::Disconnected((_, answer))) =
+            self.texts.try_send((text, Some(answer)))
+            && let Some(answer) = answer
+        {
+            answer(Err(RefusalData::busy(MOST_TEXTS)));
+        }
+    }
+
+    /// What is loaded is proved for what is so now, where nothing else is to be done.
+    fn renew(&mut self) {
+        if self.renewal.is_some() || now() - self.asked < renewal::AFTER {
+            return;
+        }
+        if let Some(proving) = self.control.renewal() {
+            let (renewal, proving) = Renewal::of(proving);
+            if self.texts.try_send((Box::new(proving), None)).is_ok() {
+                self.renewal = Some(renewal);
+            }
         }
     }
 

@@ -19,6 +19,7 @@ mod lead;
 mod picture;
 mod recording;
 mod refusal;
+mod renewal;
 
 pub use journal::{Journal, Journaled, MOST_EVENTS};
 pub use picture::{Picture, WorkOffset};

@@ -1,7 +1,7 @@
 //! What clients of a hosted control may rely on.
 use super::*;
 use crate::job::ProgramOptions;
-use crate::operation::{Event, Jog};
+use crate::operation::{Event, Execution, Jog};
 use canon::Axis;
 use std::time::Duration;
 use units::CoordinateSpeed;
@@ -95,4 +95,35 @@ fn every_period_of_the_signals_is_recorded_while_a_client_takes_them() {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
+}
+
+#[test]
+fn what_is_loaded_is_proved_again_while_nothing_is_asked_for_and_then_starts_at_once() {
+    let hosted = hosted();
+    let client = hosted.client();
+    ready(&client);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("part.ngc");
+    std::fs::write(&path, "G21 G90 G54 G94\nG1 F6000 X1\nM2\n").expect("a program");
+    client.request(Request::Load(path)).expect("it is good");
+    client.request(Request::Home(None)).expect("nothing stands in the way");
+    let is_homed =
+        |control: &mut Control| [Axis::X, Axis::Y, Axis::Z].map(|axis| control.is_homed(axis));
+    until(&client, "homed", |_| client.with(is_homed) == Some([true; 3]));
+    client.request(Request::TouchOff(Axis::X, units::Coordinate::new(3.0))).expect("it stands");
+    let is_proved = || client.with(|control| control.renewal().is_none()).expect("it is on");
+    assert!(!is_proved(), "the offset has changed");
+    until(&client, "proved", |_| is_proved());
+    client.request(Request::Start).expect("it is proved");
+    until(&client, "ended", |picture| {
+        picture.status.execution == Execution::ProgramCompleted.name()
+    });
+    // and the next part
+    until(&client, "proved", |_| is_proved());
+    client.request(Request::Start).expect("it is proved");
+    // one that does not wait until then
+    until(&client, "ended", |picture| {
+        picture.status.execution == Execution::ProgramCompleted.name()
+    });
+    client.request(Request::Start).expect("it is proved for this start");
 }
