@@ -168,3 +168,30 @@ fn a_servo_thread_that_breaks_down_is_an_alarm_and_whatever_waits_goes_on() {
     let before = control.now();
     until(&mut control, |control| control.now() > before + Time::s(0.01));
 }
+
+/// More steps are on their way than the kernel's queue holds: those of a program that was given up
+/// are forgotten with it, wherever they are.
+#[test]
+fn a_long_program_is_stopped_and_begun_again_and_none_of_its_steps_is_left() {
+    let mut control = switched_on("bench-xyz");
+    asked(&mut control, &Request::Home(None));
+    until(&mut control, Control::is_homed_all);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.ngc");
+    let lines: String = (0..4000).map(|n| format!("X{} Y{}\n", n % 2, (n / 2) % 2)).collect();
+    std::fs::write(&path, format!("G21 G90 G54 G61\nG1 F6000 X0 Y0\n{lines}M2\n")).unwrap();
+    asked(&mut control, &Request::Load(path));
+    for _ in 0..3 {
+        asked(&mut control, &Request::Start);
+        let begun = control.now();
+        until(&mut control, |control| control.line() > 20 && control.now() > begun);
+        asked(&mut control, &Request::Stop);
+        until(&mut control, |control| !control.execution().is_under_way());
+        let stopped = (x(&control), control.line());
+        for _ in 0..400 {
+            control.period();
+        }
+        assert!(control.status().alarms.is_empty(), "{:?}", control.status().alarms);
+        assert!((x(&control) - stopped.0).abs() < 1e-9, "{} {stopped:?}", x(&control));
+    }
+}

@@ -68,10 +68,15 @@ impl<R: Rings> Seat<R> {
     /// Requests to the kernel, each with its reply.
     fn serve(&mut self) {
         while let Some(request) = self.rings.next_request() {
+            let begins_anew = begins_anew(&request);
             let mut reply = match request {
                 Request::GiveUp { steps, at } => Reply::Is(self.give_up(steps, at)),
                 request => self.kernel.serve(request),
             };
+            if begins_anew && !matches!(reply, Reply::Is(false)) {
+                // what the control has sent before belongs to what the kernel has forgotten
+                self.hand_back_waiting();
+            }
             if let Reply::HandedBack(Some(back)) = &mut reply {
                 back.steps += self.hand_back_waiting();
             }
@@ -147,4 +152,16 @@ impl<R: Rings> Seat<R> {
             rings.say(Said::Event(event));
         }
     }
+}
+
+/// The kernel forgets its steps for this: those on their way are forgotten, too.
+const fn begins_anew(request: &Request) -> bool {
+    matches!(
+        request,
+        Request::Clear
+            | Request::SwitchOff
+            | Request::SwitchOn
+            | Request::Recover(_)
+            | Request::Withdraw(_)
+    )
 }
