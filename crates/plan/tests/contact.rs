@@ -262,6 +262,31 @@ fn a_tip_deeper_than_the_flutes_is_refused_though_the_program_says_less() {
 }
 
 #[test]
+fn a_cut_with_no_tool_though_one_is_selected_is_said_once() {
+    let select = |number| OpKind::SelectTool { number };
+    let cuts = || [fed(5.0, -1.0), fed(9.0, -1.0)];
+    let said_of = |kinds: Vec<OpKind>| said(0, kinds.into_iter().chain(cuts()));
+    assert_eq!(
+        said_of(vec![select(8), to(5.0, 5.0)]),
+        "M0373 Warning line 5: this cuts with no tool: line 3 selects T8, and no M6 brings it into the spindle | write T8 M6 in place of T8\n"
+    );
+    // nothing is selected; the spindle stands; the tool comes; the one after it is selected ahead
+    for honest in [
+        vec![],
+        vec![select(8), turn(0.0)],
+        vec![select(8), change(8), turn(900.0)],
+        vec![select(8), change(8), turn(900.0), select(9)],
+        vec![select(8), select(0)],
+    ] {
+        let text = said_of(honest.clone());
+        assert!(!text.contains("M0373"), "{honest:?}: {text}");
+    }
+    // of the second tool that is missing, too
+    let twice = said_of(vec![select(8), fed(1.0, 5.0), select(9), fed(2.0, 5.0), select(9)]);
+    assert_eq!(twice.matches("M0373").count(), 2, "{twice}");
+}
+
+#[test]
 fn advice_comes_in_inches_where_the_program_is_in_inches() {
     let inches = ProgramFrame { unit: LengthUnit::Inch, ..g54(120.0) };
     let text = said_in(inches, 1, [to(5.0, 10.0), to(5.0, -2.54)]);

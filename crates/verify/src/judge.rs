@@ -154,6 +154,7 @@ impl Judge {
             OpKind::Threading(order) => self.at = order.to,
             _ => {}
         }
+        self.milling.op(index, op);
         self.order(index, op, &from);
     }
 

@@ -84,6 +84,31 @@ pub struct Milled {
 }
 
 impl Milled {
+    /// By no mill, out of the stock that is configured.
+    pub(super) fn nothing(config: &crate::Config) -> Self {
+        Self {
+            diameter: Length::ZERO,
+            form: None,
+            limits: MillLimits::default(),
+            removed_mm3: 0.0,
+            source: config.mill_stock.map(|stock| stock.source),
+            cell: None,
+            grid_bytes: 0,
+            depth: None,
+            width: None,
+            angle: None,
+            removal_mm3_per_s: None,
+            feed_per_tooth: None,
+            chip: None,
+            force: None,
+            deflection: None,
+            spin_max: Spin::ZERO,
+            rapids: Vec::new(),
+            rapid_count: 0,
+            map: None,
+        }
+    }
+
     /// Such as "ball mill".
     pub fn form_name(&self) -> &'static str {
         match self.form {

@@ -9,6 +9,7 @@
 //!
 //! No grid is made before a mill comes to the stock. Only X, Y and Z are looked at: once a rotary
 //! axis has moved, what is cut is not judged.
+mod empty;
 mod engagement;
 mod field;
 mod found;
@@ -26,7 +27,8 @@ use crate::hole::Drilled;
 use crate::judged::Judged;
 use crate::{Config, Stock};
 use bus::{Sample, State};
-use canon::{Tool, ToolKind};
+use canon::{Op, Tool, ToolKind};
+use empty::EmptySpindle;
 use engagement::Window;
 use field::{Cutter, Field};
 use found::Found;
@@ -82,17 +84,23 @@ pub(crate) struct Milling {
     /// Up to where the stock was looked at, and the last sample.
     last: Option<MillPose>,
     seen: Option<MillPose>,
+    empty: EmptySpindle,
 }
 
 impl Milling {
     /// The same stock, before another tool comes near.
     pub(crate) fn at_rest(self) -> Self {
-        Self { field: self.field, ..Self::default() }
+        Self { field: self.field, empty: self.empty.at_rest(), ..Self::default() }
     }
 
-    /// A mill has been fed, and is not judged yet.
+    /// A mill has been fed, or the empty spindle, and is not judged yet.
     pub(crate) fn is_under_way(&self) -> bool {
-        self.at.as_ref().is_some_and(|at| at.found.is_begun())
+        self.at.as_ref().is_some_and(|at| at.found.is_begun()) || self.empty.is_under_way()
+    }
+
+    /// What the program orders.
+    pub(crate) fn op(&mut self, index: u32, op: &Op) {
+        self.empty.op(index, op);
     }
 
     /// A servo period; the feature of a mill that was taken out.
@@ -107,7 +115,14 @@ impl Milling {
             Some(at) if Some(at.number) != number => self.close(config),
             _ => None,
         };
-        let Some(tool) = number.and_then(|number| config.mill(number)) else {
+        let tool = number.and_then(|number| config.mill(number));
+        let without = match number {
+            Some(0) if tool.is_none() => self.empty.sample(sample, config),
+            Some(_) => self.empty.close(config),
+            None => None, // the changer is at work
+        };
+        let taken = taken.or(without);
+        let Some(tool) = tool else {
             (self.last, self.seen) = (None, None);
             return taken;
         };
@@ -123,7 +138,7 @@ impl Milling {
 
     /// What the tool in the spindle has cut so far is judged.
     pub(crate) fn close(&mut self, config: &Config) -> Option<Judged<Milled>> {
-        let mut at = self.at.take()?;
+        let Some(mut at) = self.at.take() else { return self.empty.close(config) };
         let (last, seen) = (self.last.take(), self.seen.take());
         if let (Some(field), Some(cutter), Some(last), Some(seen)) =
             (&mut self.field, at.cutter, last, seen)
