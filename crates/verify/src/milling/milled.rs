@@ -1,7 +1,7 @@
 //! What a mill has done: its largest engagement and where, its rapids through the stock.
 use super::stock::StockSource;
 use crate::Stock;
-use canon::{MillForm, MillLimits};
+use canon::{MillForm, MillLimits, WrittenPlace};
 use units::{Angle, Force, Length, Spin};
 
 /// A place in the program and in the work offset G54.
@@ -11,6 +11,8 @@ pub struct MillingPlace {
     pub line: u32,
     /// Of the tool's tip.
     pub at: [Length; 3],
+    /// The same as the program writes it.
+    pub written: WrittenPlace,
 }
 
 /// The largest of something, and where it was.

@@ -27,11 +27,12 @@ use crate::hole::Drilled;
 use crate::judged::Judged;
 use crate::{Config, Stock};
 use bus::{Sample, State};
-use canon::{Op, Tool, ToolKind};
+use canon::{Op, ProgramFrame, Tool, ToolKind};
 use empty::EmptySpindle;
 use engagement::Window;
 use field::{Cutter, Field};
 use found::Found;
+use std::collections::VecDeque;
 use units::{Length, Time};
 
 /// A rapid scrapes so deep without a finding, mm.
@@ -74,6 +75,9 @@ struct Use {
     /// The rapid under way: how deep it was in the stock at most, and its places there.
     rapid: Option<(f64, MillingPlace)>,
     passed: Vec<[f64; 3]>,
+    /// How the program writes places now, and how far the axis stands above the tip.
+    frame: ProgramFrame,
+    length: f64,
 }
 
 /// Follows all mills.
@@ -85,6 +89,30 @@ pub(crate) struct Milling {
     last: Option<MillPose>,
     seen: Option<MillPose>,
     empty: EmptySpindle,
+    frames: Frames,
+}
+
+/// How the program writes places, from one op to the next.
+#[derive(Clone, Debug, Default)]
+struct Frames {
+    now: ProgramFrame,
+    /// Of ops to come, where they change it.
+    to_come: VecDeque<(u32, ProgramFrame)>,
+}
+
+impl Frames {
+    fn put(&mut self, op: u32, frame: ProgramFrame) {
+        let before = self.to_come.back().map_or(&self.now, |(_, frame)| frame);
+        if *before != frame {
+            self.to_come.push_back((op, frame));
+        }
+    }
+
+    fn reached(&mut self, op: u32) {
+        while let Some((_, frame)) = self.to_come.pop_front_if(|(from, _)| *from <= op) {
+            self.now = frame;
+        }
+    }
 }
 
 impl Milling {
@@ -103,6 +131,11 @@ impl Milling {
         self.empty.op(index, op);
     }
 
+    /// How the program has written an op.
+    pub(crate) fn frame(&mut self, index: u32, frame: ProgramFrame) {
+        self.frames.put(index, frame);
+    }
+
     /// A servo period; the feature of a mill that was taken out.
     pub(crate) fn sample(
         &mut self,
@@ -110,6 +143,7 @@ impl Milling {
         config: &Config,
         drilled: &[Drilled],
     ) -> Option<Judged<Milled>> {
+        self.frames.reached(sample.report.op);
         let number = sample.feedback.tool;
         let taken = match &self.at {
             Some(at) if Some(at.number) != number => self.close(config),
@@ -216,6 +250,7 @@ impl Milling {
             return;
         };
         let at = self.at.get_or_insert_with(|| Use::new(tool));
+        at.frame = self.frames.now;
         if now.mode == Mode::Fed {
             at.found.fed(now.op, now.line, now.time);
         }
@@ -288,6 +323,8 @@ impl Use {
             rotary: None,
             rapid: None,
             passed: Vec::new(),
+            frame: ProgramFrame::default(),
+            length: tool.worn_length().value(),
         }
     }
 
@@ -303,12 +340,13 @@ impl Use {
         let direction = if flat > 0.0 { [each[0] / flat, each[1] / flat] } else { [0.0; 2] };
         let time = (now.time - last.time) / pieces;
         let turns = (now.turns - last.turns) / pieces;
-        let zero = field.stock().zero;
+        let (zero, frame, length) = (field.stock().zero, self.frame, self.length);
         for k in 1..=pieces as u32 {
             let tip = [0, 1, 2].map(|i| last.tip[i] + each[i] * f64::from(k));
             let place = || MillingPlace {
                 line: last.line_of(&now),
                 at: [0, 1, 2].map(|i| Length::mm(tip[i]) - zero[i]),
+                written: frame.place([tip[0], tip[1], tip[2] + length].map(Length::mm)),
             };
             match now.mode {
                 Mode::Rapid => self.rapid(field, cutter, tip, place),

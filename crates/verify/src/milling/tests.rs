@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 use super::*;
 use crate::verdict::Verdict;
-use canon::{CutterMaterial, Mill, MillForm, MillLimits, OpKind, ToolLibrary};
+use canon::{CutterMaterial, Mill, MillForm, MillLimits, OpKind, Position, ToolLibrary};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use units::{Angle, Coordinate};
@@ -56,7 +56,15 @@ impl Mover {
         let number = config.tools.iter().next().unwrap().number;
         let mut sample = Sample::default();
         sample.feedback.tool = Some(number);
-        let milling = Milling::default();
+        let mut milling = Milling::default();
+        let [x, y, z] = zero;
+        let g54 = ProgramFrame {
+            work_offset: 1,
+            origin: Position::xyz(x, y, z),
+            tool: Position::xyz(0.0, 0.0, LENGTH_MM),
+            ..ProgramFrame::default()
+        };
+        milling.frame(0, g54);
         Self { milling, config, zero, sample, at: from, spin: 100.0, features: Vec::new() }
     }
 
@@ -235,12 +243,36 @@ fn a_rapid_through_the_stock_is_found_with_its_place_and_one_beside_it_is_not() 
     assert_eq!(found.rapids[0].place.line, 1);
     let said = feature.verdict.reason().unwrap();
     assert!(matches!(feature.verdict, Verdict::Fail { .. }), "{said}");
-    assert!(said.starts_with("a rapid goes through the stock: line 1 at X"), "{said}");
-    assert!(said.contains("Z-1.00 of G54, 1 mm deep"), "{said}");
+    let from = "the rapid in line 1 takes T1 (an end mill) 1 mm into the stock at X";
+    assert!(said.starts_with(from), "{said}");
+    assert!(said.contains(" Y30 Z-1 of G54"), "{said}");
 
     let mut beside = Mover::new(MillForm::FLAT, 10.0, [-20.0, -5.0, -1.0]);
     beside.rapid([120.0, -5.0, -1.0]);
     assert!(beside.finish().is_none(), "it was not fed");
+}
+
+#[test]
+fn rapids_are_said_in_the_frame_and_unit_of_their_program() {
+    let mut inches = Mover::new(MillForm::FLAT, 10.0, [50.8, 25.4, 5.0]);
+    let of_g55 = ProgramFrame {
+        unit: canon::LengthUnit::Inch,
+        work_offset: 2,
+        origin: Position::xyz(25.4, 0.0, 0.0),
+        tool: Position::xyz(0.0, 0.0, LENGTH_MM),
+        ..ProgramFrame::default()
+    };
+    inches.milling.frame(1, of_g55);
+    for depth in [2.54, 5.08, 7.62, 10.16, 12.7] {
+        inches.rapid([50.8, 25.4, -depth]);
+        inches.rapid([50.8, 25.4, 5.0]);
+    }
+    let feature = inches.finish().unwrap();
+    let said = feature.verdict.reason().unwrap();
+    let first =
+        "the rapid in line 1 takes T1 (an end mill) 0.1 in into the stock at X1 Y1 Z-0.1 of G55; ";
+    assert!(said.starts_with(first), "{said}");
+    assert!(said.contains("Z-0.3 of G55; and 2 more"), "{said}");
 }
 
 #[test]
@@ -379,7 +411,7 @@ fn what_is_not_known_is_not_judged() {
     mover.rapid([120.0, 30.0, -2.0]);
     let said = reason(&judged(mover));
     assert!(said.contains("the mill is assumed, by the program's comment"), "{said}");
-    assert!(said.contains("if so, a rapid goes through the stock: line 1"), "{said}");
+    assert!(said.contains("if so, the rapid in line 1 takes T1"), "{said}");
     let mut air = Mover::at(flat(), [0.0; 3], [-20.0, 30.0, 2.0]);
     air.feed([120.0, 30.0, 2.0]);
     assert!(reason(&judged(air)).contains("it met no stock"));
