@@ -29,6 +29,7 @@ mod series;
 mod thread;
 mod tool;
 mod tool_life;
+mod words;
 
 pub use cam::{CamLibrary, CamOrder, CamProfile};
 pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
@@ -47,3 +48,4 @@ pub use tool::{
 };
 pub use tool_life::{AtLimit, ToolLife, ToolLimit, ToolUse, ToolWear, UseCount};
 pub use units::{Arc, Axis, Plane, Position, Ratio};
+pub use words::{RapidIntoStock, WrittenPlace, number};

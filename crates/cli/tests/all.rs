@@ -25,6 +25,7 @@ mod left_behind;
 mod linuxcnc_import;
 mod lsp;
 mod lsp_writing;
+mod milled_alike;
 mod moving;
 mod polygon;
 mod polygon_claims;

@@ -10,6 +10,7 @@ use alloc::{
     vec::Vec,
 };
 use canon::Axis;
+pub(crate) use canon::number;
 use diag::{Diagnostic, Span};
 
 /// Findings of one code that are kept.
@@ -139,14 +140,4 @@ pub(crate) fn no_drill(span: Span) -> Diagnostic {
     let text = "a hole is drilled with no tool in the spindle";
     Diagnostic::error("M0315", span, text)
         .with_help("call one with T and M6, or allow stand-ins for missing tools")
-}
-
-/// A number for people: three decimals at most, no zeros at the end.
-pub(crate) fn number(value: f64) -> String {
-    if value.abs() >= 1e9 {
-        return format!("{value:e}");
-    }
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.into() }
 }

@@ -42,6 +42,7 @@ mod cam;
 mod chips;
 mod contact;
 mod coupled;
+mod empty_spindle;
 mod moves;
 mod probe;
 mod refuse;
@@ -115,6 +116,8 @@ pub struct Planner {
     /// Where X, Y and Z really are, if a tool change has taken them there.
     away: tool_change::Away,
     tool: u32,
+    /// Called by T, and not in the spindle yet.
+    selected: Option<empty_spindle::SelectedTool>,
     spindles: Vec<SpindleState>,
     mode: PathMode,
     holes: Holes,
@@ -244,6 +247,7 @@ impl Planner {
             programmed: start.position,
             away: tool_change::Away::default(),
             tool: start.tool,
+            selected: None,
             mode,
             holes: Holes::default(),
             contact: None,
@@ -386,7 +390,8 @@ impl Planner {
                     self.after_spindle(&mut job, step);
                 }
             }
-            OpKind::SelectTool { .. } | OpKind::Message(_) => {}
+            OpKind::SelectTool { number } => self.select_tool(op.span, *number),
+            OpKind::Message(_) => {}
         }
         self.follow_surface(&op.kind);
         self.feel_heat(op.span);

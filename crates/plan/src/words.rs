@@ -76,14 +76,7 @@ pub(crate) fn is_other_unit(found: f64, expected: f64) -> bool {
 
 /// A number in the program's unit: three decimals of a millimetre, four of an inch.
 fn in_unit(frame: &ProgramFrame, value: f64) -> String {
-    match frame.unit {
-        LengthUnit::Millimetre => number(value),
-        LengthUnit::Inch => {
-            let text = format!("{value:.4}");
-            let text = text.trim_end_matches('0').trim_end_matches('.');
-            if text == "-0" { "0".into() } else { text.into() }
-        }
-    }
+    frame.unit.number(value)
 }
 
 /// A coordinate as the program writes it, such as `X312.4`; machine coordinates where it cannot

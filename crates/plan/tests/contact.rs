@@ -96,7 +96,7 @@ fn fed(x: f64, z: f64) -> OpKind {
 fn a_rapid_into_the_stock_is_refused_with_the_height_that_works() {
     assert_eq!(
         said(1, [to(5.0, 10.0), to(5.0, -5.0)]),
-        "M0360 Error line 4: the rapid to Z-5 of G54 takes the tip of T1 (a drill) 5 mm into the stock, whose top it touches \
+        "M0360 Error line 4: the rapid takes T1 (a drill) 5 mm into the stock at X5 Y0 Z-5 of G54, whose top it touches \
          at Z0: Z2 or higher works, or a feed (G1)\n"
     );
     // across from beside the work
@@ -123,7 +123,9 @@ fn a_rapid_into_what_is_drilled_already_is_none_into_the_stock() {
     );
     let deeper = said(1, [to(5.0, 2.0), fed(5.0, -12.0), to(5.0, 2.0), to(5.0, -14.0)]);
     assert!(
-        deeper.contains("2 mm deeper than what is open here: Z-12 is the deepest that works"),
+        deeper.contains(
+            "takes T1 (a drill) 2 mm into the stock at X5 Y0 Z-14 of G54, deeper than what is open there: Z-12 is the deepest that works"
+        ),
         "{deeper}"
     );
 }
@@ -262,11 +264,36 @@ fn a_tip_deeper_than_the_flutes_is_refused_though_the_program_says_less() {
 }
 
 #[test]
+fn a_cut_with_no_tool_though_one_is_selected_is_said_once() {
+    let select = |number| OpKind::SelectTool { number };
+    let cuts = || [fed(5.0, -1.0), fed(9.0, -1.0)];
+    let said_of = |kinds: Vec<OpKind>| said(0, kinds.into_iter().chain(cuts()));
+    assert_eq!(
+        said_of(vec![select(8), to(5.0, 5.0)]),
+        "M0373 Warning line 5: this cuts with no tool: line 3 selects T8, and no M6 brings it into the spindle | write T8 M6 in place of T8\n"
+    );
+    // nothing is selected; the spindle stands; the tool comes; the one after it is selected ahead
+    for honest in [
+        vec![],
+        vec![select(8), turn(0.0)],
+        vec![select(8), change(8), turn(900.0)],
+        vec![select(8), change(8), turn(900.0), select(9)],
+        vec![select(8), select(0)],
+    ] {
+        let text = said_of(honest.clone());
+        assert!(!text.contains("M0373"), "{honest:?}: {text}");
+    }
+    // of the second tool that is missing, too
+    let twice = said_of(vec![select(8), fed(1.0, 5.0), select(9), fed(2.0, 5.0), select(9)]);
+    assert_eq!(twice.matches("M0373").count(), 2, "{twice}");
+}
+
+#[test]
 fn advice_comes_in_inches_where_the_program_is_in_inches() {
     let inches = ProgramFrame { unit: LengthUnit::Inch, ..g54(120.0) };
     let text = said_in(inches, 1, [to(5.0, 10.0), to(5.0, -2.54)]);
     assert!(
-        text.contains("Z-0.1 of G54 takes the tip of T1 (a drill) 0.1 in into the stock"),
+        text.contains("takes T1 (a drill) 0.1 in into the stock at X0.1969 Y0 Z-0.1 of G54"),
         "{text}"
     );
     assert!(text.contains(": Z0.1 or higher works"), "{text}");
@@ -299,8 +326,9 @@ fn many_moves_of_one_cause_are_one_finding_with_their_number_and_the_worst() {
     let text = said(1, moves);
     assert_eq!(text.lines().count(), 1, "{text}");
     assert!(
-        text.contains("line 4: the rapid to Z-7 of G54")
-            && text.contains(", in line 14, the worst of 30 such moves"),
+        text.contains(
+            "line 4: the rapid takes T1 (a drill) 7 mm into the stock at X6 Y0 Z-7 of G54"
+        ) && text.contains(", in line 14, the worst of 30 such moves"),
         "{text}"
     );
 }
@@ -373,7 +401,7 @@ fn a_holder_fits_into_a_pocket_that_is_wide_enough_and_not_into_a_slot() {
 fn advice_to_incremental_blocks_is_incremental() {
     let g91 = ProgramFrame { counting: canon::Counting::Incremental, ..g54(120.0) };
     let text = said_in(g91, 1, [to(5.0, 10.0), to(5.0, -5.0)]);
-    assert!(text.contains("the rapid to Z-5 of G54"), "{text}");
+    assert!(text.contains("into the stock at X5 Y0 Z-5 of G54"), "{text}");
     assert!(text.contains(": Z-8 (incremental) or higher works"), "{text}");
     let text = said_in(g91, 1, [to(5.0, 10.0), to(700.0, 10.0)]);
     assert!(text.contains("X245 (incremental) is the nearest that works"), "{text}");

@@ -24,7 +24,9 @@ use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
 use bus::Sample;
-use canon::{CamLibrary, CamOrder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, Tool};
+use canon::{
+    CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap, Tool,
+};
 use std::collections::VecDeque;
 use units::Time;
 
@@ -154,7 +156,13 @@ impl Judge {
             OpKind::Threading(order) => self.at = order.to,
             _ => {}
         }
+        self.milling.op(index, op);
         self.order(index, op, &from);
+    }
+
+    /// How the program has written the op that was told last: places are said in its words.
+    pub fn frame(&mut self, index: u32, frame: ProgramFrame) {
+        self.milling.frame(index, frame);
     }
 
     fn order(&mut self, index: u32, op: &Op, from: &Position) {

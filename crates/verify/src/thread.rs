@@ -9,7 +9,6 @@
 //! The helix that counts is the *tap's own*: a block with another lead does not make another
 //! thread, it tears this one. `docs/judging.md` derives the equations and says what the method
 //! cannot see.
-use crate::Config;
 use crate::groove::Groove;
 use crate::hole::{Drilled, times};
 use crate::inspection::Inspection;
@@ -17,6 +16,7 @@ use crate::judged::Judged;
 use crate::stroke::{Stroke, Visit};
 use crate::tapped::Thread;
 use crate::verdict::Verdict;
+use crate::{Config, Contact};
 use bus::{Sample, State};
 use canon::{Hand, Holder, Tap, TapTool, ThreadSize, Tool, ToolKind};
 use units::{Force, Length, Time, Torque};
@@ -142,6 +142,22 @@ impl ThreadTrack {
         self.farthest_rev = self.farthest_rev.max(inward);
     }
 
+    /// It was tapped with a tool that the table lacks: of such a one nothing is known.
+    fn is_assumed(&self) -> bool {
+        self.tool.as_ref().is_some_and(|tool| tool.stand_in)
+    }
+
+    fn verdict(&self, inspection: &Inspection<'_>) -> Verdict {
+        match self.tool_number.filter(|_| self.is_assumed()) {
+            Some(number) => Verdict::NotJudged {
+                reason: format!(
+                    "T{number} is not in the tool table: what it taps is not judged; add it to the table"
+                ),
+            },
+            None => Verdict::unless(&inspection.findings(), self.stroke.not_judged()),
+        }
+    }
+
     /// Measure, gauge, judge.
     pub(crate) fn finish(
         &self,
@@ -159,8 +175,8 @@ impl ThreadTrack {
             tool: self.tool_number,
             time,
             duration,
-            verdict: Verdict::unless(&inspection.findings(), self.stroke.not_judged()),
-            contact: inspection.contact(),
+            verdict: self.verdict(&inspection),
+            contact: if self.is_assumed() { Contact::default() } else { inspection.contact() },
             kind: inspection.thread(),
         }
     }
@@ -200,6 +216,11 @@ fn what_is_cut(tap: &Tap, number: Option<u32>, tool: Option<&Tool>) -> (ThreadSi
         };
         return (stand_in(Length::ZERO), vec![finding]);
     };
+    if tool.stand_in && !matches!(tool.kind, ToolKind::Tap(_)) {
+        let lead = stand_in(Length::ZERO);
+        let designation = format!("thread {:.3}", lead.pitch.value());
+        return (ThreadSize { designation, ..lead }, Vec::new());
+    }
     let ToolKind::Tap(form) = &tool.kind else {
         return (stand_in(tool.diameter), vec![format!("T{} is not a tap", tool.number)]);
     };

@@ -34,6 +34,9 @@
 //! A tool that is taken off the work, as for a hold, is judged until it is clear: until it stands
 //! where it stood before it was fed in. The pass then counts once it has been cut to its end.
 //!
+//! Where the work is no bar, nothing says that the thread begins behind the [run-in](run_in) of its
+//! axis: that is left out, and said.
+//!
 //! The helix is judged from the surface that the block names on. Where the chain ends the axes come
 //! to rest, which takes a part of a revolution: the last revolution before it is the run-out and is
 //! not judged.
@@ -42,6 +45,7 @@ mod figures;
 mod inspection;
 mod law;
 mod profile;
+mod run_in;
 mod size;
 mod sizes;
 mod verdict;
@@ -344,8 +348,22 @@ impl TurnedTrack {
         inspect(&of, &self.crossings, contact, bar, config)
     }
 
+    /// Leave out of each pass what its axis needed to come to its speed; the longest of that.
+    fn leave_run_in_out(&mut self, law: &Law<'_>) -> Length {
+        let mut longest = 0.0_f64;
+        for pass in self.passes.iter_mut().filter(|_| !law.varies()) {
+            let at: Vec<_> = pass.at.iter().map(|[depth, e, _]| [*depth, e * law.sign()]).collect();
+            let count = run_in::points(&at, law.main().lead().abs());
+            if count > 0 {
+                longest = longest.max(at[count][0] - at[0][0]);
+                pass.at.drain(..count);
+            }
+        }
+        Length::mm(longest)
+    }
+
     pub(crate) fn finish(
-        self,
+        mut self,
         op: u32,
         line: u32,
         ordered: &Ordered,
@@ -353,6 +371,7 @@ impl TurnedTrack {
         now: Time,
     ) -> Judged<TurnedThread> {
         let law = ordered.passes.last().and_then(|pass| Law::of(pass));
+        let run_in = law.filter(|_| bar.is_none()).map(|law| self.leave_run_in_out(&law));
         let slope = law.map_or(0.0, |law| law.main().lead());
         let tool = self.tool.and_then(|number| config.tools.get(number));
         let tip = |at: Length, axis: Axis| match tool {
@@ -409,6 +428,7 @@ impl TurnedTrack {
             profile: worst.map_or_else(Vec::new, |pass| thinned(&pass.at)),
             force_max: self.force,
             torque_max: self.torque,
+            run_in: run_in.unwrap_or(Length::ZERO),
             ..TurnedThread::of_bar(inspected.as_ref(), law.as_ref())
         };
         Judged {

@@ -2,7 +2,7 @@
 mod common;
 use canon::Material;
 use canon::{Op, OpKind, ToolKind, ToolLibrary};
-use common::{Record, config, judge, judge_with, thread, tools};
+use common::{Record, config, judge, judge_with, tap_tool, thread, tools};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use units::{Angle, Coordinate, Length};
@@ -251,6 +251,20 @@ fn the_wrong_tool_is_named() {
     let wrong_lead = reason(2, 1.25);
     assert!(wrong_lead.starts_with("the block's lead is 1.2500 mm, that of T2 is 1.0000 mm"));
     assert!(wrong_lead.contains("No-go gauge"), "and the thread is torn: {wrong_lead}");
+}
+
+#[test]
+fn what_a_stand_in_taps_is_not_judged() {
+    let mut tools = tools();
+    let kind = canon::ToolKind::Other;
+    tools.insert(canon::Tool { stand_in: true, kind, ..tap_tool(7, "M6x1", 1.0) });
+    let feature = judge_with(config(tools), &Record::new(7, 1.0), |_, _| 0.0);
+    assert_eq!(feature.verdict.name(), "not judged");
+    assert_eq!(
+        feature.verdict.reason(),
+        Some("T7 is not in the tool table: what it taps is not judged; add it to the table")
+    );
+    assert_eq!((thread(&feature).size.as_str(), feature.contact.reach), ("thread 1.000", None));
 }
 
 #[test]

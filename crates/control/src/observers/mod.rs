@@ -115,6 +115,7 @@ impl Observers {
             }
         }
         self.judge.op(index, op);
+        self.judge.frame(index, frame);
         if let Some(idle) = &mut self.idle {
             idle.op(index, op);
         }

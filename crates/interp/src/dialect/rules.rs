@@ -72,6 +72,8 @@ pub(crate) struct Rules {
     pub(crate) dwells_by_s: bool,
     /// G50 ends a scaling, of which there is none.
     pub(crate) ends_scaling: bool,
+    /// Tools are changed by hand: T names the one that is clamped, and needs no M6.
+    pub(crate) tools_by_hand: bool,
     /// Letters that may stand where no code takes them: they have no effect there.
     pub(crate) idle: Letters,
     /// R may be too short by so much to reach an arc's end, mm and inches.

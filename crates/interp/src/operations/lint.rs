@@ -104,7 +104,14 @@ pub(crate) struct Reader {
     /// G94 or G95 that has just cleared the feed, while no F followed.
     cleared: Option<Span>,
     selected: Option<(u32, Span)>,
+    /// T needs no M6.
+    tools_by_hand: bool,
     spindle: Option<u32>,
+    /// M6 or M61 has put a tool into the spindle, if only in a subprogram.
+    changed: bool,
+    turns: bool,
+    /// The spindle was empty in a cut after the last T: the planner says it at the cut.
+    cut_empty: bool,
     ended: bool,
     said_after_end: bool,
 }
@@ -113,7 +120,8 @@ impl Reader {
     pub(crate) fn new(setup: &Setup) -> Self {
         let known = setup.parameters.iter().map(|(number, _)| number as u32).collect();
         let changes_tools = setup.dialect.rules().writes_own(crate::codes::NON_STOP_CHANGE);
-        Self { changes_tools, set: known, ..Self::default() }
+        let tools_by_hand = setup.dialect.rules().tools_by_hand;
+        Self { changes_tools, tools_by_hand, set: known, ..Self::default() }
     }
 
     pub(crate) fn block(&mut self, block: &Block) {
@@ -223,6 +231,8 @@ impl Reader {
                 (b'G', 610 | 611) => self.path_control = true,
                 (b'G', 640) => self.path_control |= has(b'P'),
                 (b'G', 40) => dwells = true,
+                (b'M', 30 | 40) => self.turns = true,
+                (b'M', 50) => self.turns = false,
                 (b'M', 20 | 300) => self.ended = true,
                 _ => {}
             }
@@ -237,6 +247,8 @@ impl Reader {
             self.long_dwell(block, seconds);
         }
         self.tools(block, number(b'T'), number(b'H'));
+        let moves = block.words.iter().any(|word| b"XYZ".contains(&word.letter));
+        self.cut_empty |= moves && self.feeds && self.turns && !self.changed;
     }
 
     /// G94 and G95 clear the feed, also where they were in force: said where no F comes before the
@@ -274,14 +286,17 @@ impl Reader {
         if let Some(number) = t.filter(|t| *t >= 0.0) {
             let span = block.word(b'T').map_or(block.span, |word| word.span);
             self.selected = Some((number as u32, span));
+            self.cut_empty = false;
         } else if block.word(b'T').is_some() {
             (self.selected, self.spindle) = (None, None);
         }
         if is(b'M', 6.0) || self.changes_tools.is_some_and(|code| is(b'G', code)) {
             self.spindle = self.selected.take().map(|(number, _)| number);
+            self.changed = true;
         }
         if is(b'M', 61.0) {
             self.spindle = None;
+            self.changed = true;
         }
         if self.inside_sub {
             self.spindle = None;
@@ -314,7 +329,9 @@ impl Reader {
             let help = "write F, the feed per revolution, in this block: G95 F0.1";
             self.found.push(Diagnostic::warning("I0908", span, text).with_help(help));
         }
-        if let Some((number, span)) = self.selected.filter(|(number, _)| *number > 0) {
+        let is_known = self.cut_empty || self.tools_by_hand;
+        let selected = self.selected.filter(|(number, _)| *number > 0 && !is_known);
+        if let Some((number, span)) = selected {
             let text = format!("T{number} is selected, and no M6 after it brings it");
             let finding = Diagnostic::note("I0907", span, text);
             self.found.push(finding.with_help("write M6 in this block or after it"));
@@ -382,7 +399,12 @@ mod tests {
     use super::*;
 
     fn codes(text: &str) -> Vec<&'static str> {
-        lint(text.as_bytes(), &Setup::default()).iter().map(|finding| finding.code).collect()
+        codes_in(crate::Dialect::default(), text)
+    }
+
+    fn codes_in(dialect: crate::Dialect, text: &str) -> Vec<&'static str> {
+        let setup = Setup { dialect, ..Setup::default() };
+        lint(text.as_bytes(), &setup).iter().map(|finding| finding.code).collect()
     }
 
     #[test]
@@ -430,6 +452,11 @@ mod tests {
         assert_eq!(codes("G4 P500\nM2\n"), ["I0904"]);
         assert_eq!(codes("M2\nG0 X1\nG0 X2\n"), ["I0906"]);
         assert_eq!(codes("T3\nM2\n"), ["I0907"]);
+        assert!(codes_in(crate::Dialect::Grbl, "T3\nM2\n").is_empty(), "clamped by hand");
+        // the cut itself is a finding of the planner
+        assert!(codes("T3\nM3 S900\nG1 X9 F90\nM2\n").is_empty());
+        assert_eq!(codes("T3\nG1 X9 F90\nM2\n"), ["I0907"]);
+        assert_eq!(codes("T3 M6\nM3 S900\nG1 X9 F90\nT4\nG1 X0\nM2\n"), ["I0907"]);
         // of a gear T is the teeth; of a hole it is a tool
         assert!(codes("T1 M6\nM3 S300\nG81 T20 L1 Q2\nG80\nM2\n").is_empty());
     }

@@ -44,6 +44,7 @@ pub(crate) fn order_or_mode(resolver: &mut Resolver, call: &Call<'_>, span: Span
             let longest = longest.map(Time::s);
             order_spindle(resolver, SpindleOrder::Orient { to, longest }, span);
         }
+        Call::SelectTool(_) if resolver.tools_by_hand => {}
         Call::SelectTool(number) => resolver.push(span, OpKind::SelectTool { number: *number }),
         Call::ChangeTool(number) => change_tool(resolver, *number, span),
         Call::ToolNumber(number) => {

@@ -45,6 +45,8 @@ pub struct Resolver {
     pub(crate) diagnostics: Vec<Diagnostic>,
     most_findings: usize,
     pub(crate) tools: ToolLibrary,
+    /// T names what is clamped by hand.
+    pub(crate) tools_by_hand: bool,
     pub(crate) tool: u32,
     pub(crate) units: Units,
     /// Offsets, mm.
@@ -103,6 +105,7 @@ impl Resolver {
             diagnostics: Vec::new(),
             most_findings: setup.limits.findings,
             tools: setup.tools.clone(),
+            tools_by_hand: setup.dialect.rules().tools_by_hand,
             tool: 0,
             units: Units::Millimetre,
             frame: Frame::default(),

@@ -110,6 +110,7 @@ impl Planner {
             return true;
         }
         if turning > Spin::ZERO {
+            self.judge_tool_is_there(job);
             return false;
         }
         if let Feed::PerRevolution(_) = feed {

@@ -242,7 +242,7 @@ impl Planner {
         let number = self.tool;
         let text: String = match self.tools.get(number) {
             Some(tool) => {
-                let kind = kind_name(tool);
+                let kind = tool.kind_name();
                 let text = format!("expected a tap in the spindle, found T{number} ({kind})");
                 let finding = Diagnostic::error("M0328", job.span, text);
                 return match thread_missing(tool) {
@@ -467,18 +467,4 @@ fn thread_missing(tool: &Tool) -> Option<String> {
             tool.description
         )
     })
-}
-
-pub(super) fn kind_name(tool: &Tool) -> &'static str {
-    match tool.kind {
-        ToolKind::Drill { .. } => "a drill",
-        ToolKind::SpotDrill { .. } => "a spot drill",
-        ToolKind::EndMill(_) => "an end mill",
-        ToolKind::Tap(_) => "a tap",
-        ToolKind::PolygonCutter(_) => "a polygon cutter",
-        ToolKind::Insert(_) => "an insert of a lathe",
-        ToolKind::Probe(_) => "a touch probe",
-        ToolKind::Other if tool.stand_in => "a stand-in that the table does not describe",
-        ToolKind::Other => "another tool",
-    }
 }

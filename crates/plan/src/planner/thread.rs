@@ -66,6 +66,7 @@ impl Planner {
         let path = Path::Line { from, to: order.to };
         if !self.is_refused(job, &[path]) && !self.threading_is_refused(job, &from, order) {
             let feed = canon::Feed::PerRevolution(order.lead);
+            self.judge_tool_is_there(job);
             self.sweep(job, &path, super::contact::Run::Thread(feed));
             self.chain.push(Waiting { index: job.index, span: job.span, from, order: *order });
         }

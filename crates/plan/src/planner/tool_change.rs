@@ -41,6 +41,7 @@ impl Away {
 
 impl Planner {
     pub(super) fn change_tool(&mut self, job: &mut Job, number: u32) {
+        self.selected = None;
         if number != 0 && self.tools.get(number).is_none() {
             let text = format!("T{number} is not in the tool table");
             let finding = Diagnostic::error("M0309", job.span, text);

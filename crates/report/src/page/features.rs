@@ -238,6 +238,7 @@ pub fn name(feature: &Feature, measure: Measure) -> String {
         FeatureKind::Polygon(polygon) => polygon.name(),
         FeatureKind::Cam(cam) => format!("cam {}", cam.name),
         FeatureKind::Gear(gear) => gear.name(),
+        FeatureKind::Milled(_) if feature.tool.is_none() => "no tool".into(),
         FeatureKind::Milled(milled) => {
             let number = feature.tool.map_or(String::new(), |number| format!("T{number} "));
             let decimals = if measure == Measure::METRIC { 2 } else { 4 };

@@ -49,7 +49,7 @@ pub(crate) fn milled(
         }
     }
     for rapid in milled.rapids.iter().take(MARKED) {
-        let MillingPlace { line, at } = rapid.place;
+        let MillingPlace { line, at, .. } = rapid.place;
         let title = format!("line {line}: {} {unit} deep", measure.length(rapid.depth));
         let at = (measure.number(at[0]), measure.number(at[1]));
         chart.mark(&Mark { at, radius: 6.0, class: "mark fail", title: &title, crossed: true });

@@ -1,7 +1,7 @@
 //! What a mill has done: its largest engagement and where, its rapids through the stock.
 use super::stock::StockSource;
 use crate::Stock;
-use canon::{MillForm, MillLimits};
+use canon::{MillForm, MillLimits, WrittenPlace};
 use units::{Angle, Force, Length, Spin};
 
 /// A place in the program and in the work offset G54.
@@ -11,6 +11,8 @@ pub struct MillingPlace {
     pub line: u32,
     /// Of the tool's tip.
     pub at: [Length; 3],
+    /// The same as the program writes it.
+    pub written: WrittenPlace,
 }
 
 /// The largest of something, and where it was.
@@ -84,6 +86,31 @@ pub struct Milled {
 }
 
 impl Milled {
+    /// By no mill, out of the stock that is configured.
+    pub(super) fn nothing(config: &crate::Config) -> Self {
+        Self {
+            diameter: Length::ZERO,
+            form: None,
+            limits: MillLimits::default(),
+            removed_mm3: 0.0,
+            source: config.mill_stock.map(|stock| stock.source),
+            cell: None,
+            grid_bytes: 0,
+            depth: None,
+            width: None,
+            angle: None,
+            removal_mm3_per_s: None,
+            feed_per_tooth: None,
+            chip: None,
+            force: None,
+            deflection: None,
+            spin_max: Spin::ZERO,
+            rapids: Vec::new(),
+            rapid_count: 0,
+            map: None,
+        }
+    }
+
     /// Such as "ball mill".
     pub fn form_name(&self) -> &'static str {
         match self.form {

@@ -9,6 +9,7 @@
 //!
 //! No grid is made before a mill comes to the stock. Only X, Y and Z are looked at: once a rotary
 //! axis has moved, what is cut is not judged.
+mod empty;
 mod engagement;
 mod field;
 mod found;
@@ -26,10 +27,12 @@ use crate::hole::Drilled;
 use crate::judged::Judged;
 use crate::{Config, Stock};
 use bus::{Sample, State};
-use canon::{Tool, ToolKind};
+use canon::{Op, ProgramFrame, Tool, ToolKind};
+use empty::EmptySpindle;
 use engagement::Window;
 use field::{Cutter, Field};
 use found::Found;
+use std::collections::VecDeque;
 use units::{Length, Time};
 
 /// A rapid scrapes so deep without a finding, mm.
@@ -72,6 +75,9 @@ struct Use {
     /// The rapid under way: how deep it was in the stock at most, and its places there.
     rapid: Option<(f64, MillingPlace)>,
     passed: Vec<[f64; 3]>,
+    /// How the program writes places now, and how far the axis stands above the tip.
+    frame: ProgramFrame,
+    length: f64,
 }
 
 /// Follows all mills.
@@ -82,17 +88,52 @@ pub(crate) struct Milling {
     /// Up to where the stock was looked at, and the last sample.
     last: Option<MillPose>,
     seen: Option<MillPose>,
+    empty: EmptySpindle,
+    frames: Frames,
+}
+
+/// How the program writes places, from one op to the next.
+#[derive(Clone, Debug, Default)]
+struct Frames {
+    now: ProgramFrame,
+    /// Of ops to come, where they change it.
+    to_come: VecDeque<(u32, ProgramFrame)>,
+}
+
+impl Frames {
+    fn put(&mut self, op: u32, frame: ProgramFrame) {
+        let before = self.to_come.back().map_or(&self.now, |(_, frame)| frame);
+        if *before != frame {
+            self.to_come.push_back((op, frame));
+        }
+    }
+
+    fn reached(&mut self, op: u32) {
+        while let Some((_, frame)) = self.to_come.pop_front_if(|(from, _)| *from <= op) {
+            self.now = frame;
+        }
+    }
 }
 
 impl Milling {
     /// The same stock, before another tool comes near.
     pub(crate) fn at_rest(self) -> Self {
-        Self { field: self.field, ..Self::default() }
+        Self { field: self.field, empty: self.empty.at_rest(), ..Self::default() }
     }
 
-    /// A mill has been fed, and is not judged yet.
+    /// A mill has been fed, or the empty spindle, and is not judged yet.
     pub(crate) fn is_under_way(&self) -> bool {
-        self.at.as_ref().is_some_and(|at| at.found.is_begun())
+        self.at.as_ref().is_some_and(|at| at.found.is_begun()) || self.empty.is_under_way()
+    }
+
+    /// What the program orders.
+    pub(crate) fn op(&mut self, index: u32, op: &Op) {
+        self.empty.op(index, op);
+    }
+
+    /// How the program has written an op.
+    pub(crate) fn frame(&mut self, index: u32, frame: ProgramFrame) {
+        self.frames.put(index, frame);
     }
 
     /// A servo period; the feature of a mill that was taken out.
@@ -102,12 +143,20 @@ impl Milling {
         config: &Config,
         drilled: &[Drilled],
     ) -> Option<Judged<Milled>> {
+        self.frames.reached(sample.report.op);
         let number = sample.feedback.tool;
         let taken = match &self.at {
             Some(at) if Some(at.number) != number => self.close(config),
             _ => None,
         };
-        let Some(tool) = number.and_then(|number| config.mill(number)) else {
+        let tool = number.and_then(|number| config.mill(number));
+        let without = match number {
+            Some(0) if tool.is_none() => self.empty.sample(sample, config),
+            Some(_) => self.empty.close(config),
+            None => None, // the changer is at work
+        };
+        let taken = taken.or(without);
+        let Some(tool) = tool else {
             (self.last, self.seen) = (None, None);
             return taken;
         };
@@ -123,7 +172,7 @@ impl Milling {
 
     /// What the tool in the spindle has cut so far is judged.
     pub(crate) fn close(&mut self, config: &Config) -> Option<Judged<Milled>> {
-        let mut at = self.at.take()?;
+        let Some(mut at) = self.at.take() else { return self.empty.close(config) };
         let (last, seen) = (self.last.take(), self.seen.take());
         if let (Some(field), Some(cutter), Some(last), Some(seen)) =
             (&mut self.field, at.cutter, last, seen)
@@ -201,6 +250,7 @@ impl Milling {
             return;
         };
         let at = self.at.get_or_insert_with(|| Use::new(tool));
+        at.frame = self.frames.now;
         if now.mode == Mode::Fed {
             at.found.fed(now.op, now.line, now.time);
         }
@@ -273,6 +323,8 @@ impl Use {
             rotary: None,
             rapid: None,
             passed: Vec::new(),
+            frame: ProgramFrame::default(),
+            length: tool.worn_length().value(),
         }
     }
 
@@ -288,12 +340,13 @@ impl Use {
         let direction = if flat > 0.0 { [each[0] / flat, each[1] / flat] } else { [0.0; 2] };
         let time = (now.time - last.time) / pieces;
         let turns = (now.turns - last.turns) / pieces;
-        let zero = field.stock().zero;
+        let (zero, frame, length) = (field.stock().zero, self.frame, self.length);
         for k in 1..=pieces as u32 {
             let tip = [0, 1, 2].map(|i| last.tip[i] + each[i] * f64::from(k));
             let place = || MillingPlace {
                 line: last.line_of(&now),
                 at: [0, 1, 2].map(|i| Length::mm(tip[i]) - zero[i]),
+                written: frame.place([tip[0], tip[1], tip[2] + length].map(Length::mm)),
             };
             match now.mode {
                 Mode::Rapid => self.rapid(field, cutter, tip, place),

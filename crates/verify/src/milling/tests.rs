@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 use super::*;
 use crate::verdict::Verdict;
-use canon::{CutterMaterial, Mill, MillForm, MillLimits, ToolLibrary};
+use canon::{CutterMaterial, Mill, MillForm, MillLimits, OpKind, Position, ToolLibrary};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use units::{Angle, Coordinate};
@@ -56,7 +56,15 @@ impl Mover {
         let number = config.tools.iter().next().unwrap().number;
         let mut sample = Sample::default();
         sample.feedback.tool = Some(number);
-        let milling = Milling::default();
+        let mut milling = Milling::default();
+        let [x, y, z] = zero;
+        let g54 = ProgramFrame {
+            work_offset: 1,
+            origin: Position::xyz(x, y, z),
+            tool: Position::xyz(0.0, 0.0, LENGTH_MM),
+            ..ProgramFrame::default()
+        };
+        milling.frame(0, g54);
         Self { milling, config, zero, sample, at: from, spin: 100.0, features: Vec::new() }
     }
 
@@ -235,12 +243,36 @@ fn a_rapid_through_the_stock_is_found_with_its_place_and_one_beside_it_is_not() 
     assert_eq!(found.rapids[0].place.line, 1);
     let said = feature.verdict.reason().unwrap();
     assert!(matches!(feature.verdict, Verdict::Fail { .. }), "{said}");
-    assert!(said.starts_with("a rapid goes through the stock: line 1 at X"), "{said}");
-    assert!(said.contains("Z-1.00 of G54, 1 mm deep"), "{said}");
+    let from = "the rapid in line 1 takes T1 (an end mill) 1 mm into the stock at X";
+    assert!(said.starts_with(from), "{said}");
+    assert!(said.contains(" Y30 Z-1 of G54"), "{said}");
 
     let mut beside = Mover::new(MillForm::FLAT, 10.0, [-20.0, -5.0, -1.0]);
     beside.rapid([120.0, -5.0, -1.0]);
     assert!(beside.finish().is_none(), "it was not fed");
+}
+
+#[test]
+fn rapids_are_said_in_the_frame_and_unit_of_their_program() {
+    let mut inches = Mover::new(MillForm::FLAT, 10.0, [50.8, 25.4, 5.0]);
+    let of_g55 = ProgramFrame {
+        unit: canon::LengthUnit::Inch,
+        work_offset: 2,
+        origin: Position::xyz(25.4, 0.0, 0.0),
+        tool: Position::xyz(0.0, 0.0, LENGTH_MM),
+        ..ProgramFrame::default()
+    };
+    inches.milling.frame(1, of_g55);
+    for depth in [2.54, 5.08, 7.62, 10.16, 12.7] {
+        inches.rapid([50.8, 25.4, -depth]);
+        inches.rapid([50.8, 25.4, 5.0]);
+    }
+    let feature = inches.finish().unwrap();
+    let said = feature.verdict.reason().unwrap();
+    let first =
+        "the rapid in line 1 takes T1 (an end mill) 0.1 in into the stock at X1 Y1 Z-0.1 of G55; ";
+    assert!(said.starts_with(first), "{said}");
+    assert!(said.contains("Z-0.3 of G55; and 2 more"), "{said}");
 }
 
 #[test]
@@ -379,7 +411,7 @@ fn what_is_not_known_is_not_judged() {
     mover.rapid([120.0, 30.0, -2.0]);
     let said = reason(&judged(mover));
     assert!(said.contains("the mill is assumed, by the program's comment"), "{said}");
-    assert!(said.contains("if so, a rapid goes through the stock: line 1"), "{said}");
+    assert!(said.contains("if so, the rapid in line 1 takes T1"), "{said}");
     let mut air = Mover::at(flat(), [0.0; 3], [-20.0, 30.0, 2.0]);
     air.feed([120.0, 30.0, 2.0]);
     assert!(reason(&judged(air)).contains("it met no stock"));
@@ -488,4 +520,55 @@ proptest! {
         }
         prop_assert!(before <= 100.0 * 60.0 * 20.0 * 1.02);
     }
+}
+
+/// A program that selects T7 in line 2, feeds in line 4 and does something else then.
+fn with_no_tool(spin: f64, orders: &[(u32, OpKind)]) -> Mover {
+    let mut mover = Mover::new(MillForm::FLAT, 10.0, [-20.0, 30.0, 5.0]);
+    (mover.sample.feedback.tool, mover.spin) = (Some(0), spin);
+    for (index, kind) in orders {
+        let span = canon::Span { line: index + 1, ..canon::Span::default() };
+        mover.milling.op(*index, &Op { span, kind: kind.clone() });
+    }
+    mover.sample.report.op = 2;
+    mover.sample.report.line = 3;
+    mover.rapid([-20.0, 30.0, -3.0]);
+    mover.feed([120.0, 30.0, -3.0]);
+    mover
+}
+
+#[test]
+fn what_an_empty_spindle_was_to_mill_is_not_judged() {
+    let found = with_no_tool(50.0, &[(1, OpKind::SelectTool { number: 7 })]).finish().unwrap();
+    assert_eq!(
+        found.verdict.reason(),
+        Some(
+            "no tool was in the spindle, and nothing was cut: line 2 selects T7, and no M6 brings it into the spindle"
+        )
+    );
+    assert_eq!((found.verdict.name(), found.op, found.tool), ("not judged", 4, None));
+    assert!(found.duration.value() > 6.9, "{}", found.duration);
+}
+
+#[test]
+fn an_empty_spindle_is_said_once_for_each_tool_that_is_missing() {
+    let orders = [(1, OpKind::SelectTool { number: 7 }), (5, OpKind::SelectTool { number: 8 })];
+    let mut mover = with_no_tool(50.0, &orders);
+    mover.feed([120.0, 10.0, -3.0]);
+    mover.feed([0.0, 10.0, -3.0]);
+    let first: Vec<u32> = mover.features.iter().map(|feature| feature.op).collect();
+    assert_eq!(first, [4], "T7 is given up when T8 is called");
+    mover.sample.feedback.tool = Some(1);
+    mover.feed([-30.0, 10.0, -3.0]);
+    assert_eq!(mover.features.len(), 2, "T8 has come by hand");
+    assert!(mover.features[1].verdict.reason().is_some_and(|why| why.contains("selects T8")));
+}
+
+#[test]
+fn a_tool_that_was_not_called_is_not_missing_nor_one_whose_spindle_stands() {
+    assert!(with_no_tool(50.0, &[]).finish().is_none());
+    let call = (1, OpKind::SelectTool { number: 7 });
+    assert!(with_no_tool(0.0, std::slice::from_ref(&call)).finish().is_none());
+    let emptied = (2, OpKind::ChangeTool { number: 0 });
+    assert!(with_no_tool(50.0, &[call, emptied]).finish().is_none());
 }

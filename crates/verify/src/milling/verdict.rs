@@ -4,7 +4,7 @@ use super::stock::StockSource;
 use crate::config::cutting_force_n_per_mm2;
 use crate::verdict::Verdict;
 use crate::{Config, Stock};
-use canon::{Mill, Tool, ToolKind};
+use canon::{Mill, RapidIntoStock, Tool, ToolKind};
 use units::Length;
 
 /// Rapids that are named one by one.
@@ -36,8 +36,7 @@ pub(super) fn mm(value: Length) -> String {
 
 impl core::fmt::Display for MillingPlace {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let [x, y, z] = self.at.map(|at| format!("{:.2}", at.value() + 0.0));
-        write!(f, "line {} at X{x} Y{y} Z{z} of G54", self.line)
+        write!(f, "line {} at {}", self.line, self.written)
     }
 }
 
@@ -56,7 +55,7 @@ pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Con
     };
     let assumed = milled.source.is_some_and(StockSource::is_assumed) || tool.stand_in;
     let mut wrong = Vec::new();
-    let rapids = rapids(milled);
+    let rapids = rapids(milled, tool);
     if !assumed {
         wrong.extend(rapids.clone());
         wrong.extend(still(seen));
@@ -103,18 +102,19 @@ pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Con
     Verdict::unless(&wrong, (!unknown.is_empty()).then(|| unknown.join("; ")))
 }
 
-/// Rapids through the stock, in one sentence.
-fn rapids(milled: &Milled) -> Option<String> {
-    let first = milled.rapids.iter().take(NAMED);
-    let named: Vec<_> =
-        first.map(|cut| format!("{}, {} mm deep", cut.place, mm(cut.depth))).collect();
-    let (count, shown) = (milled.rapid_count, named.join("; "));
-    match count {
-        0 => None,
-        1 => Some(format!("a rapid goes through the stock: {shown}")),
-        _ if count > NAMED => Some(format!("{count} rapids go through the stock: {shown}; …")),
-        _ => Some(format!("{count} rapids go through the stock: {shown}")),
+/// Rapids through the stock, the first ones by name: as they are said before motion.
+fn rapids(milled: &Milled, tool: &Tool) -> Option<String> {
+    let named = milled.rapids.iter().take(NAMED).map(|cut| {
+        let MillingPlace { line, written, .. } = cut.place;
+        let rapid = RapidIntoStock { place: written, line: Some(line), tool, depth: cut.depth };
+        rapid.to_string()
+    });
+    let mut said: Vec<String> = named.collect();
+    let more = milled.rapid_count.saturating_sub(said.len());
+    if more > 0 {
+        said.push(format!("and {more} more"));
     }
+    (!said.is_empty()).then(|| said.join("; "))
 }
 
 fn still(seen: &Noticed) -> Vec<String> {

@@ -76,6 +76,9 @@ pub struct TurnedThread {
     pub force_max: Option<Force>,
     /// Largest torque of the cut on the spindle, likewise.
     pub torque_max: Option<Torque>,
+    /// Way at its beginning in which the axis came to its speed, and which was left out because
+    /// nothing says that the thread begins behind it; zero where a bar does.
+    pub run_in: Length,
     /// What was not judged, and why; empty: everything was.
     pub not_judged: String,
     /// Machine Z, and radius before and after, in an axial section.
@@ -131,6 +134,7 @@ impl TurnedThread {
             limits: standard.map(|standard| standard.limits),
             force_max: None,
             torque_max: None,
+            run_in: Length::ZERO,
             not_judged: super::verdict::not_judged(law, inspected).unwrap_or_default(),
             section: inspected.map_or_else(Vec::new, |found| found.section.clone()),
         }

@@ -196,6 +196,63 @@ fn a_thread_of_one_lead_where_a_growing_one_is_ordered_fails() {
     assert!(!verdict.is_pass() && thread.sync_error_max > Length::mm(0.5), "{thread:?}");
 }
 
+/// A pass from Z0 to Z−12, where the axis stands when it begins and comes within `ramp` turns to
+/// `speed` times the thread's; half of the ramp lies before the start angle, as it does here.
+fn from_rest(ramp: f64, speed: f64, bar: Option<crate::Bar>) -> (TurnedThread, Verdict) {
+    let mut judge = Judge::new(Config { bar, ..Config::new(ToolLibrary::default()) });
+    judge.op(0, &Op { span: Span::default(), kind: OpKind::Rapid { to: at(10.0, 0.0) } });
+    let order = Threading {
+        to: at(10.0, -12.0),
+        lead: Lead::mm_per_rev(1.0),
+        growth: LeadGrowth::ZERO,
+        start_angle: Angle::ZERO,
+        axis: Axis::Z,
+        surface: Length::ZERO,
+    };
+    judge.op(1, &Op { span: Span::default(), kind: OpKind::Threading(order) });
+    for k in 0..(14.0 / 25.0 / PERIOD) as usize {
+        let turn = k as f64 * PERIOD * 25.0;
+        let way = if turn < ramp { turn * turn / (2.0 * ramp) } else { turn - ramp / 2.0 } * speed;
+        let mut sample = Sample::default();
+        sample.report.op = 1;
+        sample.feedback.time = Time::s(k as f64 * PERIOD);
+        let mut truth = Truth::default();
+        (truth.axes[0], truth.axes[2]) = (Coordinate::new(10.0), Coordinate::new(-way.min(12.0)));
+        truth.spindles[0] = Angle::rev(4.0 - ramp / 2.0 + turn);
+        sample.truth = Some(truth);
+        judge.sample(&sample);
+    }
+    let feature = judge.finish().remove(0);
+    let FeatureKind::Turned(thread) = feature.kind else { panic!("{feature:?}") };
+    (*thread, feature.verdict)
+}
+
+#[test]
+fn without_a_bar_the_way_to_the_threads_speed_is_left_out_and_said() {
+    // v²/2a of 25 mm/s at 420 mm/s² are 744 µm, in 1.488 turns
+    let (thread, verdict) = from_rest(1.488, 1.0, None);
+    assert!(thread.sync_error_max < Length::um(1.0), "{}", thread.sync_error_max.in_um());
+    assert!((0.744..0.9).contains(&thread.run_in.value()), "{}", thread.run_in.value());
+    assert_eq!(verdict.name(), "not judged", "{verdict:?}");
+    let reason = verdict.reason().unwrap_or_default();
+    assert!(reason.contains("mm, in which Z comes to its speed, are left out"), "{reason}");
+    // a bar says where the thread begins
+    let (thread, verdict) = from_rest(1.488, 1.0, bar(10.5));
+    assert_eq!((verdict.name(), thread.run_in), ("fail", Length::ZERO));
+    assert!(thread.sync_error_max > Length::um(400.0), "{}", thread.sync_error_max.in_um());
+}
+
+#[test]
+fn without_a_bar_a_wrong_lead_behind_the_run_in_fails() {
+    for speed in [0.99, 1.01, 0.8] {
+        let (thread, verdict) = from_rest(1.488, speed, None);
+        assert_eq!(verdict.name(), "fail", "{speed}: {verdict:?}");
+        assert!(thread.sync_error_max > Length::um(50.0), "{speed}: {}", thread.sync_error_max);
+    }
+    let (thread, verdict) = from_rest(0.0, 1.0, None);
+    assert_eq!((verdict.name(), thread.run_in), ("not judged", Length::ZERO), "at speed at once");
+}
+
 #[test]
 fn a_hold_in_the_first_pass_already_is_known_to_take_the_tool_off_the_work() {
     let mut judge = Judge::new(Config::new(ToolLibrary::default()));

@@ -48,7 +48,10 @@ pub(super) fn of(
     let is_its_own = law.is_some_and(Law::varies) && inspected.is_some();
     let unjudged = Some(&found.not_judged).filter(|why| !why.is_empty() && !is_its_own);
     match (findings.is_empty(), unjudged) {
-        (true, Some(reason)) => Verdict::NotJudged { reason: reason.clone() },
+        (true, Some(reason)) => {
+            let run_in = left_out(found).map_or_else(String::new, |said| format!("; {said}"));
+            Verdict::NotJudged { reason: format!("{reason}{run_in}") }
+        }
         _ => Verdict::from_findings(&findings),
     }
 }
@@ -121,7 +124,21 @@ fn helix(found: &TurnedThread, config: &Config) -> Vec<String> {
     off("lead error over the thread's length", found.lead_error.abs(), tolerances.turned_thread);
     off("passes beside one another by", found.pass_spread, tolerances.turned_thread);
     off("infeed error", found.infeed_error, tolerances.position);
+    if !findings.is_empty() {
+        findings.extend(left_out(found));
+    }
     findings
+}
+
+/// The run-in that does not count, in a sentence.
+fn left_out(found: &TurnedThread) -> Option<String> {
+    (found.run_in > Length::ZERO).then(|| {
+        format!(
+            "the first {:.3} mm, in which {} comes to its speed, are left out",
+            found.run_in.value(),
+            found.axis.letter()
+        )
+    })
 }
 
 /// What is there of the thread is not where it was ordered, or next to nothing is.

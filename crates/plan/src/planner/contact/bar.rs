@@ -119,7 +119,7 @@ impl Planner {
         let said = [
             format!(
                 "{} goes {} deep into the turning bar, {} beside the bar's axis, and cuts on that axis only",
-                super::say::name(tool),
+                tool.name(),
                 length(frame, met.depth),
                 length(frame, off),
             ),
@@ -155,9 +155,8 @@ impl Planner {
         let works = advice(frame, Axis::X, clear, rounding);
         let said = [
             format!(
-                "the rapid takes T{} ({}) {} deep into the bar, which it enters at {}: the bar is there up to {}",
-                tool.number,
-                crate::planner::tap::kind_name(tool),
+                "the rapid takes {} {} deep into the bar, which it enters at {}: the bar is there up to {}",
+                tool.name(),
                 length(frame, met.depth),
                 here.join(" and "),
                 at_radius(met.surface),

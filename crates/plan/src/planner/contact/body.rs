@@ -140,7 +140,7 @@ impl Planner {
         let said = [
             format!(
                 "{} goes {} deep into the stock, and its {} of {}, which begins {} above its tip, meets the stock",
-                super::say::name(tool),
+                tool.name(),
                 length(frame, top - at[2]),
                 part.name,
                 length(frame, part.diameter),
@@ -193,7 +193,7 @@ impl Planner {
             return;
         };
         let frame = &self.frame;
-        let name = super::say::name(tool);
+        let name = tool.name();
         let here = format!(
             "{} and {}",
             place(frame, Axis::X, at[0] + across),

@@ -2,20 +2,14 @@
 //! why it stands there.
 use super::{ADVISED, BREAKS, Contact, Planner, Point, SLIDES, WEAR, Wrong};
 use crate::findings::{Cause, number};
-use crate::planner::tap::kind_name;
 use crate::words::{Rounding, advice, bare_length, feed, feed_that_works, length, place, word};
 use alloc::{format, string::String};
-use canon::{Axis, Holder, Tool, ToolKind};
+use canon::{Axis, Holder, RapidIntoStock, Tool, ToolKind};
 use diag::{Diagnostic, Severity, Span};
 use units::Length;
 
 /// How far above the stock a rapid is clear of it, mm.
 const CLEAR: f64 = 2.0;
-
-/// A tool for people: "T3 (a tap)".
-pub(super) fn name(tool: &Tool) -> String {
-    format!("T{} ({})", tool.number, kind_name(tool))
-}
 
 impl Planner {
     /// Severity of what surely breaks the tool, if the stock lies where it was clamped.
@@ -44,7 +38,7 @@ impl Planner {
                 let severity = if slides { Severity::Warning } else { sure };
                 let wrong = format!(
                     "{} moves {} sideways, {} deep in the stock, and cuts along its axis only",
-                    name(tool),
+                    tool.name(),
                     length(&self.frame, off),
                     length(&self.frame, depth),
                 );
@@ -59,7 +53,7 @@ impl Planner {
                 let how = if backwards { "turning backwards (M4)" } else { "at rest" };
                 let wrong = format!(
                     "{} is fed {} into the stock with the spindle {how}",
-                    name(tool),
+                    tool.name(),
                     length(&self.frame, over),
                 );
                 let severity = if load > BREAKS { sure } else { Severity::Warning };
@@ -84,7 +78,7 @@ impl Planner {
                     ("fed", "G1, which does not tie it to the spindle")
                 };
                 let deep = length(&self.frame, over);
-                let wrong = format!("{} is {how} {deep} into the work by {why}", name(tool));
+                let wrong = format!("{} is {how} {deep} into the work by {why}", tool.name());
                 ("M0364", over, severity, [wrong, ": G84 or G33.1 works".into()], None)
             }
         };
@@ -113,15 +107,16 @@ impl Planner {
         let [over, open] = by;
         let frame = &self.frame;
         let axis = |tip: f64| tip + tool.worn_length().value();
-        let here = place(frame, Axis::Z, axis(at[2]));
+        let rapid = RapidIntoStock {
+            place: frame.place([at[0], at[1], axis(at[2])].map(Length::mm)),
+            line: None,
+            tool,
+            depth: Length::mm(over),
+        };
         let top = contact.stock.top();
         if open > 0.0 {
             return [
-                format!(
-                    "the rapid to {here} takes the tip of {} {} deeper than what is open here",
-                    name(tool),
-                    length(frame, over)
-                ),
+                format!("{rapid}, deeper than what is open there"),
                 format!(
                     ": {} is the deepest that works, or a feed (G1)",
                     advice(frame, Axis::Z, axis(top - open), Rounding::Up)
@@ -129,12 +124,7 @@ impl Planner {
             ];
         }
         [
-            format!(
-                "the rapid to {here} takes the tip of {} {} into the stock, whose top it touches at {}",
-                name(tool),
-                length(frame, over),
-                word(frame, Axis::Z, axis(top)),
-            ),
+            format!("{rapid}, whose top it touches at {}", word(frame, Axis::Z, axis(top))),
             format!(": {} or higher works, or a feed (G1)", self.clear_of(tool, contact)),
         ]
     }
@@ -158,7 +148,7 @@ impl Planner {
                 feed(frame, per_turn * rpm),
                 number(rpm),
                 length(frame, per_turn),
-                name(tool),
+                tool.name(),
                 length(frame, tool.diameter.value()),
                 bare_length(frame, libm::floor(bears * 1e3) / 1e3),
             ),
@@ -218,7 +208,7 @@ impl Planner {
             [
                 format!(
                     "{} goes down to {} and never reaches the stock, whose top it touches at {}",
-                    name(tool),
+                    tool.name(),
                     place(frame, Axis::Z, bottom.value()),
                     word(frame, Axis::Z, top),
                 ),
@@ -280,7 +270,7 @@ impl Planner {
         let said = [
             format!(
                 "{} at {} and {} breaks through a side of the stock: {} of it are in the air",
-                name(tool),
+                tool.name(),
                 word(frame, Axis::X, at[0].value()),
                 word(frame, Axis::Y, at[1].value()),
                 length(frame, over),
@@ -302,7 +292,7 @@ impl Planner {
         let frame = &self.frame;
         let wrong = format!(
             "{} goes {} deep into the stock, and its chamfer is {} long",
-            name(tool),
+            tool.name(),
             length(frame, depth),
             length(frame, chamfer),
         );
@@ -322,7 +312,7 @@ impl Planner {
         let said = [
             format!(
                 "{} goes {} deep into the stock, and {why} {} above its tip",
-                name(tool),
+                tool.name(),
                 length(frame, depth),
                 length(frame, most),
             ),

@@ -1,5 +1,4 @@
 //! Threads that an insert turns in the air: all passes of one beside the bar.
-use super::say::name;
 use super::{Planner, ROUNDING};
 use crate::findings::Cause;
 use crate::words::{length, place, word};
@@ -69,7 +68,7 @@ impl Planner {
             let face = outline.face() + tool.worn_length().value();
             format!("stays before the bar's face at {}", place(frame, Axis::Z, face))
         };
-        let said = [format!("{} {off}", name(tool)), ": nothing is cut here".into()];
+        let said = [format!("{} {off}", tool.name()), ": nothing is cut here".into()];
         let cause = Cause { code: "M0366", which: [contact.mounted, 3, 0] };
         let help = "X of the last pass is the thread's root, below the bar's surface; [setup.stock] in the machine's file says how large the bar is";
         self.findings
