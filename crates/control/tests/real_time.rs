@@ -178,8 +178,9 @@ fn a_long_program_is_stopped_and_begun_again_and_none_of_its_steps_is_left() {
     until(&mut control, Control::is_homed_all);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("long.ngc");
-    let lines: String = (0..4000).map(|n| format!("X{} Y{}\n", n % 2, (n / 2) % 2)).collect();
-    std::fs::write(&path, format!("G21 G90 G54 G61\nG1 F6000 X0 Y0\n{lines}M2\n")).unwrap();
+    let lines: Vec<_> = (0..4000).map(|n| format!("X{} Y{}", n % 2, (n / 2) % 2)).collect();
+    let lines = lines.join("\n");
+    std::fs::write(&path, format!("G21 G90 G54 G61\nG1 F6000 X0 Y0\n{lines}\nM2\n")).unwrap();
     asked(&mut control, &Request::Load(path));
     for _ in 0..3 {
         asked(&mut control, &Request::Start);
