@@ -11,7 +11,7 @@ use units::{Angle, AxisKind, Coordinate, Distribution, Per, Spread};
 const RAD_PER_M: f64 = 1000.0 * std::f64::consts::PI / 180.0;
 
 /// One row: of what, what, as believed, its range, as drawn.
-type Row = [String; 5];
+type ScatterRow = [String; 5];
 
 /// What lies around a number, to either side.
 struct Around {
@@ -24,7 +24,7 @@ struct Around {
 }
 
 impl Around {
-    fn row(&self, of: &str) -> Row {
+    fn row(&self, of: &str) -> ScatterRow {
         let Self { what, unit, believed, scatter, drawn } = *self;
         let by = scatter.by;
         let (low, high) = (tidy(believed - by), tidy(believed + by));
@@ -144,7 +144,7 @@ fn in_unit(scatter: &Spread, scale: f64) -> Spread {
 }
 
 /// What is cut, with what, and how it is clamped.
-fn cut_rows(file: &MachineFile, config: &sim::Config, rows: &mut Vec<Row>) {
+fn cut_rows(file: &MachineFile, config: &sim::Config, rows: &mut Vec<ScatterRow>) {
     let force = file.setup.stock.material.cutting_force_n_per_mm2;
     let mut material = |of: &str, what, by: &Spread, drawn: String| {
         let (unit, scatter) = ("N/mm²", share(by, force));
@@ -187,7 +187,7 @@ fn once(
     stated: Option<f64>,
     most: &Spread,
     drawn: f64,
-) -> Row {
+) -> ScatterRow {
     let range = stated.map_or_else(
         || {
             let by = tidy(most.by);
@@ -208,7 +208,7 @@ fn axis_rows(
     believed: &AxisModel,
     drawn: &AxisModel,
     (rotary, screw): (bool, bool),
-    rows: &mut Vec<Row>,
+    rows: &mut Vec<ScatterRow>,
 ) {
     let scatter = believed.scatter;
     let (length, force, stiffness) = if rotary {

@@ -22,7 +22,7 @@ use units::Spin;
 /// How far a chip removal is.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // one a spindle, and a box would be freed in the servo thread
-enum Stage {
+enum RemovalStage {
     /// The axis has not passed the level.
     Armed,
     /// Told to run against the cut.
@@ -35,12 +35,12 @@ enum Stage {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Removal {
     order: ChipThrow,
-    stage: Stage,
+    stage: RemovalStage,
 }
 
 impl Removal {
     pub(crate) const fn new(order: &ChipThrow) -> Self {
-        Self { order: *order, stage: Stage::Armed }
+        Self { order: *order, stage: RemovalStage::Armed }
     }
 }
 
@@ -52,21 +52,21 @@ impl Drives {
         let passed = self.has_passed(order);
         let control = self.spindles[index].as_mut()?;
         let event = match removal.stage {
-            Stage::Armed if passed => {
+            RemovalStage::Armed if passed => {
                 control.turn(order.throw, &order.against);
-                removal.stage = Stage::Against;
+                removal.stage = RemovalStage::Against;
                 EventKind::ChipRemovalBegun { spindle, spin: order.throw }
             }
-            Stage::Against if control.at_speed().is_some() => {
+            RemovalStage::Against if control.at_speed().is_some() => {
                 control.turn(order.then, &order.back);
-                removal.stage = Stage::Back;
+                removal.stage = RemovalStage::Back;
                 EventKind::ChipsThrown { spindle, spin: order.throw }
             }
-            Stage::Back if control.at_speed().is_some() => {
+            RemovalStage::Back if control.at_speed().is_some() => {
                 self.removals[index] = None;
                 return Some(EventKind::ChipRemovalEnded { spindle, spin: order.then });
             }
-            Stage::Armed | Stage::Against | Stage::Back => return None,
+            RemovalStage::Armed | RemovalStage::Against | RemovalStage::Back => return None,
         };
         self.removals[index] = Some(removal);
         Some(event)

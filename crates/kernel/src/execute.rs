@@ -108,7 +108,7 @@ pub(crate) enum Activity {
 }
 
 /// Whether a step is done.
-pub(crate) enum Progress {
+pub(crate) enum StepProgress {
     /// Not yet.
     Busy,
     /// Done, with so many seconds of the period left.
@@ -210,57 +210,57 @@ impl Activity {
         dt: f64,
         drives: &mut Drives,
         context: &mut Context,
-    ) -> Result<Progress, Finding> {
+    ) -> Result<StepProgress, Finding> {
         let waits = context.config.waits;
         match self {
             Self::Idle
             | Self::Pausing
             | Self::ChangingByHand { .. }
             | Self::Consulting
-            | Self::Ended => Ok(Progress::Busy),
+            | Self::Ended => Ok(StepProgress::Busy),
             Self::Engaging(follower) => {
                 if !drives.coupled.is_locked(*follower) {
-                    return Ok(Progress::Busy);
+                    return Ok(StepProgress::Busy);
                 }
                 context.note(EventKind::SpindlesCoupled { follower: *follower });
-                Ok(Progress::Done(0.0))
+                Ok(StepProgress::Done(0.0))
             }
             Self::Fading => fade(step, dt, drives),
             Self::Revolving(from) => Ok(revolve(step, *from, dt, drives)),
-            Self::AtOnce => Ok(Progress::Done(dt)),
+            Self::AtOnce => Ok(StepProgress::Done(dt)),
             Self::Moving(moving, _) => {
                 let (track, exact_stop) = match step {
                     StepKind::Move(order) => (Track::Move(order), order.exact_stop),
                     StepKind::Follow(order) => (Track::Follow(order), order.exact_stop),
-                    _ => return Ok(Progress::Done(dt)),
+                    _ => return Ok(StepProgress::Done(dt)),
                 };
                 if Moving::checks_cut(track) {
                     drives.check_cut()?;
                 }
                 let orders = (context.operator, context.config);
                 match moving.advance(context.steps, dt, drives, orders) {
-                    None => Ok(Progress::Busy),
-                    Some(over) if !exact_stop => Ok(Progress::Done(over)),
+                    None => Ok(StepProgress::Busy),
+                    Some(over) if !exact_stop => Ok(StepProgress::Done(over)),
                     Some(_) => {
                         *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
-                        Ok(Progress::Busy)
+                        Ok(StepProgress::Busy)
                     }
                 }
             }
             Self::Threading => {
-                let StepKind::Thread(stretch) = step else { return Ok(Progress::Done(dt)) };
+                let StepKind::Thread(stretch) = step else { return Ok(StepProgress::Done(dt)) };
                 drives.check_cut()?;
                 let (period, rests) = (context.config.period, context.operator.wants_rest());
                 let leave =
                     Leave { rests, way: context.off_thread.as_ref(), config: context.config };
                 Ok(match threading::advance(stretch, period, &leave, drives) {
-                    Pass::Busy => Progress::Busy,
-                    Pass::Again => Progress::Again,
+                    Pass::Busy => StepProgress::Busy,
+                    Pass::Again => StepProgress::Again,
                     Pass::Over if stretch.ends => {
                         *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
-                        Progress::Busy
+                        StepProgress::Busy
                     }
-                    Pass::Over => Progress::Done(0.0),
+                    Pass::Over => StepProgress::Done(0.0),
                 })
             }
             Self::Recording { waited_s } => {
@@ -271,21 +271,21 @@ impl Activity {
                 settle(dt, waited_s, inside_s, drives, waits.in_position)
             }
             Self::AwaitingInput { .. } | Self::Dwelling { .. } if context.operator.wants_rest() => {
-                Ok(Progress::Busy)
+                Ok(StepProgress::Busy)
             }
             Self::AwaitingInput { armed, waited_s } => {
                 Ok(signals::wait_on(step, dt, (armed, waited_s), context))
             }
             Self::Probing(probing) => {
                 let progress = signals::probe_on(probing, step, dt, drives, context)?;
-                if let Progress::Done(_) = progress {
+                if let StepProgress::Done(_) = progress {
                     *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
                 }
-                Ok(Progress::Busy)
+                Ok(StepProgress::Busy)
             }
             Self::Dwelling { left_s } => {
                 *left_s -= dt;
-                Ok(if *left_s > 0.0 { Progress::Busy } else { Progress::Done(-*left_s) })
+                Ok(if *left_s > 0.0 { StepProgress::Busy } else { StepProgress::Done(-*left_s) })
             }
             Self::AwaitingSpeed { spindle, waited_s } => {
                 *waited_s += dt;
@@ -300,10 +300,10 @@ impl Activity {
                 await_tool(*tool, *waited_s, context)
             }
             Self::Tapping(run) => {
-                let StepKind::Tap(plan) = step else { return Ok(Progress::Done(dt)) };
+                let StepKind::Tap(plan) = step else { return Ok(StepProgress::Done(dt)) };
                 match run.advance(plan, dt, drives, context) {
-                    Outcome::Busy => Ok(Progress::Busy),
-                    Outcome::Done => Ok(Progress::Done(0.0)),
+                    Outcome::Busy => Ok(StepProgress::Busy),
+                    Outcome::Done => Ok(StepProgress::Done(0.0)),
                     Outcome::Failed(finding) => Err(finding),
                 }
             }

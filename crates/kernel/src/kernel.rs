@@ -23,7 +23,7 @@ use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding};
 use crate::encoder_plausibility::EncoderPlausibility;
 use crate::event::{Event, EventKind, Ring};
-use crate::execute::{Activity, Context, Progress};
+use crate::execute::{Activity, Context, StepProgress};
 use crate::fault::{Fault, FaultKind};
 use crate::feedback_age::FeedbackAge;
 use crate::homing::Homing;
@@ -298,8 +298,8 @@ impl Kernel {
         let mut left = self.config.period.value();
         for _ in 0..STEPS_PER_TICK {
             match self.step(left, feedback) {
-                Ok(Progress::Done(rest)) => left = rest,
-                Ok(Progress::Busy | Progress::Again) => break,
+                Ok(StepProgress::Done(rest)) => left = rest,
+                Ok(StepProgress::Busy | StepProgress::Again) => break,
                 Err(finding) => {
                     self.raise(finding, feedback);
                     break;
@@ -329,7 +329,7 @@ impl Kernel {
     }
 
     /// Go on with the recovery, if there is one, else with the step at the queue's front.
-    fn step(&mut self, dt: f64, feedback: &Feedback) -> Result<Progress, Finding> {
+    fn step(&mut self, dt: f64, feedback: &Feedback) -> Result<StepProgress, Finding> {
         if let Some(recovering) = &mut self.recovering {
             let mut context = Context {
                 config: &self.config,
@@ -344,26 +344,26 @@ impl Kernel {
                 line: self.report.line,
             };
             recovering.advance(dt, &mut self.drives, &mut context)?;
-            return Ok(Progress::Busy);
+            return Ok(StepProgress::Busy);
         }
         if let Some(withdrawn) = self.withdraw_on(dt) {
-            return withdrawn.map(|()| Progress::Busy);
+            return withdrawn.map(|()| StepProgress::Busy);
         }
         if self.has_run_out() {
             return Err((FaultKind::StepsRanOut, Subject::Machine, 0.0, 0.0));
         }
         let Some(line) = self.queue.line(self.chained).filter(|_| !self.is_moved_by_hand()) else {
-            return Ok(Progress::Busy);
+            return Ok(StepProgress::Busy);
         };
         if !self.begun && self.holds_before(line) {
             self.break_off_encoder_check();
-            return Ok(Progress::Busy);
+            return Ok(StepProgress::Busy);
         }
         if !self.begun && self.checks_encoder_first(feedback)? {
-            return Ok(Progress::Busy);
+            return Ok(StepProgress::Busy);
         }
         let Some(step) = self.queue.get(self.chained) else {
-            return Ok(Progress::Busy);
+            return Ok(StepProgress::Busy);
         };
         if !self.begun {
             self.check_homed(&step.kind)?;
@@ -390,9 +390,9 @@ impl Kernel {
         self.foresee();
         self.foresee_way_out();
         match progress {
-            Progress::Done(_) => self.finish_step(),
-            Progress::Again => self.turn_again(),
-            Progress::Busy => {}
+            StepProgress::Done(_) => self.finish_step(),
+            StepProgress::Again => self.turn_again(),
+            StepProgress::Busy => {}
         }
         Ok(progress)
     }

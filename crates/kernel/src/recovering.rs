@@ -64,7 +64,7 @@ impl Leg {
 
 /// How far it is.
 #[derive(Clone, Copy, Debug)]
-enum Stage {
+enum RecoveryStage {
     Settle { waited_s: f64 },
     Unload(Leg),
     Feed(Leg),
@@ -77,7 +77,7 @@ enum Stage {
 #[derive(Clone, Debug)]
 pub(crate) struct Recovering {
     plan: RecoveryPlan,
-    stage: Stage,
+    stage: RecoveryStage,
     projection: Projection,
     helix_max: Length,
     began: Time,
@@ -90,7 +90,7 @@ impl Recovering {
         let projection = Projection { from: nowhere, unloaded: nowhere, mover: None, to: nowhere };
         Self {
             plan,
-            stage: Stage::Settle { waited_s: 0.0 },
+            stage: RecoveryStage::Settle { waited_s: 0.0 },
             projection,
             helix_max: Length::ZERO,
             began: now,
@@ -105,7 +105,7 @@ impl Recovering {
 
     /// It is out.
     pub(crate) const fn is_done(&self) -> bool {
-        matches!(self.stage, Stage::Done)
+        matches!(self.stage, RecoveryStage::Done)
     }
 
     /// Distance from the coupling, by this period's readings; from when it is known.
@@ -115,7 +115,7 @@ impl Recovering {
 
     /// What is kept together on the way out: axis, spindle, and how, by the spindle's own reading.
     pub(crate) fn coupled(&self) -> Option<(usize, usize, Coupling)> {
-        let Stage::Out(_) = self.stage else { return None };
+        let RecoveryStage::Out(_) = self.stage else { return None };
         let (start, turn) = (self.plan.stored.start(), self.plan.turn);
         let coupling = Coupling::line(self.plan.stored.lead(), start.angle - turn, start.place);
         Some((self.plan.axis.index(), usize::from(self.plan.spindle), coupling))
@@ -130,26 +130,26 @@ impl Recovering {
     ) -> Result<(), Finding> {
         self.watch(drives);
         self.stage = match self.stage {
-            Stage::Settle { waited_s } => self.settle(waited_s + dt, drives, context)?,
-            Stage::Unload(leg) => match feed(self.plan.axis, leg, dt, drives) {
-                Some(leg) => Stage::Unload(leg),
+            RecoveryStage::Settle { waited_s } => self.settle(waited_s + dt, drives, context)?,
+            RecoveryStage::Unload(leg) => match feed(self.plan.axis, leg, dt, drives) {
+                Some(leg) => RecoveryStage::Unload(leg),
                 None => self.back(),
             },
-            Stage::Feed(leg) => match feed(self.plan.axis, leg, dt, drives) {
-                Some(leg) => Stage::Feed(leg),
+            RecoveryStage::Feed(leg) => match feed(self.plan.axis, leg, dt, drives) {
+                Some(leg) => RecoveryStage::Feed(leg),
                 None if self.plan.way == Way::Straight => self.over(context),
                 None => self.out(context),
             },
-            Stage::Spindle(leg) => match self.turn(leg, dt, drives) {
-                (leg, _, false) => Stage::Spindle(leg),
+            RecoveryStage::Spindle(leg) => match self.turn(leg, dt, drives) {
+                (leg, _, false) => RecoveryStage::Spindle(leg),
                 (_, _, true) => self.out(context),
             },
-            Stage::Out(leg) => {
+            RecoveryStage::Out(leg) => {
                 let (leg, ordered, told) = self.turn(leg, dt, drives);
                 let stands = self.follow(&leg, ordered, drives, context);
-                if told && stands { self.over(context) } else { Stage::Out(leg) }
+                if told && stands { self.over(context) } else { RecoveryStage::Out(leg) }
             }
-            Stage::Done => Stage::Done,
+            RecoveryStage::Done => RecoveryStage::Done,
         };
         Ok(())
     }
@@ -160,7 +160,7 @@ impl Recovering {
         waited_s: f64,
         drives: &mut Drives,
         context: &mut Context,
-    ) -> Result<Stage, Finding> {
+    ) -> Result<RecoveryStage, Finding> {
         let (axis, spindle) = (self.plan.axis, self.plan.spindle);
         let of = Subject::Spindle(spindle);
         let Some(control) = drives.spindles.get_mut(usize::from(spindle)).and_then(Option::as_mut)
@@ -173,7 +173,7 @@ impl Recovering {
             if waited_s > limit.value() {
                 return Err((FaultKind::NotOriented, of, waited_s, limit.value()));
             }
-            return Ok(Stage::Settle { waited_s });
+            return Ok(RecoveryStage::Settle { waited_s });
         };
         let Some(follower) = &drives.axes[axis.index()] else {
             return Err((FaultKind::NotConfigured, Subject::Axis(axis), 0.0, 0.0));
@@ -186,38 +186,38 @@ impl Recovering {
         Ok(self.unload())
     }
 
-    fn unload(&self) -> Stage {
+    fn unload(&self) -> RecoveryStage {
         let Projection { from, unloaded, .. } = self.projection;
-        Stage::Unload(Leg::new(self.feed_blend(from.place, unloaded.place)))
+        RecoveryStage::Unload(Leg::new(self.feed_blend(from.place, unloaded.place)))
     }
 
     /// Back onto the coupling, by who overran.
-    fn back(&self) -> Stage {
+    fn back(&self) -> RecoveryStage {
         let Projection { unloaded, mover, to, .. } = self.projection;
         match mover {
             Some(Mover::Spindle) => {
-                Stage::Spindle(Leg::new(self.spindle_blend(unloaded.angle, to.angle)))
+                RecoveryStage::Spindle(Leg::new(self.spindle_blend(unloaded.angle, to.angle)))
             }
             Some(Mover::Feed) | None => {
-                Stage::Feed(Leg::new(self.feed_blend(unloaded.place, to.place)))
+                RecoveryStage::Feed(Leg::new(self.feed_blend(unloaded.place, to.place)))
             }
         }
     }
 
-    fn out(&self, context: &mut Context) -> Stage {
+    fn out(&self, context: &mut Context) -> RecoveryStage {
         context.note(EventKind::OnCoupling);
         let (from, to) = (self.projection.to.angle, self.plan.stored.start().angle);
-        Stage::Out(Leg::new(self.spindle_blend(from, to)))
+        RecoveryStage::Out(Leg::new(self.spindle_blend(from, to)))
     }
 
-    fn over(&self, context: &mut Context) -> Stage {
+    fn over(&self, context: &mut Context) -> RecoveryStage {
         context.note(EventKind::RecoveryEnded(RecoveryFigures {
             error_before: self.plan.stored.error(self.projection.from),
             mover: self.projection.mover,
             helix_error_max: self.helix_max,
             duration: context.feedback.time - self.began,
         }));
-        Stage::Done
+        RecoveryStage::Done
     }
 
     fn feed_blend(&self, from: Length, to: Length) -> Blend {
@@ -265,7 +265,7 @@ impl Recovering {
     /// How far from the coupling it is, and, once it is on it, was at most.
     fn watch(&mut self, drives: &Drives) {
         self.error = None;
-        if matches!(self.stage, Stage::Settle { .. } | Stage::Done) {
+        if matches!(self.stage, RecoveryStage::Settle { .. } | RecoveryStage::Done) {
             return;
         }
         let spindle = drives.spindles[usize::from(self.plan.spindle)].as_ref();
@@ -274,7 +274,7 @@ impl Recovering {
             let angle = spindle.reading() + self.plan.turn;
             let error = self.plan.stored.error(Point { angle, place: Length::mm(axis.position()) });
             self.error = Some(error);
-            if matches!(self.stage, Stage::Out(_)) {
+            if matches!(self.stage, RecoveryStage::Out(_)) {
                 self.helix_max = self.helix_max.max(error.abs());
             }
         }

@@ -12,7 +12,7 @@
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::event::EventKind;
-use crate::execute::{Context, Progress};
+use crate::execute::{Context, StepProgress};
 use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::queue::StepKind;
@@ -154,10 +154,10 @@ pub(crate) fn wait_on(
     dt: f64,
     state: (&mut bool, &mut f64),
     context: &mut Context,
-) -> Progress {
-    let StepKind::Input(wait) = step else { return Progress::Done(dt) };
+) -> StepProgress {
+    let StepKind::Input(wait) = step else { return StepProgress::Done(dt) };
     let ended = await_input(wait, dt, state, context.feedback);
-    let Some(answer @ Answer::Input(value)) = ended else { return Progress::Busy };
+    let Some(answer @ Answer::Input(value)) = ended else { return StepProgress::Busy };
     context.note(EventKind::InputRead { wait: *wait, value });
     answered(answer, context, dt)
 }
@@ -169,10 +169,10 @@ pub(crate) fn probe_on(
     dt: f64,
     drives: &mut Drives,
     context: &mut Context,
-) -> Result<Progress, Finding> {
-    let StepKind::Probe { until, .. } = step else { return Ok(Progress::Done(dt)) };
+) -> Result<StepProgress, Finding> {
+    let StepKind::Probe { until, .. } = step else { return Ok(StepProgress::Done(dt)) };
     let Some(answer) = probing.advance(*until, dt, drives, context)? else {
-        return Ok(Progress::Busy);
+        return Ok(StepProgress::Busy);
     };
     if let Answer::Probe { contact, changed, .. } = answer {
         context.note(EventKind::Probed { contact, changed });
@@ -181,9 +181,9 @@ pub(crate) fn probe_on(
 }
 
 /// What a step that asks has come to: it is kept for the program, and the step is done.
-fn answered(answer: Answer, context: &mut Context, left: f64) -> Progress {
+fn answered(answer: Answer, context: &mut Context, left: f64) -> StepProgress {
     *context.answer = Some(Answered { op: context.op, answer });
-    Progress::Done(left)
+    StepProgress::Done(left)
 }
 
 /// Between two readings, at a moment that lies so long before the later one.

@@ -3,7 +3,7 @@
 use crate::config::{Pause, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::EventKind;
-use crate::execute::{Activity, Context, Progress};
+use crate::execute::{Activity, Context, StepProgress};
 use crate::fault::FaultKind;
 use crate::queue::StepKind;
 use crate::record_requests::{Permission, RECORD_WAIT, WorkRecord};
@@ -18,12 +18,12 @@ pub(crate) fn record(
     waited_s: f64,
     drives: &mut Drives,
     context: &Context,
-) -> Result<Progress, Finding> {
-    let StepKind::WayOut(Some(way_out)) = step else { return Ok(Progress::Done(dt)) };
+) -> Result<StepProgress, Finding> {
+    let StepKind::WayOut(Some(way_out)) = step else { return Ok(StepProgress::Done(dt)) };
     let record = WorkRecord::of_way_out(way_out, context.op, context.line, drives.tool);
     match drives.record_requests.ask(&record) {
-        Permission::Granted => Ok(Progress::Done(dt)),
-        Permission::Waiting if waited_s <= RECORD_WAIT.value() => Ok(Progress::Busy),
+        Permission::Granted => Ok(StepProgress::Done(dt)),
+        Permission::Waiting if waited_s <= RECORD_WAIT.value() => Ok(StepProgress::Busy),
         Permission::Waiting | Permission::Refused => {
             Err((FaultKind::RecordNotWritten, Subject::Machine, 0.0, 0.0))
         }
@@ -68,29 +68,29 @@ pub(crate) fn settle(
     inside_s: &mut f64,
     drives: &Drives,
     limit: Time,
-) -> Result<Progress, Finding> {
+) -> Result<StepProgress, Finding> {
     *waited_s += dt;
     let outside = drives.in_position();
     *inside_s = if outside.is_ok() { *inside_s + dt } else { 0.0 };
     if *inside_s > drives.settle_s() {
-        return Ok(Progress::Done(0.0));
+        return Ok(StepProgress::Done(0.0));
     }
     match outside {
         Err(finding) if *waited_s > limit.value() => Err(finding),
-        _ => Ok(Progress::Busy),
+        _ => Ok(StepProgress::Busy),
     }
 }
 
 /// A superposition begins when the one before has faded; all are awaited where a step says so.
-pub(crate) fn fade(step: &StepKind, dt: f64, drives: &mut Drives) -> Result<Progress, Finding> {
+pub(crate) fn fade(step: &StepKind, dt: f64, drives: &mut Drives) -> Result<StepProgress, Finding> {
     if let StepKind::Superpose(order) = step {
         if drives.coupled.is_fading(order.on) {
-            return Ok(Progress::Busy);
+            return Ok(StepProgress::Busy);
         }
         drives.superpose(order)?;
-        return Ok(Progress::Done(dt));
+        return Ok(StepProgress::Done(dt));
     }
-    Ok(if drives.coupled.has_faded() { Progress::Done(dt) } else { Progress::Busy })
+    Ok(if drives.coupled.has_faded() { StepProgress::Done(dt) } else { StepProgress::Busy })
 }
 
 pub(crate) fn await_speed(
@@ -98,20 +98,20 @@ pub(crate) fn await_speed(
     waited_s: f64,
     drives: &Drives,
     context: &mut Context,
-) -> Result<Progress, Finding> {
+) -> Result<StepProgress, Finding> {
     let Some(control) = &drives.spindles[usize::from(spindle)] else {
-        return Ok(Progress::Done(0.0));
+        return Ok(StepProgress::Done(0.0));
     };
     let throwing = drives.removals[usize::from(spindle)].is_some();
     if let Some(spin) = control.at_speed().filter(|_| !throwing) {
         context.note(EventKind::SpindleAtSpeed { spindle, spin });
-        return Ok(Progress::Done(0.0));
+        return Ok(StepProgress::Done(0.0));
     }
     let (has, wanted) = (control.now().spin.value(), control.ordered().spin.value());
     if waited_s > context.config.waits.at_speed.value() {
         return Err((FaultKind::NotAtSpeed, Subject::Spindle(spindle), has, wanted));
     }
-    Ok(Progress::Busy)
+    Ok(StepProgress::Busy)
 }
 
 pub(crate) fn await_angle(
@@ -120,18 +120,18 @@ pub(crate) fn await_angle(
     waited_s: f64,
     drives: &mut Drives,
     context: &mut Context,
-) -> Result<Progress, Finding> {
+) -> Result<StepProgress, Finding> {
     let Some(control) = &mut drives.spindles[usize::from(spindle)] else {
-        return Ok(Progress::Done(0.0));
+        return Ok(StepProgress::Done(0.0));
     };
     control.hold(Some(to));
     if control.held().is_some() {
         context.note(EventKind::SpindleOriented { spindle });
-        return Ok(Progress::Done(0.0));
+        return Ok(StepProgress::Done(0.0));
     }
     let limit = longest.unwrap_or(context.config.waits.oriented);
     is_not_oriented(spindle, control, waited_s, limit)?;
-    Ok(Progress::Busy)
+    Ok(StepProgress::Busy)
 }
 
 /// A spindle that is on its way to an angle is given so long, unless its drive says that it cannot.
@@ -151,11 +151,16 @@ pub(crate) fn is_not_oriented(
     Ok(())
 }
 
-fn within(waited_s: f64, limit: Time, kind: FaultKind, of: Subject) -> Result<Progress, Finding> {
+fn within(
+    waited_s: f64,
+    limit: Time,
+    kind: FaultKind,
+    of: Subject,
+) -> Result<StepProgress, Finding> {
     if waited_s > limit.value() {
         Err((kind, of, waited_s, limit.value()))
     } else {
-        Ok(Progress::Busy)
+        Ok(StepProgress::Busy)
     }
 }
 
@@ -164,19 +169,19 @@ pub(crate) fn await_tool(
     tool: u32,
     waited_s: f64,
     context: &mut Context,
-) -> Result<Progress, Finding> {
+) -> Result<StepProgress, Finding> {
     if context.feedback.tool == Some(tool) {
         context.note(EventKind::ToolChanged { tool });
-        return Ok(Progress::Done(0.0));
+        return Ok(StepProgress::Done(0.0));
     }
     let limit = context.config.waits.tool_change;
     within(waited_s, limit, FaultKind::ToolNotChanged, Subject::Machine)
 }
 
 /// A spindle turns so often from where it was.
-pub(crate) fn revolve(step: &StepKind, from: Angle, dt: f64, drives: &Drives) -> Progress {
-    let StepKind::Revolve { spindle, turns } = step else { return Progress::Done(dt) };
+pub(crate) fn revolve(step: &StepKind, from: Angle, dt: f64, drives: &Drives) -> StepProgress {
+    let StepKind::Revolve { spindle, turns } = step else { return StepProgress::Done(dt) };
     let now = drives.spindles[usize::from(*spindle)].as_ref().map(SpindleLoop::now);
     let turned = now.map_or(*turns, |now| now.angle - from);
-    if turned.abs() < turns.abs() { Progress::Busy } else { Progress::Done(0.0) }
+    if turned.abs() < turns.abs() { StepProgress::Busy } else { StepProgress::Done(0.0) }
 }

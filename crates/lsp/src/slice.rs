@@ -7,7 +7,7 @@ use std::collections::HashSet;
 
 /// Blocks that were executed on consecutive lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Run {
+struct OpsRun {
     /// The first one's line, from 1.
     line: u32,
     /// Blocks of the slice executed up to it, itself included.
@@ -20,7 +20,7 @@ struct Run {
 pub(crate) struct Notes {
     /// The program's text was read up to this byte.
     up_to: u32,
-    runs: Vec<Run>,
+    runs: Vec<OpsRun>,
 }
 
 impl Notes {
@@ -36,7 +36,7 @@ impl Notes {
             Some(run) if (run.line + run.lines, run.block + run.lines) == (line, block) => {
                 run.lines += 1;
             }
-            _ => self.runs.push(Run { line, block, lines: 1 }),
+            _ => self.runs.push(OpsRun { line, block, lines: 1 }),
         }
     }
 }
@@ -80,7 +80,7 @@ impl Slice {
 
     /// The block at which this line (from 1) was executed in it for the first time.
     pub(crate) fn visit(&self, line: u32) -> Option<u64> {
-        let within = |run: &&Run| (run.line..run.line + run.lines).contains(&line);
+        let within = |run: &&OpsRun| (run.line..run.line + run.lines).contains(&line);
         let run = self.notes.runs.iter().find(within)?;
         Some(self.begin + u64::from(run.block + (line - run.line)))
     }
@@ -98,7 +98,7 @@ impl Slice {
         let own = core::mem::replace(&mut self.notes, before.notes);
         self.notes.read(own.up_to);
         let runs = own.runs.into_iter();
-        self.notes.runs.extend(runs.map(|run| Run { block: run.block + offset, ..run }));
+        self.notes.runs.extend(runs.map(|run| OpsRun { block: run.block + offset, ..run }));
         self.findings.splice(..0, before.findings);
         let mut seen = HashSet::new();
         self.findings.retain(|finding| seen.insert(key(finding)));

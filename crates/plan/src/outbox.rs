@@ -10,15 +10,15 @@
 //!                             anything else: stops, in position
 //! ```
 //!
-//! So rapids wait while a spindle order is open, and cuts are gathered in a [`Run`] until something
+//! So rapids wait while a spindle order is open, and cuts are gathered in a [`JoinedRun`] until something
 //! else comes.
 use crate::Step;
 use crate::clock::Clock;
 use crate::ends::Ends;
 use crate::heat::Heat;
 use crate::limits::MachineLimits;
-use crate::repace::Row;
-use crate::run::{OrderedMove, Run};
+use crate::repace::StepRow;
+use crate::run::{JoinedRun, OrderedMove};
 use crate::sample::Sample;
 use crate::settings::OperatorSettings;
 use alloc::boxed::Box;
@@ -34,7 +34,7 @@ const MAX_WAITING: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outbox {
     /// Moves that go on into one another, not yet handed on; nothing waits while there are any.
-    run: Run,
+    run: JoinedRun,
     /// Where they end as programmed.
     pub(crate) ends: Ends,
     /// Steps behind an open spindle order.
@@ -143,14 +143,14 @@ impl Outbox {
         &mut self,
         limits: &MachineLimits,
         settings: OperatorSettings,
-        back: Option<Row>,
+        back: Option<StepRow>,
         emit: &mut dyn FnMut(Step),
     ) {
         self.run.repace((limits, &self.ends), settings, back, emit);
     }
 
     /// A move of a run that no law of time exists for, with its line.
-    pub(crate) fn take_refusal(&mut self) -> Option<(u32, path::law::Refusal)> {
+    pub(crate) fn take_refusal(&mut self) -> Option<(u32, path::law::LawRefusal)> {
         self.run.take_refusal()
     }
 

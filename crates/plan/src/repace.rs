@@ -16,7 +16,7 @@
 use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::planner::Planner;
-use crate::run::Run;
+use crate::run::JoinedRun;
 use crate::settings::OperatorSettings;
 use crate::timing::{Timing, step};
 use crate::{Step, StepKind};
@@ -34,7 +34,7 @@ const LEVEL: f64 = 0.02;
 
 /// Steps along one path, as they were planned.
 #[derive(Debug)]
-pub(crate) struct Row {
+pub(crate) struct StepRow {
     parts: Vec<Part>,
     pace: Pace,
     per_revolution: bool,
@@ -98,7 +98,7 @@ impl Planner {
                 || matches!(step.kind, StepKind::Release { .. })
         };
         let stays = steps.iter().any(swings);
-        let mut row: Option<Row> = None;
+        let mut row: Option<StepRow> = None;
         let mut steps = steps.into_iter().peekable();
         while let Some(step) = steps.next() {
             let Some((new, ends)) = row_of(&step, done.take().unwrap_or(0.0)) else {
@@ -126,7 +126,7 @@ impl Planner {
     }
 }
 
-impl Row {
+impl StepRow {
     /// To where it comes to rest: at the path's end, or before, at that of a line, where `next` is
     /// the first move of what follows.
     fn again(
@@ -239,13 +239,13 @@ impl Anew {
     }
 }
 
-impl Run {
+impl JoinedRun {
     /// Plan anew what has not been done: what was handed on and came back, in front of what waits.
     pub(crate) fn repace(
         &mut self,
         known: (&MachineLimits, &Ends),
         settings: OperatorSettings,
-        back: Option<Row>,
+        back: Option<StepRow>,
         emit: &mut dyn FnMut(Step),
     ) {
         let Some(old) = &self.timing else {
@@ -299,7 +299,7 @@ fn is_same(a: &Piece, b: &Piece) -> bool {
 
 /// What a step does along its path after a time of it, and whether it ends at rest. `None`: it is
 /// no such step.
-fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
+fn row_of(of: &Step, done: f64) -> Option<(StepRow, bool)> {
     let (mut parts, mut left) = (Vec::new(), done);
     let mut add = |piece: Piece, phase: Phase| {
         if phase.duration <= left {
@@ -316,7 +316,7 @@ fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
             let Follow { piece, per_revolution, exact_stop, pace, .. } = **follow;
             let piece = Piece { feed: piece.feed / pace.share, ..piece };
             follow.phases[..usize::from(follow.count)].iter().for_each(|phase| add(piece, *phase));
-            Some((Row { parts, pace, per_revolution }, exact_stop))
+            Some((StepRow { parts, pace, per_revolution }, exact_stop))
         }
         StepKind::Move(order) => {
             let Move { path, profile, per_revolution, exact_stop, .. } = &**order;
@@ -327,7 +327,7 @@ fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
             let piece = Piece { curve, begin, length, feed, rapid, entry, op, line };
             profile.pieces().iter().for_each(|phase| add(piece, *phase));
             let pace = Pace { share: 1.0, turning: own.turning };
-            Some((Row { parts, pace, per_revolution: *per_revolution }, *exact_stop))
+            Some((StepRow { parts, pace, per_revolution: *per_revolution }, *exact_stop))
         }
         _ => None,
     }

@@ -15,7 +15,7 @@ use crate::{Step, StepKind};
 use alloc::boxed::Box;
 use motion::{Move, Path, Programmed};
 use path::geometry::{Joiner, Segment};
-use path::law::Refusal;
+use path::law::LawRefusal;
 
 /// How the feed of a move that stays alone is meant.
 #[derive(Clone, Copy, Debug)]
@@ -98,7 +98,7 @@ impl OrderedMove {
 
 /// See the module's header.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Run {
+pub(crate) struct JoinedRun {
     first: Option<OrderedMove>,
     joiner: Option<Joiner>,
     pub(crate) timing: Option<Timing>,
@@ -108,10 +108,10 @@ pub(crate) struct Run {
     pub(crate) spin: Option<f64>,
     /// What the operator wants of it.
     pub(crate) settings: OperatorSettings,
-    refusal: Option<(u32, Refusal)>,
+    refusal: Option<(u32, LawRefusal)>,
 }
 
-impl Run {
+impl JoinedRun {
     pub(crate) const fn is_empty(&self) -> bool {
         self.first.is_none() && self.timing.is_none()
     }
@@ -142,7 +142,7 @@ impl Run {
     }
 
     /// What the law has refused, with the line of the program.
-    pub(crate) const fn take_refusal(&mut self) -> Option<(u32, Refusal)> {
+    pub(crate) const fn take_refusal(&mut self) -> Option<(u32, LawRefusal)> {
         self.refusal.take()
     }
 

@@ -8,7 +8,7 @@ use crate::settings::OperatorSettings;
 use crate::{Step, StepKind};
 use alloc::collections::VecDeque;
 use motion::{Entry, Follow, Limits, PHASES, Pace, Phase, Piece, Shape};
-use path::law::{Config, Law, Refusal, State, Timed, merged};
+use path::law::{Config, Law, LawRefusal, State, Timed, merged};
 
 /// How much farther ahead than braking takes the first stop is that is asked for in motion.
 const AHEAD: f64 = 2.0;
@@ -37,7 +37,7 @@ pub(crate) struct Timing {
     done: u64,
     /// Not yet handed on: phases of the piece `done`.
     follow: Option<Follow>,
-    refusal: Option<(u32, Refusal)>,
+    refusal: Option<(u32, LawRefusal)>,
     /// Phases shorter than this together are handed on as one.
     shortest: f64,
 }
@@ -71,7 +71,7 @@ impl Timing {
     }
 
     /// What the law has refused, with the line of the program.
-    pub(crate) const fn take_refusal(&mut self) -> Option<(u32, Refusal)> {
+    pub(crate) const fn take_refusal(&mut self) -> Option<(u32, LawRefusal)> {
         self.refusal.take()
     }
 

@@ -69,7 +69,7 @@ pub enum Taught {
 
 /// How far it has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
+pub struct IterationProgress {
     /// γ at present.
     pub gain: f64,
     /// Best score so far.
@@ -80,7 +80,7 @@ pub struct Progress {
     over: bool,
 }
 
-impl Progress {
+impl IterationProgress {
     /// Nothing learnt yet.
     pub const fn new(gain: f64) -> Self {
         Self { gain, best: None, strikes: 0, idle: 0, over: false }
@@ -150,9 +150,13 @@ mod tests {
     const TERMS: Terms = Terms { worse: 1.2, noise: 1e-6, floor: 1e-4, idle: Some(3) };
 
     /// Scores of so many runs, and what the last one taught.
-    fn runs(answer: f64, gain: f64, count: usize) -> (std::vec::Vec<f64>, Taught, Progress) {
+    fn runs(
+        answer: f64,
+        gain: f64,
+        count: usize,
+    ) -> (std::vec::Vec<f64>, Taught, IterationProgress) {
         let mut number = Number { sent: 0.0, kept: 0.0, answer };
-        let mut progress = Progress::new(gain);
+        let mut progress = IterationProgress::new(gain);
         let mut taught = Taught::Updated;
         let scores = (0..count).map(|_| {
             let score = number.error().abs();

@@ -27,7 +27,7 @@
 //! **Guard.** That of all learning by repetition ([`crate::iteration`]); the score of a stroke is
 //! the rms of the sync error in the material. Taps go on learning as long as the tool is used:
 //! there is no floor.
-use crate::iteration::{Basis, Progress, Taught, Terms};
+use crate::iteration::{Basis, IterationProgress, Taught, Terms};
 use core::f64::consts::PI;
 use units::{Angle, Lead, Length, Spin, Time};
 
@@ -223,7 +223,7 @@ pub struct LearningRecord {
     /// Score of the very first stroke, without correction.
     pub first: Option<Length>,
     /// Gain, best score, strikes.
-    pub progress: Progress,
+    pub progress: IterationProgress,
     /// Turns by which an encoder-following spindle must be braked earlier than planned.
     pub early: Angle,
 }
@@ -265,7 +265,7 @@ impl LearningRecord {
             spindle: Channel::NEW,
             strokes: 0,
             first: None,
-            progress: Progress::new(gain),
+            progress: IterationProgress::new(gain),
             early: Angle::ZERO,
         }
     }
@@ -279,7 +279,7 @@ impl LearningRecord {
             channel.forget_errors();
         }
         (self.strokes, self.first) = (0, None);
-        (self.progress, self.early) = (Progress::new(gain), Angle::ZERO);
+        (self.progress, self.early) = (IterationProgress::new(gain), Angle::ZERO);
     }
 
     /// Time that one cell stands for.

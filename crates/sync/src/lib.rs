@@ -49,7 +49,7 @@ pub use coupling::{Coupling, Follower, Line, Rotation};
 pub use drive_ramp::DriveRamp;
 pub use gear::{Engagement, Engaging, Gear, Travel};
 pub use halting::{Braking, Course, Goal, Halt, Halting};
-pub use iteration::{Progress, Taught};
+pub use iteration::{IterationProgress, Taught};
 pub use learning::{CELLS, Channel, Correction, Learning, LearningRecord, StrokeKey};
 pub use measure::{Estimate, HARMONICS, MeasureError, Pair, PhaseError, fold, phase_error};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};

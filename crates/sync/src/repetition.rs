@@ -19,7 +19,7 @@
 //!
 //! Source: the compensation of JPH0622778B2, from one shift to all harmonics.
 use crate::compensate::{MOST_BOOST, Response};
-use crate::iteration::{Basis, Progress, STRIKES, Taught, Terms};
+use crate::iteration::{Basis, IterationProgress, STRIKES, Taught, Terms};
 use crate::measure::noise_of;
 use crate::spectrum::{Complex, Spectrum};
 use alloc::vec::Vec;
@@ -68,7 +68,7 @@ pub struct Repetition {
     harmonics: Vec<Harmonic>,
     best: Vec<Complex>,
     turns: u32,
-    progress: Progress,
+    progress: IterationProgress,
     assumed: Response,
 }
 
@@ -112,7 +112,7 @@ impl Repetition {
             spin,
             options,
             turns: 0,
-            progress: Progress::new(1.0),
+            progress: IterationProgress::new(1.0),
             assumed: Response::default(),
         }
     }

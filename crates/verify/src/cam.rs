@@ -68,7 +68,7 @@ pub struct GroundCam {
 
 /// What the program orders of one cam.
 #[derive(Clone, Debug)]
-pub(crate) struct Ordered {
+pub(crate) struct OrderedCam {
     profile: u32,
     phase: Angle,
     centre: Length,
@@ -82,7 +82,7 @@ pub(crate) struct Ordered {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Selected(Option<(u32, Angle, [Length; 2])>);
 
-impl Ordered {
+impl OrderedCam {
     pub(crate) const fn phase(&self) -> f64 {
         self.phase.value()
     }
@@ -90,20 +90,20 @@ impl Ordered {
 
 impl Selected {
     /// The profile in force, turned at a speed.
-    pub(crate) fn turned(&self, spin: Spin) -> Option<Ordered> {
+    pub(crate) fn turned(&self, spin: Spin) -> Option<OrderedCam> {
         let (profile, phase, [centre, zero]) = self.0?;
-        Some(Ordered { profile, phase, centre, zero, stock: Length::ZERO, spin })
+        Some(OrderedCam { profile, phase, centre, zero, stock: Length::ZERO, spin })
     }
 
     /// What an order makes of it; a grinding one begins a feature.
-    pub(crate) fn see(&mut self, order: &CamOrder) -> Option<Ordered> {
+    pub(crate) fn see(&mut self, order: &CamOrder) -> Option<OrderedCam> {
         match *order {
             CamOrder::Select { profile, phase, centre, zero } => {
                 self.0 = Some((profile, phase, [centre, zero]));
             }
             CamOrder::Deselect => self.0 = None,
             CamOrder::Grind { spin, stock, .. } => {
-                return self.turned(spin).map(|ordered| Ordered { stock, ..ordered });
+                return self.turned(spin).map(|ordered| OrderedCam { stock, ..ordered });
             }
             CamOrder::Compensate
             | CamOrder::ResetSampling
@@ -151,7 +151,7 @@ impl Seen {
 }
 
 impl CamTrack {
-    pub(crate) fn new(ordered: &Ordered) -> Self {
+    pub(crate) fn new(ordered: &OrderedCam) -> Self {
         Self {
             phase: ordered.phase.value(),
             began: None,
@@ -201,7 +201,7 @@ impl CamTrack {
 
     /// What the last turn would have ground, of a wheel that stood clear of its profile's top at
     /// `stands`.
-    pub(crate) fn idle(&self, ordered: &Ordered, config: &Config, stands: Length) -> GroundCam {
+    pub(crate) fn idle(&self, ordered: &OrderedCam, config: &Config, stands: Length) -> GroundCam {
         let mut cam = blank(ordered, Angle::rev(1.0));
         let whole = self.nearest.iter().all(|x| x.is_finite());
         if let Some(profile) = config.cams.get(ordered.profile).filter(|_| whole) {
@@ -214,7 +214,7 @@ impl CamTrack {
         self,
         op: u32,
         line: u32,
-        ordered: &Ordered,
+        ordered: &OrderedCam,
         config: &Config,
         now: Time,
     ) -> Judged<GroundCam> {
@@ -273,7 +273,7 @@ fn not_cut(contact: &Contact) -> Option<String> {
 }
 
 /// A cam of which nothing is known yet.
-fn blank(ordered: &Ordered, turns: Angle) -> GroundCam {
+fn blank(ordered: &OrderedCam, turns: Angle) -> GroundCam {
     GroundCam {
         profile: ordered.profile,
         name: format!("P{}", ordered.profile),
@@ -298,7 +298,7 @@ impl CamTrack {
     }
 
     /// How far the wheel's edge went into the blank, and what resisted it.
-    fn contact(&self, cam: &GroundCam, ordered: &Ordered, config: &Config) -> Contact {
+    fn contact(&self, cam: &GroundCam, ordered: &OrderedCam, config: &Config) -> Contact {
         let least = cam.errors.iter().map(|e| e.value()).fold(f64::INFINITY, f64::min);
         let reach =
             if least.is_finite() { ordered.stock - Length::mm(least) } else { Length::ZERO };
@@ -335,8 +335,8 @@ mod tests {
         }
     }
 
-    fn ordered() -> Ordered {
-        Ordered {
+    fn ordered() -> OrderedCam {
+        OrderedCam {
             profile: 7,
             phase: Angle::deg(30.0),
             centre: CENTRE,

@@ -14,7 +14,7 @@ const REACHED: f64 = 0.98;
 
 /// One order that has not been seen obeyed.
 #[derive(Clone, Copy, Debug)]
-struct Ordered {
+struct OrderedRemoval {
     op: u32,
     /// First op of the feature that it follows.
     feature: u32,
@@ -24,14 +24,14 @@ struct Ordered {
 /// Orders still to be seen.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Removals {
-    ordered: VecDeque<Ordered>,
+    ordered: VecDeque<OrderedRemoval>,
     before: Option<(Time, Angle)>,
 }
 
 impl Removals {
     /// An op orders it, after a feature that began with op `feature`.
     pub(crate) fn order(&mut self, op: u32, feature: u32, throw: Spin) {
-        self.ordered.push_back(Ordered { op, feature, throw });
+        self.ordered.push_back(OrderedRemoval { op, feature, throw });
     }
 
     /// One servo period; the first op of the feature whose chips have just been thrown off.

@@ -83,13 +83,13 @@ impl Gear {
 
 /// What the program ordered.
 #[derive(Clone, Debug)]
-pub(crate) struct Ordered {
+pub(crate) struct OrderedGear {
     pub(crate) hob: Hob,
     /// Least distance of the axes, machine coordinate.
     pub(crate) least_x: Option<Length>,
 }
 
-impl Ordered {
+impl OrderedGear {
     /// An operation while it is geared: how close does the hob come?
     pub(crate) fn see(&mut self, kind: &OpKind) {
         if let OpKind::Line { to, .. } | OpKind::Arc { to, .. } | OpKind::Spline { to, .. } = kind {
@@ -125,7 +125,7 @@ pub(crate) struct GearTrack {
 }
 
 impl GearTrack {
-    pub(crate) fn new(ordered: &Ordered, tool: Option<&Tool>) -> Self {
+    pub(crate) fn new(ordered: &OrderedGear, tool: Option<&Tool>) -> Self {
         Self {
             hob: ordered.hob,
             tool_length: tool.map_or(0.0, |t| t.worn_length().value()),
@@ -169,7 +169,7 @@ impl GearTrack {
     pub(crate) fn finish(
         self,
         (op, line, tool): (u32, u32, Option<u32>),
-        ordered: &Ordered,
+        ordered: &OrderedGear,
         config: &Config,
         now: Time,
     ) -> Judged<Gear> {
@@ -248,7 +248,7 @@ impl GearTrack {
         &self,
         gear: &mut Gear,
         passes: &[Pass],
-        ordered: &Ordered,
+        ordered: &OrderedGear,
         config: &Config,
         findings: &mut Vec<String>,
     ) {
@@ -273,7 +273,7 @@ impl GearTrack {
     }
 
     /// The passes within the stock, if there are enough of each tooth.
-    fn of_the_face(&self, ordered: &Ordered, config: &Config) -> Option<Vec<Pass>> {
+    fn of_the_face(&self, ordered: &OrderedGear, config: &Config) -> Option<Vec<Pass>> {
         let deep = ordered.least_x?.value() + AT_DEPTH_MM;
         let cuts = |p: &&Pass| within(config, p.z) && p.x <= deep;
         let inside: Vec<Pass> = self.passes.iter().filter(cuts).copied().collect();

@@ -142,7 +142,7 @@ pub(crate) struct OffHelix {
 /// What that did to the thread, mm.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::struct_field_names)] // the ending is the unit
-pub(crate) struct Cut {
+pub(crate) struct GrooveCut {
     pub(crate) lead_error_mm: f64,
     /// w of the widest place.
     pub(crate) widening_mm: f64,
@@ -260,13 +260,13 @@ impl Groove {
     }
 
     /// What that did to a thread of this full depth.
-    pub(crate) fn cut(&self, form: &TapForm, full_depth_mm: f64) -> Cut {
+    pub(crate) fn cut(&self, form: &TapForm, full_depth_mm: f64) -> GrooveCut {
         let widenings_mm = self.widenings(form, full_depth_mm);
         // of equals the shallowest
         let widest = (0..widenings_mm.len())
             .rev()
             .max_by(|a, b| widenings_mm[*a].total_cmp(&widenings_mm[*b]));
-        Cut {
+        GrooveCut {
             lead_error_mm: self.lead_error_mm(form),
             widening_mm: widest.map_or(0.0, |bin| widenings_mm[bin]),
             widest_depth_mm: widest.map_or(0.0, |bin| self.centre_mm(bin)),

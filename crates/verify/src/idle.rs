@@ -5,7 +5,7 @@
 //!   X ordered before the turns: x₀, clear of the profile's top T        the wheel moves along x₀ − T + D(θ)
 //!   so the work's axis would stand at x₀ − T, and all figures of a ground cam follow; the last whole turn counts
 //! ```
-use crate::cam::{CamTrack, Ordered, Seen, Selected};
+use crate::cam::{CamTrack, OrderedCam, Seen, Selected};
 use crate::{Config, GroundCam};
 use bus::Sample;
 use canon::{CamOrder, Op, OpKind};
@@ -19,7 +19,7 @@ const A_TURN: f64 = 1.02;
 #[derive(Clone, Debug)]
 struct Idle {
     op: u32,
-    ordered: Ordered,
+    ordered: OrderedCam,
     stands: Length,
     seen: VecDeque<Seen>,
 }

@@ -13,7 +13,7 @@
 use crate::class::ThreadClass;
 use crate::config::tapping_torque;
 use crate::gauge::{CutThread, Gauge, Gauged};
-use crate::groove::{Cut, OffHelix, TapForm};
+use crate::groove::{GrooveCut, OffHelix, TapForm};
 use crate::hole::Drilled;
 use crate::stroke::Visit;
 use crate::tapped::{ProfilePoint, Thread};
@@ -33,7 +33,7 @@ pub(crate) struct Inspection<'a> {
     tip_mm: f64,
     full_mm: f64,
     sync: OffHelix,
-    cut: Cut,
+    cut: GrooveCut,
     /// The hole drilled before.
     hole: Option<Drilled>,
     flanks: CutThread,

@@ -19,7 +19,7 @@ use crate::gear::{self, GearTrack};
 use crate::hole::{Drilled, HoleTrack};
 use crate::judged::Judged;
 use crate::milling::{Milled, Milling};
-use crate::polygon::{Ordered, PolygonTrack};
+use crate::polygon::{OrderedPolygon, PolygonTrack};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
@@ -80,10 +80,10 @@ struct OrderedFeature {
 enum What {
     Hole(Hole),
     Tap(Tap),
-    Polygon(Box<Ordered>),
-    Cam(Box<cam::Ordered>),
-    Turned(turned::Ordered),
-    Gear(Box<gear::Ordered>),
+    Polygon(Box<OrderedPolygon>),
+    Cam(Box<cam::OrderedCam>),
+    Turned(turned::OrderedThread),
+    Gear(Box<gear::OrderedGear>),
 }
 
 #[derive(Clone, Debug)]
@@ -215,14 +215,16 @@ impl Judge {
                 None => return,
             },
             OpKind::Threading(_) => {
-                let mut ordered = turned::Ordered::default();
+                let mut ordered = turned::OrderedThread::default();
                 ordered.see(index, from, &self.came_from, &op.kind);
                 (What::Turned(ordered), None)
             }
             OpKind::Hob(hob) => {
-                (What::Gear(Box::new(gear::Ordered { hob: *hob, least_x: None })), None)
+                (What::Gear(Box::new(gear::OrderedGear { hob: *hob, least_x: None })), None)
             }
-            OpKind::Polygon(polygon) => (What::Polygon(Box::new(Ordered::new(polygon))), None),
+            OpKind::Polygon(polygon) => {
+                (What::Polygon(Box::new(OrderedPolygon::new(polygon))), None)
+            }
             OpKind::Spindle { order: SpindleOrder::ThrowChips(chips), .. } => {
                 if let Some(feature) = self.last_ordered {
                     self.removals.order(index, feature, chips.throw);

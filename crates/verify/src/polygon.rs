@@ -29,7 +29,7 @@ mod zone;
 
 pub use along::Along;
 pub(crate) use measure::PolygonTrack;
-pub(crate) use ordered::Ordered;
+pub(crate) use ordered::OrderedPolygon;
 
 use units::{Angle, Length, Spin};
 

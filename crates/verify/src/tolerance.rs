@@ -28,7 +28,7 @@ use canon::ThreadSize;
 use units::{Length, MM_PER_INCH};
 
 /// One size of ISO 965-1.
-struct Row {
+struct ToleranceRow {
     nominal_mm: f64,
     pitch_mm: f64,
     pitch_diameter_mm: f64,
@@ -39,8 +39,8 @@ struct Row {
     td1_um: f64,
 }
 
-const fn row(size: [f64; 2], basic: [f64; 2], td2_um: [f64; 4], td1_um: f64) -> Row {
-    Row {
+const fn row(size: [f64; 2], basic: [f64; 2], td2_um: [f64; 4], td1_um: f64) -> ToleranceRow {
+    ToleranceRow {
         nominal_mm: size[0],
         pitch_mm: size[1],
         pitch_diameter_mm: basic[0],
@@ -51,7 +51,7 @@ const fn row(size: [f64; 2], basic: [f64; 2], td2_um: [f64; 4], td1_um: f64) -> 
 }
 
 /// Basic sizes of ISO 724, tolerances of ISO 965-1.
-const TABLE: [Row; 10] = [
+const TABLE: [ToleranceRow; 10] = [
     row([3.0, 0.5], [2.675, 2.459], [63.0, 80.0, 100.0, 125.0], 140.0),
     row([4.0, 0.7], [3.545, 3.242], [75.0, 95.0, 118.0, 150.0], 180.0),
     row([5.0, 0.8], [4.480, 4.134], [80.0, 100.0, 125.0, 160.0], 200.0),
@@ -114,7 +114,7 @@ pub(crate) fn normal_engagement(size: &ThreadSize) -> Length {
     size.pitch * (6.7 * size.nominal.value().powf(0.2))
 }
 
-fn listed(size: &ThreadSize) -> Option<&'static Row> {
+fn listed(size: &ThreadSize) -> Option<&'static ToleranceRow> {
     let (d, p) = (size.nominal.value(), size.pitch.value());
     let metric = size.family == Family::Metric;
     TABLE.iter().find(|row| metric && row.nominal_mm == d && row.pitch_mm == p)

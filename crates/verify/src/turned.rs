@@ -80,7 +80,7 @@ const MOST_CROSSINGS: usize = 1_000_000;
 
 /// The passes that a program orders over one thread.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Ordered {
+pub(crate) struct OrderedThread {
     passes: Vec<Vec<Stretch>>,
     chained: bool,
 }
@@ -117,7 +117,7 @@ impl CameFrom {
     }
 }
 
-impl Ordered {
+impl OrderedThread {
     /// An op from `from` on; whether it belongs to this thread.
     pub(crate) fn see(&mut self, op: u32, from: &Position, came: &CameFrom, kind: &OpKind) -> bool {
         let OpKind::Threading(order) = kind else {
@@ -232,7 +232,7 @@ impl TurnedTrack {
     pub(crate) fn sample(
         &mut self,
         sample: &Sample,
-        ordered: &Ordered,
+        ordered: &OrderedThread,
         turning: Option<&Turning<'_>>,
         work_axis: [Length; 2],
     ) {
@@ -327,7 +327,7 @@ impl TurnedTrack {
     /// What the passes have left of the bar.
     fn inspect(
         &self,
-        ordered: &Ordered,
+        ordered: &OrderedThread,
         law: Law<'_>,
         hand: Hand,
         bar: &mut TurnedBar,
@@ -366,7 +366,7 @@ impl TurnedTrack {
         mut self,
         op: u32,
         line: u32,
-        ordered: &Ordered,
+        ordered: &OrderedThread,
         (config, bar): (&Config, Option<&mut TurnedBar>),
         now: Time,
     ) -> Judged<TurnedThread> {

@@ -76,14 +76,14 @@ struct Work {
 
 /// What the program has ordered of the spindle.
 #[derive(Clone, Copy, Debug)]
-enum Ordered {
+enum OrderedSpeed {
     /// Turn so fast.
     Turn(Spin),
     /// G96: by the place of X, never above the limit.
     Surface(Speed, Option<Spin>),
 }
 
-impl Ordered {
+impl OrderedSpeed {
     /// The speed with the tip so far from the axis of the work; `None`: at its highest, which the
     /// program does not say.
     fn at(self, radius: Length) -> Option<Spin> {
@@ -109,8 +109,8 @@ impl Ordered {
 pub struct Watch {
     config: Config,
     works: BTreeMap<u32, Work>,
-    speeds: VecDeque<(u32, Ordered)>,
-    in_force: Ordered,
+    speeds: VecDeque<(u32, OrderedSpeed)>,
+    in_force: OrderedSpeed,
     /// Least and largest share of it that the operator has asked for in this run.
     shares: (f64, f64),
     tool: Option<u32>,
@@ -136,7 +136,7 @@ impl Watch {
             config,
             works: BTreeMap::new(),
             speeds: VecDeque::new(),
-            in_force: Ordered::Turn(Spin::ZERO),
+            in_force: OrderedSpeed::Turn(Spin::ZERO),
             shares: (1.0, 1.0),
             tool: None,
             before: None,
@@ -174,10 +174,14 @@ impl Watch {
         match &op.kind {
             OpKind::ChangeTool { number } => self.tool = (*number != 0).then_some(*number),
             OpKind::Spindle { spindle: 0, order } => match order {
-                SpindleOrder::Turn(spin) => self.speeds.push_back((index, Ordered::Turn(*spin))),
-                SpindleOrder::Stop => self.speeds.push_back((index, Ordered::Turn(Spin::ZERO))),
+                SpindleOrder::Turn(spin) => {
+                    self.speeds.push_back((index, OrderedSpeed::Turn(*spin)))
+                }
+                SpindleOrder::Stop => {
+                    self.speeds.push_back((index, OrderedSpeed::Turn(Spin::ZERO)))
+                }
                 SpindleOrder::ConstantSurfaceSpeed { speed, limit } => {
-                    self.speeds.push_back((index, Ordered::Surface(*speed, *limit)));
+                    self.speeds.push_back((index, OrderedSpeed::Surface(*speed, *limit)));
                 }
                 _ => {}
             },

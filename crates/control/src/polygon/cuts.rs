@@ -9,7 +9,7 @@ use units::Length;
 
 /// A polygon's place, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
+pub struct PolygonDepths {
     /// X and Y of the deepest cut before the gear is let go.
     pub at: [Length; 2],
     /// The least X at which the same heights are cut, then or later.
@@ -42,13 +42,13 @@ impl Segment {
 }
 
 /// The cuts of a polygon, by what follows the operation that begins it; `None`: nothing is cut.
-pub fn cut<'o>(following: impl Iterator<Item = &'o Op>) -> Option<Cut> {
+pub fn cut<'o>(following: impl Iterator<Item = &'o Op>) -> Option<PolygonDepths> {
     let all = segments(following);
     let deeper =
         |a: &&Segment, b: &&Segment| a.deepest()[0].value().total_cmp(&b.deepest()[0].value());
     let own = all.iter().filter(|segment| segment.own).min_by(deeper)?;
     let last = all.iter().filter(|segment| segment.is_as_high_as(own)).min_by(deeper);
-    Some(Cut { at: own.deepest(), finished: last.unwrap_or(own).deepest()[0] })
+    Some(PolygonDepths { at: own.deepest(), finished: last.unwrap_or(own).deepest()[0] })
 }
 
 fn segments<'o>(following: impl Iterator<Item = &'o Op>) -> Vec<Segment> {

@@ -1,6 +1,6 @@
 //! What the control fills in of G51.2: with D the oscillation for the cut that follows, on this
 //! machine; with E1 what is sent of it, by what was measured before.
-use super::cuts::Cut;
+use super::cuts::PolygonDepths;
 use super::{
     CANDIDATES, FINE_HARMONICS, HARMONICS, SLOWEST_RPM, drives, fastest, flattest, kept, may_swing,
     problem, refuse,
@@ -37,7 +37,7 @@ pub struct Auto<'a> {
     tools: &'a ToolLibrary,
     phases: &'a Phases,
     /// What was asked before, and what came of it: a bar of many pieces asks the same for each.
-    answers: Vec<(Asked, Result<Solution, Refusal>)>,
+    answers: Vec<(Asked, Result<Solution, Finding>)>,
     /// Machine X of the work's axis.
     axis: Length,
     tool: u32,
@@ -82,7 +82,7 @@ impl<'a> Auto<'a> {
     }
 
     /// Fill in what swings; where that is impossible, say why.
-    pub fn fill(&mut self, polygon: &mut Polygon, cut: Option<Cut>, span: Span) {
+    pub fn fill(&mut self, polygon: &mut Polygon, cut: Option<PolygonDepths>, span: Span) {
         let finished = cut.and_then(|cut| self.form(polygon, cut.finished));
         let wrong =
             finished.map_or_else(Vec::new, |form| refuse::form(self.machine, &form, self.axis));
@@ -128,7 +128,7 @@ impl<'a> Auto<'a> {
     }
 
     /// What is written as a share of the distance of the axes, at the distance at which it cuts.
-    fn scale(&self, polygon: &mut Polygon, cut: Option<Cut>) -> Result<(), String> {
+    fn scale(&self, polygon: &mut Polygon, cut: Option<PolygonDepths>) -> Result<(), String> {
         let shares = core::mem::take(&mut polygon.by_distance);
         if shares.is_empty() {
             return Ok(());
@@ -172,7 +172,11 @@ impl<'a> Auto<'a> {
         }
     }
 
-    fn solve(&mut self, polygon: &Polygon, cut: Option<Cut>) -> Result<Solution, Refusal> {
+    fn solve(
+        &mut self,
+        polygon: &Polygon,
+        cut: Option<PolygonDepths>,
+    ) -> Result<Solution, Finding> {
         let is_cutter = self
             .tools
             .get(self.tool)
@@ -198,7 +202,7 @@ impl<'a> Auto<'a> {
 
     /// The optimum, if it is within what is allowed of a facet; else the speed at which it would
     /// be.
-    fn flat_enough(&self, asked: &Asked) -> Result<Solution, Refusal> {
+    fn flat_enough(&self, asked: &Asked) -> Result<Solution, Finding> {
         let best = self.optimum(asked)?;
         let allowed = tolerances(false).facet_flatness;
         if best.flatness <= allowed {
@@ -243,7 +247,7 @@ impl<'a> Auto<'a> {
         problem(self.machine, &asked.form, work, who, &answers, HARMONICS)
     }
 
-    fn optimum(&self, asked: &Asked) -> Result<Solution, Refusal> {
+    fn optimum(&self, asked: &Asked) -> Result<Solution, Finding> {
         let Asked { form, work, who, compensated } = asked;
         let base = form.base();
         let mut unmeasured = false;
@@ -273,14 +277,14 @@ impl<'a> Auto<'a> {
 }
 
 /// A code and a sentence.
-type Refusal = (&'static str, String);
+type Finding = (&'static str, String);
 
 /// The gear about which it winds, if it winds.
 fn settled(polygon: &Polygon) -> canon::Ratio {
     polygon.ratio.settled().unwrap_or(polygon.ratio)
 }
 
-const fn refused<T>(text: String) -> Result<T, Refusal> {
+const fn refused<T>(text: String) -> Result<T, Finding> {
     Err(("A0401", text))
 }
 

@@ -14,7 +14,7 @@
 //! to matter; should what is left out lift a peak over its limit, everything is made so much
 //! smaller.
 use super::drive::Drive;
-use super::lp::{Lp, Row};
+use super::lp::{Constraint, Lp};
 use super::optimise::{Best, Detail, Problem, Solution, flat};
 use super::series::{Series, Swings, Term};
 use std::f64::consts::{PI, TAU};
@@ -154,22 +154,22 @@ impl<'p> Spline<'p> {
         let units = (0..n).map(|column| self.problem.drives[column / knots].actuator.unit());
         let scale = units.chain([1e-3, 0.1, 1.0]).chain(errors.iter().map(|_| 1e-3)).collect();
         // a swing about a middle: where X stands is an unknown of its own
-        let middle = |k: usize| Row {
+        let middle = |k: usize| Constraint {
             weights: (0..knots).map(|i| (k * knots + i, 1.0)).collect(),
             bound: 0.0,
         };
-        let mut equal: Vec<Row> = (0..self.problem.drives.len()).map(middle).collect();
+        let mut equal: Vec<Constraint> = (0..self.problem.drives.len()).map(middle).collect();
         let mut within = Vec::with_capacity(2 * errors.len());
         for (e, (mut weights, constant)) in (n + 3..).zip(errors) {
             weights.push((e, -1.0));
-            equal.push(Row { weights, bound: -constant });
+            equal.push(Constraint { weights, bound: -constant });
             within.extend(flat(&[(e, 1.0)], 0.0, n));
         }
         let mut lp = Lp { scale, equal, within, ..Lp::default() };
         for (k, (drive, looked)) in self.problem.drives.iter().zip(looked).enumerate() {
             self.limits(k, drive, *looked, &mut lp.within);
         }
-        lp.within.push(Row { weights: vec![(n + 2, 1.0)], bound: 1.0 });
+        lp.within.push(Constraint { weights: vec![(n + 2, 1.0)], bound: 1.0 });
         lp
     }
 
@@ -194,7 +194,7 @@ impl<'p> Spline<'p> {
     }
 
     /// The limits of a drive that are looked at, as a share s ≤ 1 of each.
-    fn limits(&self, k: usize, drive: &Drive, looked: Looked, rows: &mut Vec<Row>) {
+    fn limits(&self, k: usize, drive: &Drive, looked: Looked, rows: &mut Vec<Constraint>) {
         let knots = self.knots;
         let rate = knots as f64 * self.problem.form.base() * self.problem.spin.abs().value();
         let l = &drive.limits;
@@ -203,7 +203,7 @@ impl<'p> Spline<'p> {
                 let mut signed: Vec<_> =
                     weights.iter().map(|(c, a)| (*c, a * sign / room)).collect();
                 signed.push((self.unknowns() + 2, -1.0));
-                rows.push(Row { weights: signed, bound: 0.0 });
+                rows.push(Constraint { weights: signed, bound: 0.0 });
             }
         };
         let differences: [&[f64]; 4] =

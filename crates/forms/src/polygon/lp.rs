@@ -30,14 +30,14 @@ const EXCHANGES: usize = 12;
 
 /// Σ a·x against b.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+pub(super) struct Constraint {
     /// Unknown and its weight a.
     pub(super) weights: Vec<(usize, f64)>,
     /// b.
     pub(super) bound: f64,
 }
 
-impl Row {
+impl Constraint {
     /// By how much a solution is beyond the bound.
     fn beyond(&self, x: &[f64]) -> f64 {
         self.weights.iter().map(|(column, a)| a * x[*column]).sum::<f64>() - self.bound
@@ -51,10 +51,10 @@ pub(super) struct Lp {
     pub(super) scale: Vec<f64>,
     /// A solution to stay near to; empty: none.
     pub(super) near: Vec<f64>,
-    pub(super) equal: Vec<Row>,
-    pub(super) within: Vec<Row>,
+    pub(super) equal: Vec<Constraint>,
+    pub(super) within: Vec<Constraint>,
     /// Rows that wait, by runs of neighbours: of a period, the last one beside the first.
-    pub(super) waiting: Vec<Vec<Row>>,
+    pub(super) waiting: Vec<Vec<Constraint>>,
 }
 
 impl Lp {
@@ -153,9 +153,9 @@ mod tests {
     fn rows_that_wait_come_in_where_they_are_broken() {
         let row = |i: usize, sign: f64| {
             let sine = (core::f64::consts::TAU * i as f64 / 360.0).sin();
-            Row { weights: vec![(0, sign), (1, -1.0)], bound: sign * sine }
+            Constraint { weights: vec![(0, sign), (1, -1.0)], bound: sign * sine }
         };
-        let all: Vec<Vec<Row>> =
+        let all: Vec<Vec<Constraint>> =
             [1.0, -1.0].map(|sign| (0..360).map(|i| row(i, sign)).collect()).into();
         let few = vec![row(0, 1.0), row(0, -1.0)];
         let mut lp = Lp { scale: vec![1.0; 2], within: few, waiting: all, ..Lp::default() };

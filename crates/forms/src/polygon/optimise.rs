@@ -21,7 +21,7 @@
 //! never exceeds a limit.
 use super::drive::Drive;
 use super::form::Form;
-use super::lp::{Lp, Row};
+use super::lp::{Constraint, Lp};
 use super::profile::contact;
 use super::series::{Actuator, Series, Swings, Term};
 use std::f64::consts::{PI, TAU};
@@ -278,7 +278,7 @@ impl Problem<'_> {
         for (k, drive) in self.drives.iter().enumerate() {
             self.limits(k, drive, &mut lp);
         }
-        lp.within.push(Row { weights: vec![(n + 2, 1.0)], bound: 1.0 });
+        lp.within.push(Constraint { weights: vec![(n + 2, 1.0)], bound: 1.0 });
         lp
     }
 
@@ -312,7 +312,7 @@ impl Problem<'_> {
                     let odd = w0 * s + w1 * m * c - w2 * m * m * s - w3 * m.powi(3) * c;
                     [(column, even), (column + 1, odd)]
                 });
-                Row { weights: both.chain([(share, -1.0)]).collect(), bound: 0.0 }
+                Constraint { weights: both.chain([(share, -1.0)]).collect(), bound: 0.0 }
             };
             for sign in [1.0, -1.0] {
                 lp.within.extend((0..count).step_by(AT_ONCE).map(|i| row(i, sign)));
@@ -323,11 +323,11 @@ impl Problem<'_> {
 }
 
 /// |e| ≤ t, where t is the unknown n.
-pub(super) fn flat(e: &[(usize, f64)], constant: f64, n: usize) -> [Row; 2] {
+pub(super) fn flat(e: &[(usize, f64)], constant: f64, n: usize) -> [Constraint; 2] {
     [1.0, -1.0].map(|sign| {
         let mut signed: Vec<_> = e.iter().map(|(column, a)| (*column, a * sign)).collect();
         signed.push((n, -1.0));
-        Row { weights: signed, bound: -constant * sign }
+        Constraint { weights: signed, bound: -constant * sign }
     })
 }
 
@@ -356,7 +356,7 @@ impl Lp {
     /// asks least of the drives.
     pub(super) fn least_effort(&mut self, n: usize, flattest: &[f64]) -> Vec<f64> {
         let bound = flattest[n].max(0.0) * AS_FLAT.0 + AS_FLAT.1;
-        self.within.push(Row { weights: vec![(n, 1.0)], bound });
+        self.within.push(Constraint { weights: vec![(n, 1.0)], bound });
         self.minimise(n + 2).unwrap_or_else(|| flattest.to_vec())
     }
 }

@@ -22,7 +22,7 @@ const STEP: f64 = TAU / N as f64;
 const CORRECTIONS: usize = 4;
 
 /// Unknowns and their weights, and the bound.
-type Row = (Vec<(usize, f64)>, f64);
+type Constraint = (Vec<(usize, f64)>, f64);
 
 struct Fine<'a> {
     form: &'a Form,
@@ -82,7 +82,7 @@ impl Fine<'_> {
         swing
     }
 
-    fn rows(&self, rpm: f64) -> (Vec<Row>, usize) {
+    fn rows(&self, rpm: f64) -> (Vec<Constraint>, usize) {
         let mut rows = Vec::new();
         for k in 0..self.drives.len() {
             motion(k, &mut rows);
@@ -134,7 +134,7 @@ impl Fine<'_> {
     }
 
     /// Speed, acceleration, jerk and effort of a drive.
-    fn limits(&self, k: usize, omega: f64, rows: &mut Vec<Row>) {
+    fn limits(&self, k: usize, omega: f64, rows: &mut Vec<Constraint>) {
         let (l, unit) = (&self.drives[k].limits, self.unit(k));
         for (i, sign) in (0..N).flat_map(|i| [(i, 1.0), (i, -1.0)]) {
             for ((order, power), most) in (1..4).zip(1..).zip([l.speed, l.acceleration, l.jerk]) {
@@ -155,7 +155,7 @@ impl Fine<'_> {
 
 /// A drive's place and derivatives from step to step, about a middle: where the axes stand is an
 /// unknown of its own.
-fn motion(k: usize, rows: &mut Vec<Row>) {
+fn motion(k: usize, rows: &mut Vec<Constraint>) {
     for i in 0..N {
         for order in 0..3 {
             let mut row = vec![(Fine::at(k, order, i + 1), -1.0)];
@@ -170,7 +170,7 @@ fn motion(k: usize, rows: &mut Vec<Row>) {
     rows.push(((0..N).map(|i| (Fine::at(k, 0, i), 1.0)).collect(), 0.0));
 }
 
-fn solve(rows: &[Row], equalities: usize, columns: usize, least: usize) -> Vec<f64> {
+fn solve(rows: &[Constraint], equalities: usize, columns: usize, least: usize) -> Vec<f64> {
     let mut entries: Vec<(usize, usize, f64)> = rows
         .iter()
         .enumerate()

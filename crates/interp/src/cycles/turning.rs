@@ -23,7 +23,7 @@ use crate::{
         parallel::parallel,
         recording::{ProfileOrder, Recording},
         roughing::{Manner, Part, Roughing, rough},
-        shape::{Facing, Profile, Stroke, Unfit},
+        shape::{Facing, Profile, ProfileMove, Unfit},
     },
     state::{
         executor::{Executor, Settings},
@@ -120,7 +120,7 @@ pub(crate) fn cut_profile<S: Sink>(
             let shape = recording.without_withdrawal(profile, across).shifted(shift);
             let strokes = roughed(from, &shape, across, 0.0, how)
                 .map_err(|why| why.shifted(times(shift, -1.0)))?;
-            let back = (!strokes.is_empty()).then_some(Stroke::Rapid(start));
+            let back = (!strokes.is_empty()).then_some(ProfileMove::Rapid(start));
             Ok(strokes.into_iter().chain(back).collect())
         }
         ProfileOrder::Repeat { relief, shift, times } => {
@@ -138,7 +138,7 @@ pub(crate) fn cut_profile<S: Sink>(
     modes.motion = Motion::Feed;
     for stroke in strokes {
         match stroke {
-            Stroke::Side(code) => compensation::switch(words, modes, tools, code, out)?,
+            ProfileMove::Side(code) => compensation::switch(words, modes, tools, code, out)?,
             stroke => cut(words, modes, settings, stroke, out)?,
         }
     }
@@ -149,7 +149,7 @@ pub(crate) fn cut<S: Sink>(
     words: &Words,
     modes: &mut Modes,
     settings: &Settings,
-    stroke: Stroke,
+    stroke: ProfileMove,
     out: &mut Out<'_, S>,
 ) -> Outcome {
     let point = |at: &Point, [z, x]: Flat| -> Point {
@@ -158,9 +158,13 @@ pub(crate) fn cut<S: Sink>(
         to
     };
     match stroke {
-        Stroke::Rapid(to) => go_straight(words, modes, settings, true, &point(&modes.at, to), out),
-        Stroke::Line(to) => go_straight(words, modes, settings, false, &point(&modes.at, to), out),
-        Stroke::Arc { to, centre, turns } => {
+        ProfileMove::Rapid(to) => {
+            go_straight(words, modes, settings, true, &point(&modes.at, to), out)
+        }
+        ProfileMove::Line(to) => {
+            go_straight(words, modes, settings, false, &point(&modes.at, to), out)
+        }
+        ProfileMove::Arc { to, centre, turns } => {
             let to = point(&modes.at, to);
             if modes.compensating() {
                 beside::arc_beside(words, modes, &to, centre, turns, out)?;
@@ -170,12 +174,12 @@ pub(crate) fn cut<S: Sink>(
             modes.at = to;
             Ok(())
         }
-        Stroke::Feed(rate) => {
+        ProfileMove::Feed(rate) => {
             modes.feed = rate;
             out.say(&Call::FeedRate { rate, duration_s: None });
             Ok(())
         }
-        Stroke::Side(_) => Ok(()), // grooves have none
+        ProfileMove::Side(_) => Ok(()), // grooves have none
     }
 }
 
@@ -203,7 +207,7 @@ fn finish(
     first: f64,
     last: f64,
     passes: u32,
-) -> Result<Vec<Stroke>, Unfit> {
+) -> Result<Vec<ProfileMove>, Unfit> {
     let along_z = Facing::of(profile, false);
     let one_way = profile.seen(along_z).parted().is_ok();
     let facing = if one_way { along_z } else { Facing::of(profile, true) };
@@ -215,23 +219,29 @@ fn finish(
         let left = f64::from(passes - pass) / f64::from(passes);
         let beside = parallel(&profile, side * (last + left * (first - last)))
             .map_err(|why| why.seen_from(facing))?;
-        strokes.extend([Stroke::Rapid(start), Stroke::Rapid(beside.begin)]);
+        strokes.extend([ProfileMove::Rapid(start), ProfileMove::Rapid(beside.begin)]);
         strokes.extend(beside.strokes());
     }
     Ok(strokes.into_iter().map(|stroke| facing.stroke(stroke)).collect())
 }
 
 /// The same way again and again, each time nearer.
-fn repeated(start: Flat, profile: &Profile, relief: Flat, shift: Flat, count: u32) -> Vec<Stroke> {
+fn repeated(
+    start: Flat,
+    profile: &Profile,
+    relief: Flat,
+    shift: Flat,
+    count: u32,
+) -> Vec<ProfileMove> {
     let mut strokes = Vec::new();
     for pass in 1..=count {
         let left = f64::from(count - pass) / f64::from((count - 1).max(1));
         let by = plus(shift, times(relief, left));
         let beside = profile.shifted(by);
-        strokes.extend([Stroke::Rapid(plus(start, by)), Stroke::Rapid(beside.begin)]);
+        strokes.extend([ProfileMove::Rapid(plus(start, by)), ProfileMove::Rapid(beside.begin)]);
         strokes.extend(beside.strokes());
     }
-    strokes.push(Stroke::Rapid(start));
+    strokes.push(ProfileMove::Rapid(start));
     strokes
 }
 
@@ -242,7 +252,7 @@ fn roughed(
     across: bool,
     leave: f64,
     how: Roughing,
-) -> Result<Vec<Stroke>, Unfit> {
+) -> Result<Vec<ProfileMove>, Unfit> {
     let facing = Facing::of(profile, across);
     let profile = profile.seen(facing);
     let start = facing.to(start);
@@ -254,6 +264,6 @@ fn roughed(
     if (start[1] - lowest) / how.step > MAX_PASSES {
         return Ok(Vec::new());
     }
-    let strokes = std::iter::once(Stroke::Rapid(start)).chain(rough(start, &profile, how));
+    let strokes = std::iter::once(ProfileMove::Rapid(start)).chain(rough(start, &profile, how));
     Ok(strokes.map(|stroke| facing.stroke(stroke)).collect())
 }

@@ -18,7 +18,7 @@ pub(crate) const NAMES: [ControlName; 3] = [
 ];
 
 /// One line: its letters, without comments and blanks.
-pub(crate) struct Line {
+pub(crate) struct SplitLine {
     /// Capitals, without N and its number.
     pub(crate) code: String,
     /// Letter, number as written, place.
@@ -33,7 +33,7 @@ pub(crate) struct Line {
     pub(crate) span: Span,
 }
 
-impl Line {
+impl SplitLine {
     pub(crate) fn read(text: &[u8], at: Span) -> Self {
         let text = text.get(..OF_A_LINE).unwrap_or(text);
         let blanks = text.len() - text.trim_ascii_start().len();

@@ -19,7 +19,7 @@
 use crate::{
     dialect::Dialect,
     evidence::{
-        line::{BYTES, LINES, Line},
+        line::{BYTES, LINES, SplitLine},
         words::{CHIP_REMOVAL, Evidence, WITHOUT_R, speaks},
     },
     setup::Setup,
@@ -111,7 +111,8 @@ fn gather(source: &[u8]) -> Vec<Evidence> {
         if start > BYTES {
             break;
         }
-        let line = Line::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
+        let line =
+            SplitLine::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
         start += text.len() as u32 + 1;
         speaks(&line, first, &mut |e| {
             if !all.iter().any(|known| known.what == e.what) {

@@ -1,5 +1,5 @@
 //! A program for another kind of machine than a mill: a printer, a lathe. Its letters alone tell.
-use crate::evidence::line::{BYTES, LINES, Line};
+use crate::evidence::line::{BYTES, LINES, SplitLine};
 use diag::{Diagnostic, Span};
 
 /// What a program for a 3D printer has, and no machine tool.
@@ -27,7 +27,8 @@ pub(crate) fn printer(source: &[u8]) -> Option<Diagnostic> {
         if start > BYTES {
             break;
         }
-        let line = Line::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
+        let line =
+            SplitLine::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
         start += text.len() as u32 + 1;
         let mut add = |what: &'static str, written: String, span| {
             if seen.iter().all(|(known, ..)| *known != what) {
@@ -68,7 +69,7 @@ pub(crate) fn printer(source: &[u8]) -> Option<Diagnostic> {
 pub fn is_turned(source: &[u8]) -> bool {
     let mut turns = false;
     for text in source[..source.len().min(BYTES as usize)].split(|byte| *byte == b'\n') {
-        let line = Line::read(text, Span::default());
+        let line = SplitLine::read(text, Span::default());
         if line.has("Y") {
             return false;
         }
@@ -84,7 +85,7 @@ pub fn is_turned(source: &[u8]) -> bool {
 pub fn unended(source: &[u8]) -> Option<u32> {
     let tail = &source[source.len().saturating_sub(TAIL)..];
     let ends = tail.split(|byte| *byte == b'\n').any(|text| {
-        let line = Line::read(text, Span::default());
+        let line = SplitLine::read(text, Span::default());
         let stops = |(letter, number, _): &(char, String, Span)| {
             *letter == 'M' && matches!(number.parse(), Ok(2.0 | 30.0 | 99.0))
         };

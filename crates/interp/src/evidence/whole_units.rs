@@ -9,7 +9,7 @@
 //! Only Fanuc's controls and their variants count so. Read are the first lines, letters alone, as
 //! for [`other_dialect`](crate::evidence::other_dialect).
 use crate::{
-    evidence::line::{BYTES, LINES, Line},
+    evidence::line::{BYTES, LINES, SplitLine},
     setup::Setup,
 };
 use diag::{Diagnostic, Span};
@@ -94,7 +94,8 @@ fn lengths(source: &[u8]) -> Option<Lengths> {
         if start > BYTES {
             break;
         }
-        let line = Line::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
+        let line =
+            SplitLine::read(text, Span { file: 0, line: number as u32 + 1, start, end: start });
         start += text.len() as u32 + 1;
         let code = |tenths: &[f64]| {
             let is_one = |(letter, number, _): &(char, String, Span)| {

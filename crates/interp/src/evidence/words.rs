@@ -4,7 +4,7 @@
 //! it.
 use crate::{
     dialect::{Dialect, rules::Family},
-    evidence::line::Line,
+    evidence::line::SplitLine,
 };
 use diag::Span;
 
@@ -51,7 +51,7 @@ impl Evidence {
 }
 
 /// All that it gives away.
-pub(crate) fn speaks(line: &Line, first: bool, tell: &mut impl FnMut(Evidence)) {
+pub(crate) fn speaks(line: &SplitLine, first: bool, tell: &mut impl FnMut(Evidence)) {
     form(line, first, tell);
     for (letter, number, span) in &line.words {
         let Ok(value) = number.parse::<f64>() else { continue };
@@ -83,7 +83,7 @@ pub(crate) fn speaks(line: &Line, first: bool, tell: &mut impl FnMut(Evidence)) 
 }
 
 /// What the form of the line gives away.
-fn form(line: &Line, first: bool, tell: &mut impl FnMut(Evidence)) {
+fn form(line: &SplitLine, first: bool, tell: &mut impl FnMut(Evidence)) {
     let code = line.code.as_str();
     if let Some(rest) = code.strip_prefix('$')
         && (rest.is_empty()
@@ -166,7 +166,7 @@ fn form(line: &Line, first: bool, tell: &mut impl FnMut(Evidence)) {
 }
 
 /// What a G code gives away, in tenths.
-fn g(line: &Line, tenths: i32, say: &mut impl FnMut(Family, u32, &'static str)) {
+fn g(line: &SplitLine, tenths: i32, say: &mut impl FnMut(Family, u32, &'static str)) {
     match tenths {
         650 | 660 | 661 if line.has("P") => say(Family::Fanuc, 4, "a custom macro is called"),
         510 if line.has_any("XYZIJK") => say(Family::FanucMill, 3, "scaling"),

@@ -10,7 +10,7 @@ use crate::{
     profile::{
         corner::{self, Corner},
         roughing::Roughing,
-        shape::{Profile, Stroke, Unfit},
+        shape::{Profile, ProfileMove, Unfit},
     },
 };
 /// What has been taken down.
@@ -82,28 +82,28 @@ impl Recording {
 
     /// Along it with the feeds of its blocks and on their side, and back: as it is finished on a
     /// Fanuc.
-    pub(crate) fn with_feeds(&self, start: Flat) -> Vec<Stroke> {
+    pub(crate) fn with_feeds(&self, start: Flat) -> Vec<ProfileMove> {
         let side_before = |moves: usize| {
             let here = self.sides.iter().filter(move |(at, _)| *at == moves);
-            here.map(|(_, code)| Stroke::Side(*code))
+            here.map(|(_, code)| ProfileMove::Side(*code))
         };
         let mut strokes: Vec<_> = side_before(0).collect();
-        strokes.extend(self.begin.map(Stroke::Rapid));
+        strokes.extend(self.begin.map(ProfileMove::Rapid));
         let mut feeds = self.feeds.iter().peekable();
         for (i, (way, _)) in self.moves.iter().enumerate() {
             strokes.extend(side_before(i + 1));
             while let Some((_, feed)) = feeds.next_if(|(first, _)| *first <= i) {
-                strokes.push(Stroke::Feed(*feed));
+                strokes.push(ProfileMove::Feed(*feed));
             }
             strokes.push(match way.circle {
-                None => Stroke::Line(way.to),
-                Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
+                None => ProfileMove::Line(way.to),
+                Some((centre, turns)) => ProfileMove::Arc { to: way.to, centre, turns },
             });
         }
         if self.sides.last().is_some_and(|(_, code)| *code != 400) {
-            strokes.push(Stroke::Side(400));
+            strokes.push(ProfileMove::Side(400));
         }
-        strokes.push(Stroke::Rapid(start));
+        strokes.push(ProfileMove::Rapid(start));
         strokes
     }
 

@@ -1,7 +1,7 @@
 //! The strokes that clear what lies above a profile, level by level.
 use crate::{
     geometry::offset_curve::{Flat, Way, length, minus},
-    profile::shape::{NEAR, Profile, Stroke},
+    profile::shape::{NEAR, Profile, ProfileMove},
 };
 
 /// Which part of the work.
@@ -37,7 +37,7 @@ pub(crate) struct Roughing {
 }
 
 /// All strokes from `start`, which lies over the profile and not beyond its begin.
-pub(crate) fn rough(start: Flat, profile: &Profile, how: Roughing) -> Vec<Stroke> {
+pub(crate) fn rough(start: Flat, profile: &Profile, how: Roughing) -> Vec<ProfileMove> {
     let mut path = vec![Way { from: start, to: profile.begin, circle: None }];
     path.extend_from_slice(&profile.ways);
     let end = profile.end();
@@ -54,7 +54,7 @@ pub(crate) fn rough(start: Flat, profile: &Profile, how: Roughing) -> Vec<Stroke
 struct Walk<'a> {
     path: &'a [Way],
     how: Roughing,
-    strokes: Vec<Stroke>,
+    strokes: Vec<ProfileMove>,
     /// The next one to be cut.
     level: f64,
     /// The levels count anew from where the path falls next.
@@ -113,14 +113,14 @@ impl Walk<'_> {
         let end = self.path[i + 1..].iter().find(|way| way.to[1] >= level - NEAR);
         let last = self.path.last().map_or(from, |way| way.to);
         let end = end.map_or(last[0], |way| crossing(way, level)[0]);
-        self.say(Stroke::Line([end, level]));
+        self.say(ProfileMove::Line([end, level]));
         let away = self.how.retract.min((end - from[0]) / 2.0);
-        self.say(Stroke::Rapid([end - away, level + away]));
+        self.say(ProfileMove::Rapid([end - away, level + away]));
         if i == 0 && self.how.manner == Manner::Fanuc {
-            self.say(Stroke::Rapid([from[0], level + away]));
+            self.say(ProfileMove::Rapid([from[0], level + away]));
             return;
         }
-        self.say(Stroke::Rapid([from[0] + away, level + away]));
+        self.say(ProfileMove::Rapid([from[0] + away, level + away]));
         self.go(i, from);
     }
 
@@ -131,7 +131,7 @@ impl Walk<'_> {
             if way.to[1] < level - NEAR {
                 continue;
             }
-            self.say(Stroke::Line(crossing(way, level)));
+            self.say(ProfileMove::Line(crossing(way, level)));
             self.follow(i, way.to);
             level = way.to[1];
         }
@@ -142,7 +142,7 @@ impl Walk<'_> {
         match self.path[i].circle {
             Some((centre, turns)) => {
                 if length(minus(to, self.at)) > NEAR {
-                    self.say(Stroke::Arc { to, centre, turns });
+                    self.say(ProfileMove::Arc { to, centre, turns });
                 }
             }
             None => self.go(i, to),
@@ -153,13 +153,15 @@ impl Walk<'_> {
     fn go(&mut self, i: usize, to: Flat) {
         let way = &self.path[i];
         let air = i == 0 && way.to[1] <= way.from[1] + NEAR;
-        self.say(if air { Stroke::Rapid(to) } else { Stroke::Line(to) });
+        self.say(if air { ProfileMove::Rapid(to) } else { ProfileMove::Line(to) });
     }
 
-    fn say(&mut self, stroke: Stroke) {
+    fn say(&mut self, stroke: ProfileMove) {
         // an arc through its lowest point is one stroke
-        if let (Stroke::Arc { to, centre, .. }, Some(Stroke::Arc { to: before, centre: c, .. })) =
-            (stroke, self.strokes.last_mut())
+        if let (
+            ProfileMove::Arc { to, centre, .. },
+            Some(ProfileMove::Arc { to: before, centre: c, .. }),
+        ) = (stroke, self.strokes.last_mut())
             && *c == centre
             && before[1] < centre[1]
             && (before[0] - centre[0]).abs() < NEAR
@@ -169,7 +171,8 @@ impl Walk<'_> {
             self.at = to;
             return;
         }
-        if let Stroke::Rapid(to) | Stroke::Line(to) | Stroke::Arc { to, .. } = stroke {
+        if let ProfileMove::Rapid(to) | ProfileMove::Line(to) | ProfileMove::Arc { to, .. } = stroke
+        {
             self.at = to;
         }
         self.strokes.push(stroke);
@@ -201,7 +204,7 @@ fn crossing(way: &Way, height: f64) -> Flat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Stroke::{Line, Rapid};
+    use ProfileMove::{Line, Rapid};
 
     fn line(from: Flat, to: Flat) -> Way {
         Way { from, to, circle: None }
@@ -245,7 +248,9 @@ mod tests {
             let mut at = [-1.0, 4.0];
             let mut lowest = 4.0f64;
             for stroke in rough(at, &profile, how) {
-                let (Stroke::Rapid(to) | Stroke::Line(to) | Stroke::Arc { to, .. }) = stroke else {
+                let (ProfileMove::Rapid(to) | ProfileMove::Line(to) | ProfileMove::Arc { to, .. }) =
+                    stroke
+                else {
                     continue;
                 };
                 for k in 0..=20 {
@@ -254,7 +259,7 @@ mod tests {
                     let floor = if u < 0.0 { -1.0 } else { (u - 5.0).abs().min(3.0) };
                     assert!(v >= floor - 1e-9, "{stroke:?} at {u} {v}");
                 }
-                if let Stroke::Line(to) = stroke
+                if let ProfileMove::Line(to) = stroke
                     && to[1] == at[1]
                     && to[1] < 3.0
                 {

@@ -17,7 +17,7 @@ pub(crate) struct Profile {
 
 /// One stroke of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Stroke {
+pub(crate) enum ProfileMove {
     Rapid(Flat),
     Line(Flat),
     Arc {
@@ -99,10 +99,10 @@ impl Profile {
     }
 
     /// Along it, from its begin.
-    pub(crate) fn strokes(&self) -> impl Iterator<Item = Stroke> + '_ {
+    pub(crate) fn strokes(&self) -> impl Iterator<Item = ProfileMove> + '_ {
         self.ways.iter().map(|way| match way.circle {
-            None => Stroke::Line(way.to),
-            Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
+            None => ProfileMove::Line(way.to),
+            Some((centre, turns)) => ProfileMove::Arc { to: way.to, centre, turns },
         })
     }
 
@@ -185,17 +185,17 @@ impl Facing {
         if mirrored { -1 } else { 1 }
     }
 
-    pub(crate) fn stroke(self, stroke: Stroke) -> Stroke {
+    pub(crate) fn stroke(self, stroke: ProfileMove) -> ProfileMove {
         match stroke {
-            Stroke::Rapid(to) => Stroke::Rapid(self.back(to)),
-            Stroke::Line(to) => Stroke::Line(self.back(to)),
-            Stroke::Arc { to, centre, turns } => Stroke::Arc {
+            ProfileMove::Rapid(to) => ProfileMove::Rapid(self.back(to)),
+            ProfileMove::Line(to) => ProfileMove::Line(self.back(to)),
+            ProfileMove::Arc { to, centre, turns } => ProfileMove::Arc {
                 to: self.back(to),
                 centre: self.back(centre),
                 turns: turns * self.sense(),
             },
-            Stroke::Feed(feed) => Stroke::Feed(feed),
-            Stroke::Side(code) => Stroke::Side(code),
+            ProfileMove::Feed(feed) => ProfileMove::Feed(feed),
+            ProfileMove::Side(code) => ProfileMove::Side(code),
         }
     }
 }

@@ -35,7 +35,7 @@ const BETWEEN: f64 = 0.005;
 
 /// One axis' demands at one place, over its limits.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Row {
+pub(crate) struct LimitRow {
     /// q′ / A.
     pub(crate) a1: f64,
     /// q″ / A.
@@ -51,7 +51,7 @@ pub(crate) struct Row {
 /// All moving axes' demands at the three places of a cell: at its beginning, in its middle, at its
 /// end.
 #[derive(Clone, Debug)]
-pub(crate) struct Rows(Box<[Row]>);
+pub(crate) struct Rows(Box<[LimitRow]>);
 
 impl Rows {
     fn new(three: &[Derivatives; 3], bounds: &Bounds) -> Self {
@@ -63,19 +63,19 @@ impl Rows {
                 let (a, j) = (1.0 / bounds.accel[k], 1.0 / bounds.jerk[k]);
                 let (a1, a2) = (d.q1[k] * a, d.q2[k] * a);
                 let (j1, j2, j3) = (d.q1[k] * j, d.q2[k] * j, d.q3[k] * j);
-                rows.push(Row { a1, a2, j1, j2, j3 });
+                rows.push(LimitRow { a1, a2, j1, j2, j3 });
             }
         }
         Self(rows.into_boxed_slice())
     }
 
     /// At one of the places, by axis.
-    pub(crate) fn at(&self, place: usize) -> &[Row] {
+    pub(crate) fn at(&self, place: usize) -> &[LimitRow] {
         let count = self.0.len() / 3;
         &self.0[place * count..(place + 1) * count]
     }
 
-    pub(crate) fn all(&self) -> &[Row] {
+    pub(crate) fn all(&self) -> &[LimitRow] {
         &self.0
     }
 }

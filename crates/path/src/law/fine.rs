@@ -1,6 +1,6 @@
 //! A cell of the jerk-limited plan's grid: the motion at both its ends, the phases that join them,
 //! and what jerk it may have.
-use super::cell::{Cell, Demand, Row, Rows};
+use super::cell::{Cell, Demand, LimitRow, Rows};
 use crate::{Instant, Phase};
 
 /// Share of the limit of jerk that the plan uses; the rest is for what happens between the places
@@ -143,7 +143,7 @@ pub(super) fn growth(cell: &Cell) -> f64 {
 }
 
 /// The demands at a share of a cell.
-pub(super) fn each(rows: &Rows, x: f64, mut give: impl FnMut(Row)) {
+pub(super) fn each(rows: &Rows, x: f64, mut give: impl FnMut(LimitRow)) {
     let (p, q, f) = if x < 0.5 {
         (rows.at(0), rows.at(1), 2.0 * x)
     } else {
@@ -151,7 +151,7 @@ pub(super) fn each(rows: &Rows, x: f64, mut give: impl FnMut(Row)) {
     };
     let mix = |a: f64, b: f64| a + (b - a) * f;
     for (p, q) in p.iter().zip(q) {
-        give(Row {
+        give(LimitRow {
             a1: mix(p.a1, q.a1),
             a2: mix(p.a2, q.a2),
             j1: mix(p.j1, q.j1),

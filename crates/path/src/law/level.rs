@@ -6,9 +6,9 @@
 //!      ╱ ┆··  ·   ·     │     ·   ·  ··┆ ╲       · knots: the farther from where the level is reached or left, the
 //!        reached       run        left             farther apart
 //! ```
-use super::cell::{Cell, Demand, Row};
+use super::cell::{Cell, Demand, LimitRow};
 use super::fine::jerk_along;
-use super::runs::Run;
+use super::runs::CellRun;
 use alloc::vec::Vec;
 
 /// A step is at most this share of the way to where the level is reached or left.
@@ -79,7 +79,7 @@ impl<'a> Held<'a> {
                 Some(Self { cell, h, v, top, accel: *accel, jerk: *jerk })
             }
             Demand::Curve(rows) => {
-                let most = |of: &dyn Fn(&Row) -> f64| {
+                let most = |of: &dyn Fn(&LimitRow) -> f64| {
                     let all = rows.all().iter();
                     all.fold(0.0, |m: f64, row| m.max(of(row)))
                 };
@@ -134,7 +134,7 @@ impl<'a> Held<'a> {
 
 /// The runs' levels; `w` is the fastest ṡ^{3/2} at the cells' beginnings and at the end of the
 /// last.
-pub(super) fn levels(cells: &[&Cell], runs: &[Run], w: &[f64], levels: &mut Vec<Level>) {
+pub(super) fn levels(cells: &[&Cell], runs: &[CellRun], w: &[f64], levels: &mut Vec<Level>) {
     levels.clear();
     // forwards: where each begins
     let mut before = Before::Nothing;

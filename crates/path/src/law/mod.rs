@@ -32,8 +32,8 @@ use alloc::vec::Vec;
 pub(crate) use cell::TOP_SPEED;
 use cell::{Cell, Demand, Sampler, Start};
 pub use phase::{Timed, merged};
-pub use refusal::Refusal;
-use runs::Cut;
+pub use refusal::LawRefusal;
+use runs::PhaseCut;
 use smooth::{From, Smooth};
 
 /// Fewest cells that are planned together, unless the path ends.
@@ -156,7 +156,7 @@ impl Law {
     /// # Errors
     /// When no motion along it is possible: an axis that must move and may not, a length without
     /// meaning.
-    pub fn push(&mut self, piece: Piece) -> Result<(), Refusal> {
+    pub fn push(&mut self, piece: Piece) -> Result<(), LawRefusal> {
         refusal::check(&piece, &self.config.limits)?;
         self.pending.push_back(piece);
         Ok(())
@@ -365,7 +365,7 @@ impl Law {
             return false;
         }
         let length = self.cells.range(..count).map(|cell| cell.h).sum();
-        let mut cut = Cut::new(&self.cells, 0, 0.0, length, &mut self.ready);
+        let mut cut = PhaseCut::new(&self.cells, 0, 0.0, length, &mut self.ready);
         phase::from_rest_to_rest(length, accel, jerk, cap, |phase| cut.give(phase));
         self.cells.drain(..count);
         self.state = State::default();

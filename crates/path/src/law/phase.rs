@@ -1,5 +1,5 @@
 //! Stretches of constant s⃛ along one piece: how they are made, joined and searched.
-use super::cell::{Row, Rows};
+use super::cell::{LimitRow, Rows};
 use crate::{Instant, Phase};
 
 /// A phase and the one after it as one: the same time, and place and speed at its end. What lies
@@ -138,7 +138,7 @@ pub(crate) fn over_curve(
     let all = || rows.all().iter();
     // half of what the axes can do may go into the bend
     let top = all().map(|row| 0.5 / row.a2.abs()).fold(cap, f64::min).max(b0).max(b1);
-    let room = |row: &Row| (1.0 - row.a2.abs() * top) / row.a1.abs();
+    let room = |row: &LimitRow| (1.0 - row.a2.abs() * top) / row.a1.abs();
     let accel = all().filter(|row| row.a1 != 0.0).map(room).fold(f64::INFINITY, f64::min);
     let (v0, v1) = (libm::sqrt(b0), libm::sqrt(b1));
     let duration = 2.0 * h / (v0 + v1);

@@ -7,7 +7,7 @@ const LONGEST: f64 = 1e12;
 
 /// Why a piece cannot be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refusal {
+pub enum LawRefusal {
     /// Its length is not a number above zero, or beyond 10¹² mm.
     Length(f64),
     /// Its feed is not above zero.
@@ -16,7 +16,7 @@ pub enum Refusal {
     Limit(usize),
 }
 
-impl core::fmt::Display for Refusal {
+impl core::fmt::Display for LawRefusal {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Length(length) => write!(
@@ -37,15 +37,15 @@ impl core::fmt::Display for Refusal {
     }
 }
 
-impl core::error::Error for Refusal {}
+impl core::error::Error for LawRefusal {}
 
-pub(super) fn check(piece: &Piece, limits: &Limits) -> Result<(), Refusal> {
+pub(super) fn check(piece: &Piece, limits: &Limits) -> Result<(), LawRefusal> {
     let length = piece.length();
     if !(length > 0.0 && length <= LONGEST) {
-        return Err(Refusal::Length(length));
+        return Err(LawRefusal::Length(length));
     }
     if piece.feed.is_nan() || piece.feed <= 0.0 {
-        return Err(Refusal::Feed(piece.feed));
+        return Err(LawRefusal::Feed(piece.feed));
     }
     let bounds = bounds(piece, limits);
     let ends = [piece.at(0.0), piece.at(length / 2.0), piece.at(length)];
@@ -53,10 +53,10 @@ pub(super) fn check(piece: &Piece, limits: &Limits) -> Result<(), Refusal> {
         let moves = ends.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
         let sound = [bounds.speed[k], bounds.accel[k], bounds.jerk[k]].iter().all(|x| *x > 0.0);
         if ends.iter().any(|d| !(d.q[k].is_finite() && d.q1[k].is_finite())) {
-            return Err(Refusal::Length(length));
+            return Err(LawRefusal::Length(length));
         }
         if moves && !sound {
-            return Err(Refusal::Limit(k));
+            return Err(LawRefusal::Limit(k));
         }
     }
     Ok(())

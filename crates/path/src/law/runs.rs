@@ -19,7 +19,7 @@ const SAME: f64 = 1e-9;
 
 /// Cells that are seen as one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(super) struct CellRun {
     /// The first of them, and the one after the last.
     pub(super) cells: [usize; 2],
     /// Their length.
@@ -27,7 +27,7 @@ pub(super) struct Run {
 }
 
 /// Cells as runs; `tau` is the time of a step.
-pub(super) fn runs(cells: &[&Cell], tau: f64, runs: &mut Vec<Run>) {
+pub(super) fn runs(cells: &[&Cell], tau: f64, runs: &mut Vec<CellRun>) {
     runs.clear();
     for (i, cell) in cells.iter().enumerate() {
         match runs.last_mut() {
@@ -38,7 +38,7 @@ pub(super) fn runs(cells: &[&Cell], tau: f64, runs: &mut Vec<Run>) {
                 run.cells[1] = i + 1;
                 run.h += cell.h;
             }
-            _ => runs.push(Run { cells: [i, i + 1], h: cell.h }),
+            _ => runs.push(CellRun { cells: [i, i + 1], h: cell.h }),
         }
     }
 }
@@ -64,13 +64,13 @@ pub(super) fn one_line<'a>(cells: impl Iterator<Item = &'a Cell> + Clone) -> boo
 
 /// Hand out the motion of a fine, cut where a cell ends; the last cell that it lies in.
 pub(super) fn hand_out(cells: &VecDeque<Cell>, fine: &Fine, ready: &mut VecDeque<Timed>) -> usize {
-    let mut cut = Cut::new(cells, fine.cell, fine.from, fine.from + fine.h, ready);
+    let mut cut = PhaseCut::new(cells, fine.cell, fine.from, fine.from + fine.h, ready);
     fine.phases(|phase| cut.give(phase));
     cut.k
 }
 
 /// Cuts motion along a run where its cells end.
-pub(super) struct Cut<'a> {
+pub(super) struct PhaseCut<'a> {
     cells: &'a VecDeque<Cell>,
     ready: &'a mut VecDeque<Timed>,
     /// The cell it is in, and where that begins, from the run's beginning on.
@@ -80,7 +80,7 @@ pub(super) struct Cut<'a> {
     end: f64,
 }
 
-impl<'a> Cut<'a> {
+impl<'a> PhaseCut<'a> {
     /// For motion `from` a place of the run that begins with a cell, to an `end`.
     pub(super) fn new(
         cells: &'a VecDeque<Cell>,

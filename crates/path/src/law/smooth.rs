@@ -19,12 +19,12 @@
 mod bounds;
 
 use super::State;
-use super::cell::{Cell, Demand, Row};
+use super::cell::{Cell, Demand, LimitRow};
 use super::fine::{Fine, JERK_SHARE, growth, jerk_along};
 use super::guess::Guess;
 use super::interior::{Chain, FIRST};
 use super::level::{Level, levels};
-use super::runs::{Run, runs};
+use super::runs::{CellRun, runs};
 use alloc::vec::Vec;
 
 /// From rest, b = this · J^{2/3} · s^{4/3}.
@@ -67,7 +67,7 @@ pub(super) struct Smooth {
     near: f64,
     spare: Vec<f64>,
     /// The window's cells, as the grid sees them.
-    runs: Vec<Run>,
+    runs: Vec<CellRun>,
     levels: Vec<Level>,
 }
 
@@ -169,7 +169,7 @@ impl Smooth {
         for (i, cell) in cells.iter().enumerate() {
             // where q‴ takes all the jerk
             if let Demand::Curve(rows) = &cell.demand {
-                let twist = |r: &[Row]| r.iter().fold(0.0, |m: f64, row| m.max(row.j3.abs()));
+                let twist = |r: &[LimitRow]| r.iter().fold(0.0, |m: f64, row| m.max(row.j3.abs()));
                 self.w[i] = self.w[i].min(libm::sqrt(1.5 / twist(rows.at(0)).max(1e-300)));
                 self.w[i + 1] = self.w[i + 1].min(libm::sqrt(1.5 / twist(rows.at(2)).max(1e-300)));
             }
@@ -186,7 +186,7 @@ impl Smooth {
     }
 
     /// Fastest ṡ^{3/2} within a run.
-    fn w_at(&self, cells: &[&Cell], run: &Run, x: f64) -> f64 {
+    fn w_at(&self, cells: &[&Cell], run: &CellRun, x: f64) -> f64 {
         let [i, end] = run.cells;
         let k = growth(cells[i]);
         let cap = three_quarters(cells[i].cap);

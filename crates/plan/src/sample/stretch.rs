@@ -4,7 +4,7 @@ use crate::along::Along;
 use crate::clock::Clock;
 use crate::ends::Ends;
 use crate::limits::MachineLimits;
-use crate::run::{Alone, OrderedMove, Run};
+use crate::run::{Alone, JoinedRun, OrderedMove};
 use crate::settings::OperatorSettings;
 use crate::{Step, StepKind};
 use alloc::boxed::Box;
@@ -161,7 +161,7 @@ impl Stretch {
         let Some((first, last)) = self.counted else { return FeedAndRapid::default() };
         let mut added = FeedAndRapid::default();
         let mut clock = self.clock;
-        let (mut run, ends) = (Run::default(), Ends::default());
+        let (mut run, ends) = (JoinedRun::default(), Ends::default());
         let at = (limits, &ends);
         for item in self.items.iter().chain([&Item::Rest(Box::new(self.clock))]) {
             let mut count = |step: Step| {

@@ -1,6 +1,6 @@
 //! Chip removal: spindle and axes over time from hole to hole, and what the overlap saves.
 use super::figure::figure;
-use crate::record::{Hop, Recorder, Row};
+use crate::record::{ChipRow, Hop, Recorder};
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 
 /// How it looks, its points, its name in the legend.
@@ -15,7 +15,7 @@ const ROOM: f64 = 14.0;
 /// The picture and its table; nothing if no chips were thrown off.
 pub(crate) fn chip_removal(recorder: &Recorder) -> String {
     let Some((hop, rows, cuts)) = recorder.chips.shown() else { return String::new() };
-    let rows: Vec<Row> = rows.iter().copied().collect();
+    let rows: Vec<ChipRow> = rows.iter().copied().collect();
     if rows.len() < 2 {
         return String::new();
     }
@@ -24,7 +24,7 @@ pub(crate) fn chip_removal(recorder: &Recorder) -> String {
     let marks: Vec<(f64, String)> = events.iter().map(|e| (e.0, e.1.to_string())).collect();
     let holes: Vec<(f64, String)> =
         cuts.iter().map(|(hole, at)| (at - begin, format!("hole {hole}"))).collect();
-    let line = |of: fn(&Row) -> f64| -> Vec<(f64, f64)> {
+    let line = |of: fn(&ChipRow) -> f64| -> Vec<(f64, f64)> {
         rows.iter().map(|row| (row.time - begin, of(row))).collect()
     };
     let speed = [(Stroke::Main, line(|r| r.rpm), None)];
@@ -74,7 +74,7 @@ pub(crate) fn chip_removal(recorder: &Recorder) -> String {
         )
 }
 
-fn shifted(rows: &[Row], begin: f64, axis: usize, from: f64) -> Vec<(f64, f64)> {
+fn shifted(rows: &[ChipRow], begin: f64, axis: usize, from: f64) -> Vec<(f64, f64)> {
     rows.iter().map(|row| (row.time - begin, row.at[axis] - from)).collect()
 }
 

@@ -20,7 +20,7 @@ use crate::svg::{Chart, Linked, Range, Stroke, fixed, ticks};
 use crate::{Measure, Run};
 use std::collections::{BTreeMap, BTreeSet};
 
-type Line = Vec<(f64, f64)>;
+type Polyline = Vec<(f64, f64)>;
 type View = fn([f64; 3]) -> (f64, f64);
 
 /// With more lines of a program than this their paths are not told apart.
@@ -185,7 +185,7 @@ fn drawings(run: &Run, recorder: &Recorder) -> Vec<Drawing> {
     ]
 }
 
-fn draw(drawing: &Drawing, points: &[Point], lines: &BTreeMap<u32, Vec<Line>>) -> String {
+fn draw(drawing: &Drawing, points: &[Point], lines: &BTreeMap<u32, Vec<Polyline>>) -> String {
     let Looking { view, titles, oblique, .. } = &drawing.looking;
     let view = *view;
     let [rapids, feeds] = split(points, view);
@@ -220,7 +220,7 @@ fn draw(drawing: &Drawing, points: &[Point], lines: &BTreeMap<u32, Vec<Line>>) -
 }
 
 /// A line that is seen along itself.
-fn is_point(line: &Line) -> bool {
+fn is_point(line: &Polyline) -> bool {
     let near = |p: &(f64, f64)| (p.0 - line[0].0).hypot(p.1 - line[0].1) < 0.02;
     line.iter().all(near)
 }
@@ -230,8 +230,8 @@ fn lines_of(
     points: &[Point],
     view: View,
     listed: &dyn Fn(u32) -> bool,
-) -> BTreeMap<u32, Vec<Line>> {
-    let mut lines: BTreeMap<u32, Vec<Line>> = BTreeMap::new();
+) -> BTreeMap<u32, Vec<Polyline>> {
+    let mut lines: BTreeMap<u32, Vec<Polyline>> = BTreeMap::new();
     for pair in points.windows(2) {
         let [from, to] = [&pair[0], &pair[1]];
         if to.rapid || to.lifted || !listed(to.line) {
@@ -271,8 +271,8 @@ pub(super) fn axes(chart: &mut Chart, looking: &Looking) {
 }
 
 /// Lines of rapids and lines of cuts. A line begins where the one before ended.
-fn split(points: &[Point], view: View) -> [Vec<Line>; 2] {
-    let mut lines: [Vec<Line>; 2] = [Vec::new(), Vec::new()];
+fn split(points: &[Point], view: View) -> [Vec<Polyline>; 2] {
+    let mut lines: [Vec<Polyline>; 2] = [Vec::new(), Vec::new()];
     let mut before: Option<Point> = None;
     for &point in points {
         let from = before.replace(point).filter(|_| !point.lifted);

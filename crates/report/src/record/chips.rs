@@ -34,7 +34,7 @@ const HOPS: usize = 20_000;
 
 /// One row of the picture.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
+pub(crate) struct ChipRow {
     pub(crate) time: f64,
     pub(crate) rpm: f64,
     /// X, Y and the tip's Z, machine coordinates, mm.
@@ -70,7 +70,7 @@ pub(crate) struct Hop {
 
 /// Where the tool is between its holes.
 #[derive(Clone, Copy, Debug, Default)]
-enum Stage {
+enum ChipStage {
     /// Not in a hole yet.
     #[default]
     Before,
@@ -86,11 +86,11 @@ pub(crate) struct Chips {
     /// R planes by op.
     levels: BTreeMap<u32, (Axis, Length)>,
     orders: VecDeque<(u32, ChipRemoval)>,
-    stage: Stage,
+    stage: ChipStage,
     hole: usize,
     hole_op: u32,
     throw: Option<ChipRemoval>,
-    rows: VecDeque<Row>,
+    rows: VecDeque<ChipRow>,
     /// When each hole's cut began, of those that the rows show.
     cuts: VecDeque<(usize, f64)>,
     frozen: bool,
@@ -130,11 +130,11 @@ impl Chips {
         let cuts = matches!(sample.report.state, State::Feed | State::TapIn | State::TapBottom);
         let height = sample.axis(axis.index()).of_linear() - level;
         self.stage = match self.stage {
-            Stage::Before if cuts => self.begin_cut(hole_op, now.value()),
-            Stage::Before => Stage::Before,
-            Stage::Cutting if height.value() > -AT_LEVEL && !cuts => {
+            ChipStage::Before if cuts => self.begin_cut(hole_op, now.value()),
+            ChipStage::Before => ChipStage::Before,
+            ChipStage::Cutting if height.value() > -AT_LEVEL && !cuts => {
                 self.throw = None;
-                Stage::Hopping(Hop {
+                ChipStage::Hopping(Hop {
                     from: now.value(),
                     cut: f64::NAN,
                     waited: 0.0,
@@ -142,18 +142,18 @@ impl Chips {
                     hole: self.hole,
                 })
             }
-            Stage::Cutting => Stage::Cutting,
-            Stage::Hopping(hop) if cuts => {
+            ChipStage::Cutting => ChipStage::Cutting,
+            ChipStage::Hopping(hop) if cuts => {
                 if hole_op != self.hole_op {
                     self.end_hop(Hop { cut: now.value(), ..hop });
                 }
                 self.begin_cut(hole_op, now.value())
             }
-            Stage::Hopping(hop) => {
+            ChipStage::Hopping(hop) => {
                 let waits = matches!(sample.report.state, State::SpindleWait);
                 let waited = if waits { (now - before).value() } else { 0.0 };
                 let hop = Hop { waited: hop.waited + waited, ..hop };
-                Stage::Hopping(self.watch(hop, op, now.value(), spin))
+                ChipStage::Hopping(self.watch(hop, op, now.value(), spin))
             }
         };
     }
@@ -185,7 +185,7 @@ impl Chips {
         hop
     }
 
-    fn begin_cut(&mut self, hole_op: u32, now: f64) -> Stage {
+    fn begin_cut(&mut self, hole_op: u32, now: f64) -> ChipStage {
         if hole_op != self.hole_op || self.hole == 0 {
             self.hole += 1;
             self.hole_op = hole_op;
@@ -199,7 +199,7 @@ impl Chips {
                 self.rows.retain(|row| row.time >= first);
             }
         }
-        Stage::Cutting
+        ChipStage::Cutting
     }
 
     fn end_hop(&mut self, hop: Hop) {
@@ -210,7 +210,7 @@ impl Chips {
 
     fn row(&mut self, sample: &Sample, now: f64, spin: Spin, length: Length) {
         let shown = self.hops.iter().any(|hop| hop.removal.is_some());
-        let leaves = matches!(self.stage, Stage::Hopping(_));
+        let leaves = matches!(self.stage, ChipStage::Hopping(_));
         // the hole after the first removal is shown to its end
         self.frozen |= shown && leaves && self.cuts.len() == SHOWN;
         if self.frozen || now - self.last_row < ROW_EVERY {
@@ -222,12 +222,12 @@ impl Chips {
         }
         let at = [Axis::X, Axis::Y, Axis::Z].map(|axis| sample.axis(axis.index()).value());
         let at = [at[0], at[1], at[2] - length.value()];
-        self.rows.push_back(Row { time: now, rpm: spin.in_rpm(), at });
+        self.rows.push_back(ChipRow { time: now, rpm: spin.in_rpm(), at });
     }
 
     /// The first removal, and what there is to draw around it: rows, and which hole was cut when.
     #[allow(clippy::type_complexity)] // three things that are drawn together, once
-    pub(crate) fn shown(&self) -> Option<(Hop, &VecDeque<Row>, &VecDeque<(usize, f64)>)> {
+    pub(crate) fn shown(&self) -> Option<(Hop, &VecDeque<ChipRow>, &VecDeque<(usize, f64)>)> {
         let hop = self.hops.iter().find(|hop| hop.removal.is_some())?;
         Some((*hop, &self.rows, &self.cuts))
     }

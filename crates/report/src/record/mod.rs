@@ -20,7 +20,7 @@ mod tap;
 mod tests;
 mod track;
 
-pub(crate) use chips::{Chips, Hop, Row};
+pub(crate) use chips::{ChipRow, Chips, Hop};
 pub(crate) use floating::{Floating, Moment};
 use frames::Frames;
 use lines::Lines;

@@ -37,7 +37,7 @@ pub struct AlarmRecord {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Line {
+struct AlarmLine {
     alarm: AlarmRecord,
     checksum: u32,
 }
@@ -115,7 +115,7 @@ fn append(folder: &Path, path: &Path, text: &str) -> io::Result<()> {
 fn line(alarm: &AlarmRecord) -> String {
     let checksum = checksum(alarm);
     let mut text =
-        serde_json::to_string(&Line { alarm: alarm.clone(), checksum }).unwrap_or_default();
+        serde_json::to_string(&AlarmLine { alarm: alarm.clone(), checksum }).unwrap_or_default();
     text.push('\n');
     text
 }
@@ -125,7 +125,7 @@ fn checksum(alarm: &AlarmRecord) -> u32 {
 }
 
 fn read_line(line: &[u8]) -> Option<AlarmRecord> {
-    let read: Line = serde_json::from_slice(line.strip_suffix(b"\n")?).ok()?;
+    let read: AlarmLine = serde_json::from_slice(line.strip_suffix(b"\n")?).ok()?;
     (checksum(&read.alarm) == read.checksum).then_some(read.alarm)
 }
 

@@ -1,5 +1,5 @@
 //! From passes to a judged polygon.
-use super::ordered::{Normals, Ordered, can_be_judged, rad};
+use super::ordered::{Normals, OrderedPolygon, can_be_judged, rad};
 use super::passes::{Pass, PassSetUp, Passes};
 use super::section::{Cutters, measure, nose_height, surface};
 use super::{Along, Facet, Polygon, Section};
@@ -58,7 +58,7 @@ pub(crate) struct PolygonTrack {
 
 impl PolygonTrack {
     pub(crate) fn new(
-        ordered: &Ordered,
+        ordered: &OrderedPolygon,
         number: Option<u32>,
         tool: Option<&Tool>,
         config: &Config,
@@ -126,7 +126,7 @@ impl PolygonTrack {
         self,
         op: u32,
         line: u32,
-        ordered: &Ordered,
+        ordered: &OrderedPolygon,
         config: &Config,
         now: Time,
     ) -> Judged<Polygon> {
@@ -192,7 +192,7 @@ struct Part<'o> {
     cutter: PolygonCutter,
     passes: Vec<Pass>,
     place: PassSetUp,
-    ordered: &'o Ordered,
+    ordered: &'o OrderedPolygon,
 }
 
 impl Part<'_> {

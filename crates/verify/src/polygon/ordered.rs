@@ -15,7 +15,7 @@ const BEYOND_MM: f64 = 1e-6;
 
 /// What the program ordered.
 #[derive(Clone, Debug)]
-pub(crate) struct Ordered {
+pub(crate) struct OrderedPolygon {
     pub(crate) polygon: canon::Polygon,
     at: Option<[f64; 2]>,
     /// Cuts while it is geared, machine X and Z of their ends.
@@ -47,7 +47,7 @@ impl Normals {
     }
 }
 
-impl Ordered {
+impl OrderedPolygon {
     pub(crate) fn new(polygon: &canon::Polygon) -> Self {
         Self { polygon: polygon.clone(), at: None, cuts: Vec::new() }
     }

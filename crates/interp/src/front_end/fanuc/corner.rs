@@ -134,7 +134,7 @@ fn ahead(fanuc: &mut Fanuc, it: &mut Program<'_>, corner: &Point, span: Span) ->
 }
 
 /// Where a corner begins and ends.
-struct Cut {
+struct CornerCut {
     first: Flat,
     last: Flat,
     /// It turns to the left.
@@ -145,7 +145,7 @@ struct Cut {
 
 impl Corner {
     /// Nothing where the ways lie in one line.
-    fn cut(&self, from: Flat, to: Flat, next: Flat, before: f64) -> Outcome<Option<Cut>> {
+    fn cut(&self, from: Flat, to: Flat, next: Flat, before: f64) -> Outcome<Option<CornerCut>> {
         let (back, on) = (minus(from, to), minus(next, to));
         let (long, far) = (length(back) - before, length(on));
         let cross = back[1] * on[0] - back[0] * on[1];
@@ -174,7 +174,7 @@ impl Corner {
             let part = takes / length(way);
             [to[0] + part * way[0], to[1] + part * way[1]]
         };
-        Ok(Some(Cut { first: along(back), last: along(on), left: cross > 0.0, taken: takes }))
+        Ok(Some(CornerCut { first: along(back), last: along(on), left: cross > 0.0, taken: takes }))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The bounds of acceleration and jerk at the knots of the grid; what no speed could reach is left
 //! out.
 use super::Smooth;
-use crate::law::cell::{Cell, Demand, Row, Start};
+use crate::law::cell::{Cell, Demand, LimitRow, Start};
 use crate::law::fine::each;
 use crate::law::interior::Pair;
 
@@ -52,7 +52,7 @@ impl Smooth {
             if straight > 0.0 {
                 add(straight, 0.0);
             }
-            let mut here: &[Row] = &[];
+            let mut here: &[LimitRow] = &[];
             if let Demand::Curve(rows) = &cells[right.cell].demand {
                 let x = right.from / cells[right.cell].h;
                 each(rows, x, |r| add(r.a1 / share, r.a2 / share));
@@ -65,8 +65,9 @@ impl Smooth {
                 let before = rows.at(2);
                 for (k, r) in before.iter().enumerate() {
                     // smooth paths have the same slope and bend on both sides
-                    let same =
-                        |h: &Row| before.len() == here.len() && is(h.a1, r.a1) && is(h.a2, r.a2);
+                    let same = |h: &LimitRow| {
+                        before.len() == here.len() && is(h.a1, r.a1) && is(h.a2, r.a2)
+                    };
                     if !here.get(k).is_some_and(same) {
                         add(r.a1 / share, r.a2 / share);
                     }

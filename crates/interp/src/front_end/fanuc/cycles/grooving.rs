@@ -23,7 +23,7 @@ use crate::{
     },
     geometry::offset_curve::Flat,
     motion,
-    profile::shape::Stroke,
+    profile::shape::ProfileMove,
     program::Program,
 };
 
@@ -102,7 +102,7 @@ struct Pecks {
 }
 
 impl Pecks {
-    fn strokes(&self) -> Vec<Stroke> {
+    fn strokes(&self) -> Vec<ProfileMove> {
         let (deep, across) = (self.deep, self.across);
         let inwards = (self.end[deep] - self.start[deep]).signum();
         let aside = (self.end[across] - self.start[across]).signum();
@@ -120,23 +120,23 @@ impl Pecks {
             let mut down: f64 = 0.0;
             while down < depth {
                 down = (down + self.peck).min(depth);
-                strokes.push(Stroke::Line(at(down, over)));
+                strokes.push(ProfileMove::Line(at(down, over)));
                 if down < depth {
-                    strokes.push(Stroke::Rapid(at((down - self.back).max(0.0), over)));
+                    strokes.push(ProfileMove::Rapid(at((down - self.back).max(0.0), over)));
                 }
             }
             let out = over - self.relief;
             if self.relief != 0.0 {
-                strokes.push(Stroke::Rapid(at(depth, out)));
+                strokes.push(ProfileMove::Rapid(at(depth, out)));
             }
-            strokes.push(Stroke::Rapid(at(0.0, out)));
+            strokes.push(ProfileMove::Rapid(at(0.0, out)));
             if over >= width {
                 break;
             }
             over = (over + self.step).min(width);
-            strokes.push(Stroke::Rapid(at(0.0, over)));
+            strokes.push(ProfileMove::Rapid(at(0.0, over)));
         }
-        strokes.push(Stroke::Rapid(self.start));
+        strokes.push(ProfileMove::Rapid(self.start));
         strokes
     }
 }

@@ -42,8 +42,8 @@ pub(crate) struct ToolVariable {
 }
 
 /// First variable, how many, what.
-type Row = (usize, usize, Part, bool);
-const MILL: [Row; 6] = [
+type OffsetRow = (usize, usize, Part, bool);
+const MILL: [OffsetRow; 6] = [
     (2001, 200, Part::Z, true),
     (2201, 200, Part::Z, false),
     (10_001, 999, Part::Z, true),
@@ -51,7 +51,7 @@ const MILL: [Row; 6] = [
     (12_001, 999, Part::Radius, true),
     (13_001, 999, Part::Radius, false),
 ];
-const LATHE: [Row; 19] = [
+const LATHE: [OffsetRow; 19] = [
     (2001, 64, Part::X, true),
     (2101, 64, Part::Z, true),
     (2201, 64, Part::Radius, true),
@@ -76,7 +76,7 @@ const LATHE: [Row; 19] = [
 impl ToolVariable {
     /// The one that a variable is.
     pub(crate) fn of(number: usize, lathe: bool) -> Option<Self> {
-        let rows: &[Row] = if lathe { &LATHE } else { &MILL };
+        let rows: &[OffsetRow] = if lathe { &LATHE } else { &MILL };
         let row = rows.iter().find(|(first, count, ..)| (*first..first + count).contains(&number));
         row.map(|(first, _, part, wear)| Self {
             tool: (number - first + 1) as u32,
