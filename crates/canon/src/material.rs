@@ -1,5 +1,5 @@
-//! What is cut, by name. What it withstands says who needs it: the machine's file for the plant, the
-//! judge by a table of its own.
+//! What is cut, by name. What it withstands says who needs it: the machine's file for the plant,
+//! the judge by a table of its own.
 
 /// A material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

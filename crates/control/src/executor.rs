@@ -204,7 +204,7 @@ impl KernelBefore {
 
 /// What the kernel has answered in a period.
 pub(crate) struct Ticked {
-    answer: servo::Answer,
+    answer: servo::PeriodAnswer,
     /// What the machine had said.
     feedback: Feedback,
     /// A machine whose control is gone (a simulated failure) goes on without a tick.
@@ -226,7 +226,7 @@ pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes) ->
         let report = bus::Report { state: State::Faulted, ..kernel.report() };
         let mut sample = Sample { feedback, report, ..Sample::default() };
         kernel.in_positions(&mut sample);
-        servo::Answer { sample, command: Command::default() }
+        servo::PeriodAnswer { sample, command: Command::default() }
     } else {
         ticks.time(|| servo::answer(kernel, &feedback))
     };

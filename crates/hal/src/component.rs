@@ -12,7 +12,7 @@ use crate::pins::{ObeysAfter, Pins};
 use bus::{Feedback, SPINDLES};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
-use servo::{Answer, Record, Seat};
+use servo::{PeriodAnswer, Record, Seat};
 use shm::{Made, RunDownKind, STANDSTILL, ServoSide, TiedPeriod};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Release};
@@ -138,7 +138,7 @@ impl Component {
         }
         session.seat.before_tick();
         let was_off = session.seat.kernel.is_off();
-        let Answer { sample, command } = servo::answer(&mut session.seat.kernel, &feedback);
+        let PeriodAnswer { sample, command } = servo::answer(&mut session.seat.kernel, &feedback);
         let turns = self.spins.iter().any(|spin| spin.abs() > STANDSTILL);
         let stands = session.seat.kernel.is_off() || session.seat.kernel.is_standing() && !turns;
         self.stood_ns = if stands { self.stood_ns.saturating_add(period_ns) } else { 0 };

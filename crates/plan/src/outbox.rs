@@ -10,8 +10,8 @@
 //!                             anything else: stops, in position
 //! ```
 //!
-//! So rapids wait while a spindle order is open, and cuts are gathered in a [`JoinedRun`] until something
-//! else comes.
+//! So rapids wait while a spindle order is open, and cuts are gathered in a [`JoinedRun`] until
+//! something else comes.
 use crate::Step;
 use crate::clock::Clock;
 use crate::ends::Ends;

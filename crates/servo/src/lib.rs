@@ -25,5 +25,5 @@ mod seat;
 pub use bytes::{Unreadable, decode, encode};
 pub use check::{Senseless, check_request, check_step};
 pub use message::{Record, Replied, Said, SetUp};
-pub use period::{Answer, answer};
+pub use period::{PeriodAnswer, answer};
 pub use seat::{Rings, Seat};

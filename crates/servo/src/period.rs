@@ -5,7 +5,7 @@ use kernel::Kernel;
 
 /// What the kernel has answered in a period.
 #[derive(Clone, Copy, Debug)]
-pub struct Answer {
+pub struct PeriodAnswer {
     /// What observers see: positions.
     pub sample: Sample,
     /// What the machine is told: what its encoders count.
@@ -13,10 +13,10 @@ pub struct Answer {
 }
 
 /// What the kernel commands after what the machine has said.
-pub fn answer(kernel: &mut Kernel, feedback: &Feedback) -> Answer {
+pub fn answer(kernel: &mut Kernel, feedback: &Feedback) -> PeriodAnswer {
     let command = kernel.tick(feedback);
     let feedback = *feedback;
     let mut sample = Sample { feedback, command, report: kernel.report(), ..Sample::default() };
     kernel.in_positions(&mut sample);
-    Answer { sample, command }
+    PeriodAnswer { sample, command }
 }

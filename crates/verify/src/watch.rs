@@ -175,10 +175,10 @@ impl Watch {
             OpKind::ChangeTool { number } => self.tool = (*number != 0).then_some(*number),
             OpKind::Spindle { spindle: 0, order } => match order {
                 SpindleOrder::Turn(spin) => {
-                    self.speeds.push_back((index, OrderedSpeed::Turn(*spin)))
+                    self.speeds.push_back((index, OrderedSpeed::Turn(*spin)));
                 }
                 SpindleOrder::Stop => {
-                    self.speeds.push_back((index, OrderedSpeed::Turn(Spin::ZERO)))
+                    self.speeds.push_back((index, OrderedSpeed::Turn(Spin::ZERO)));
                 }
                 SpindleOrder::ConstantSurfaceSpeed { speed, limit } => {
                     self.speeds.push_back((index, OrderedSpeed::Surface(*speed, *limit)));

@@ -3,6 +3,7 @@
 //! In lock-step what paces the time calls [`Control::period`] once per servo period, and nothing
 //! moves while none is called. In real time the servo thread keeps the time, and
 //! [`Control::period`] looks at what it has done. A [`Request`] acts from the next period on.
+use super::data::Data;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
@@ -17,8 +18,7 @@ use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
 use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
 use bus::{AXES, State};
-use canon::{Axis, Position, ToolLibrary, ToolUse, ToolWear};
-use interp::OpsRest;
+use canon::{Axis, Position, ToolUse, ToolWear};
 use kernel::{Kernel, Pause, WaitFor};
 use sim::Faulty;
 use std::path::{Path, PathBuf};
@@ -95,28 +95,6 @@ pub struct Control {
     pub(super) seed: u64,
     drives_were_ready: bool,
     pub(super) told_features: usize,
-}
-
-/// What is set on the control, and in force.
-pub(super) struct Data {
-    pub(super) parameters: interp::Parameters,
-    pub(super) tools: ToolLibrary,
-    pub(super) rest: Option<OpsRest>,
-    /// How often what is in force has changed.
-    pub(super) rest_number: u64,
-}
-
-impl Data {
-    /// What a program, or something else, has left in force.
-    pub(super) fn leave(&mut self, rest: Option<OpsRest>) {
-        (self.rest, self.rest_number) = (rest, self.rest_number + 1);
-    }
-
-    /// The spindle was stopped, or turned by hand.
-    pub(super) fn stop_spindles(&mut self) {
-        let rest = self.rest.take().map(OpsRest::stopped);
-        self.leave(rest);
-    }
 }
 
 impl Control {

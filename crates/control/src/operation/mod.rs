@@ -12,7 +12,7 @@
 //! |---|---|
 //! | `request` | everything that can be asked for, and what it needs |
 //! | `state` | execution, mode, power, emergency stop; the transitions |
-//! | `control` | the control: which request leads where, and the period |
+//! | `control`, `data` | the control: which request leads where, and the period; what is set on it |
 //! | `drives` | power, emergency stop, reset, what takes a tool out of the work |
 //! | `manual` | jog, handwheel, spindle by hand |
 //! | `programs` | load, search, start, blocks that are typed, the end |
@@ -29,6 +29,7 @@
 #![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
 
 mod control;
+mod data;
 mod drives;
 mod ended;
 mod event;

@@ -30,7 +30,8 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// It is made from more than its text: subprograms in files, cams and what was measured of them.
+    /// It is made from more than its text: subprograms in files, cams and what was measured of
+    /// them.
     pub(super) fn reads_files(&self) -> bool {
         !self.session.drawn.is_empty() || !self.session.cams.library.is_empty()
     }

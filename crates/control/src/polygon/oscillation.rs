@@ -37,7 +37,7 @@ pub struct Auto<'a> {
     tools: &'a ToolLibrary,
     phases: &'a Phases,
     /// What was asked before, and what came of it: a bar of many pieces asks the same for each.
-    answers: Vec<(Asked, Result<Solution, Finding>)>,
+    answers: Vec<(Asked, Result<Solution, NotFlat>)>,
     /// Machine X of the work's axis.
     axis: Length,
     tool: u32,
@@ -176,7 +176,7 @@ impl<'a> Auto<'a> {
         &mut self,
         polygon: &Polygon,
         cut: Option<PolygonDepths>,
-    ) -> Result<Solution, Finding> {
+    ) -> Result<Solution, NotFlat> {
         let is_cutter = self
             .tools
             .get(self.tool)
@@ -202,7 +202,7 @@ impl<'a> Auto<'a> {
 
     /// The optimum, if it is within what is allowed of a facet; else the speed at which it would
     /// be.
-    fn flat_enough(&self, asked: &Asked) -> Result<Solution, Finding> {
+    fn flat_enough(&self, asked: &Asked) -> Result<Solution, NotFlat> {
         let best = self.optimum(asked)?;
         let allowed = tolerances(false).facet_flatness;
         if best.flatness <= allowed {
@@ -247,7 +247,7 @@ impl<'a> Auto<'a> {
         problem(self.machine, &asked.form, work, who, &answers, HARMONICS)
     }
 
-    fn optimum(&self, asked: &Asked) -> Result<Solution, Finding> {
+    fn optimum(&self, asked: &Asked) -> Result<Solution, NotFlat> {
         let Asked { form, work, who, compensated } = asked;
         let base = form.base();
         let mut unmeasured = false;
@@ -277,14 +277,14 @@ impl<'a> Auto<'a> {
 }
 
 /// A code and a sentence.
-type Finding = (&'static str, String);
+type NotFlat = (&'static str, String);
 
 /// The gear about which it winds, if it winds.
 fn settled(polygon: &Polygon) -> canon::Ratio {
     polygon.ratio.settled().unwrap_or(polygon.ratio)
 }
 
-const fn refused<T>(text: String) -> Result<T, Finding> {
+const fn refused<T>(text: String) -> Result<T, NotFlat> {
     Err(("A0401", text))
 }
 

@@ -57,7 +57,7 @@ type Point = [f64; 3];
 
 /// How a path is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum SweepKind {
+pub(super) enum Sweep {
     /// As fast as the axes can.
     Rapid,
     /// At a feed; as a length per turn of the spindle, if it turns forwards.
@@ -146,7 +146,7 @@ impl Contact {
         &mut self,
         ends: [Point; 2],
         form: &Form,
-        run: SweepKind,
+        run: Sweep,
         per_turn: Option<f64>,
         found: &mut Vec<(Wrong, Point)>,
     ) {
@@ -179,14 +179,8 @@ impl Contact {
     }
 
     /// A mill: what it feeds through is open; where it goes with a rapid nothing may be left.
-    fn mill(
-        &mut self,
-        part: [Point; 2],
-        radius: f64,
-        run: SweepKind,
-        found: &mut Vec<(Wrong, Point)>,
-    ) {
-        if let SweepKind::Feed(_) | SweepKind::Thread(_) = run {
+    fn mill(&mut self, part: [Point; 2], radius: f64, run: Sweep, found: &mut Vec<(Wrong, Point)>) {
+        if let Sweep::Feed(_) | Sweep::Thread(_) = run {
             return self.removed.mill(&self.stock, part, radius);
         }
         let [a, b] = part;
@@ -222,7 +216,7 @@ impl Contact {
         &mut self,
         part: [Point; 2],
         drill: &Drill,
-        run: SweepKind,
+        run: Sweep,
         per_turn: Option<f64>,
         found: &mut Vec<(Wrong, Point)>,
     ) {
@@ -234,11 +228,11 @@ impl Contact {
         let milled = self.removed.milled_depth(place) >= depth - SLIDES;
         if depth > from && over > ROUNDING {
             match run {
-                SweepKind::Rapid if over > SCRAPES => {
+                Sweep::Rapid if over > SCRAPES => {
                     return found.push((Wrong::RapidIn { over, open, milled }, part[1]));
                 }
-                SweepKind::Rapid => {}
-                SweepKind::Feed(_) | SweepKind::Thread(_) => {
+                Sweep::Rapid => {}
+                Sweep::Feed(_) | Sweep::Thread(_) => {
                     let inner = self.removed.open_diameter(place, depth, drill.diameter);
                     // two lips: a drill that does not turn piles up twice what it is fed
                     let chip = per_turn.unwrap_or(2.0 * over);
@@ -262,7 +256,7 @@ impl Contact {
         &mut self,
         part: [Point; 2],
         diameter: f64,
-        run: SweepKind,
+        run: Sweep,
         found: &mut Vec<(Wrong, Point)>,
     ) {
         let aside = self.sideways(part, diameter * TAP_SIDEWAYS);
@@ -273,9 +267,9 @@ impl Contact {
         let milled = self.removed.milled_depth(place) >= depth - SLIDES;
         if depth > from && over > SCRAPES {
             return found.push(match run {
-                SweepKind::Rapid => (Wrong::RapidIn { over, open, milled }, part[1]),
-                SweepKind::Feed(_) => (Wrong::TapFed { over, is_led: false }, part[1]),
-                SweepKind::Thread(_) => (Wrong::TapFed { over, is_led: true }, part[1]),
+                Sweep::Rapid => (Wrong::RapidIn { over, open, milled }, part[1]),
+                Sweep::Feed(_) => (Wrong::TapFed { over, is_led: false }, part[1]),
+                Sweep::Thread(_) => (Wrong::TapFed { over, is_led: true }, part[1]),
             });
         }
         found.extend(aside);
@@ -340,7 +334,7 @@ impl Planner {
     }
 
     /// Tool and stock along a path that the axes can go.
-    pub(super) fn sweep(&mut self, job: &Job, path: &Path, run: SweepKind) {
+    pub(super) fn sweep(&mut self, job: &Job, path: &Path, run: Sweep) {
         if self.sweep_bar(job, path, run) {
             return;
         }
@@ -381,7 +375,7 @@ impl Planner {
             }
             self.say_wrong(job.span, wrong, at, is_tilted);
         }
-        if let (SweepKind::Feed(_) | SweepKind::Thread(_), Some(contact)) = (run, &self.contact)
+        if let (Sweep::Feed(_) | Sweep::Thread(_), Some(contact)) = (run, &self.contact)
             && contact.entered.is_some()
         {
             self.judge_offset(job.span);
@@ -389,8 +383,8 @@ impl Planner {
     }
 
     /// Feed per turn, mm; `None` where the spindle does not turn forwards.
-    fn per_turn(&self, path: &Path, run: SweepKind) -> Option<f64> {
-        let (SweepKind::Feed(feed) | SweepKind::Thread(feed)) = run else { return None };
+    fn per_turn(&self, path: &Path, run: Sweep) -> Option<f64> {
+        let (Sweep::Feed(feed) | Sweep::Thread(feed)) = run else { return None };
         let spin = self.spindles.first().map_or(Spin::ZERO, |state| state.ordered).value();
         if spin <= 0.0 {
             return None;

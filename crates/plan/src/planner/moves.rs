@@ -1,5 +1,5 @@
 //! Rapids and cuts: judged, bounded, and handed to the run that joins them.
-use super::contact::SweepKind;
+use super::contact::Sweep;
 use super::refuse::clipped;
 use super::{Job, NOTHING, Planner};
 use crate::along::{Along, along};
@@ -33,7 +33,7 @@ impl Planner {
         if self.is_refused(job, &[path]) {
             return;
         }
-        self.sweep(job, &path, SweepKind::Rapid);
+        self.sweep(job, &path, Sweep::Rapid);
         if !is_back {
             return self.rapid_along(job, path);
         }
@@ -93,7 +93,7 @@ impl Planner {
         let path = make(self.programmed);
         self.programmed = *to;
         if self.may_cut(job, &[path], feed) {
-            self.sweep(job, &path, SweepKind::Feed(feed));
+            self.sweep(job, &path, Sweep::Feed(feed));
             self.cut_along(job, path, feed);
             self.stop_exactly(job);
         }
@@ -134,7 +134,7 @@ impl Planner {
                     Feed::Duration(time) => Feed::Duration(time * (path.length() / length)),
                     Feed::PerTime(_) | Feed::PerRevolution(_) => feed,
                 };
-                self.sweep(job, &path, SweepKind::Feed(feed));
+                self.sweep(job, &path, Sweep::Feed(feed));
                 self.cut_along(job, path, feed);
             }
             self.stop_exactly(job);

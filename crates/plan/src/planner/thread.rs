@@ -67,7 +67,7 @@ impl Planner {
         if !self.is_refused(job, &[path]) && !self.threading_is_refused(job, &from, order) {
             let feed = canon::Feed::PerRevolution(order.lead);
             self.judge_tool_is_there(job);
-            self.sweep(job, &path, super::contact::SweepKind::Thread(feed));
+            self.sweep(job, &path, super::contact::Sweep::Thread(feed));
             self.chain.push(Waiting { index: job.index, span: job.span, from, order: *order });
         }
     }

@@ -96,7 +96,7 @@ impl Planner {
         self.away = away;
         let path = Path::Line { from, to: self.position() };
         if !self.is_refused(job, &[path]) {
-            self.sweep(job, &path, super::contact::SweepKind::Rapid);
+            self.sweep(job, &path, super::contact::Sweep::Rapid);
             self.rapid_along(job, path);
         }
     }

@@ -1,10 +1,12 @@
 //! Milling against closed forms: slots, shoulders, balls, cones, ramps, arcs; rapids; what is not
 //! known.
 #![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
+mod empty;
+mod properties;
+
 use super::*;
 use crate::verdict::Verdict;
 use canon::{CutterMaterial, Mill, MillForm, MillLimits, OpKind, Position, ToolLibrary};
-use proptest::prelude::*;
 use std::f64::consts::PI;
 use units::{Angle, Coordinate};
 
@@ -482,93 +484,4 @@ fn a_large_block_has_no_more_cells_than_are_allowed() {
     }
     let flat = Stock { from: at([0.0; 3]), to: at([0.0, 1.0, 1.0]), zero: at([0.0; 3]) };
     assert!(Field::new(flat, 1.0).is_none());
-}
-
-fn forms() -> impl Strategy<Value = MillForm> {
-    prop_oneof![
-        Just(MillForm::FLAT),
-        Just(MillForm::Ball),
-        Just(MillForm::Cylindrical { corner: Length::mm(1.0) }),
-        Just(MillForm::Conical { angle: Angle::deg(60.0), tip: Length::mm(1.0) }),
-    ]
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
-    /// What is removed only grows, is never more than the block has, and never more than what the
-    /// mill has swept.
-    #[test]
-    fn removal_grows_and_is_within_what_was_swept(
-        form in forms(),
-        diameter in 2.0..12.0,
-        places in prop::collection::vec((-10.0..110.0, -10.0..70.0, -22.0..3.0), 1..6),
-    ) {
-        let mut mover = Mover::new(form, diameter, [-10.0, -10.0, 3.0]);
-        let (mut before, mut swept) = (0.0, 0.0);
-        for (x, y, z) in places {
-            let from = mover.at;
-            mover.line(State::Feed, 100.0, [x, y, z]);
-            let removed = mover.milling.at.as_ref().map_or(0.0, |at| at.found.volume());
-            prop_assert!(removed >= before);
-            before = removed;
-            // the hull of a cylinder that is as high as the stock is deep, along the way
-            let way = (x - from[0]).hypot(y - from[1]);
-            let deep = (-z.min(from[2])).clamp(0.0, 20.0);
-            let r = diameter / 2.0 + 0.5 * diameter / 40.0 * 2.0_f64.sqrt();
-            swept += (2.0 * r * way + PI * r * r) * deep;
-            prop_assert!(removed <= swept + 1e-6, "{removed} of {swept}");
-        }
-        prop_assert!(before <= 100.0 * 60.0 * 20.0 * 1.02);
-    }
-}
-
-/// A program that selects T7 in line 2, feeds in line 4 and does something else then.
-fn with_no_tool(spin: f64, orders: &[(u32, OpKind)]) -> Mover {
-    let mut mover = Mover::new(MillForm::FLAT, 10.0, [-20.0, 30.0, 5.0]);
-    (mover.sample.feedback.tool, mover.spin) = (Some(0), spin);
-    for (index, kind) in orders {
-        let span = canon::Span { line: index + 1, ..canon::Span::default() };
-        mover.milling.op(*index, &Op { span, kind: kind.clone() });
-    }
-    mover.sample.report.op = 2;
-    mover.sample.report.line = 3;
-    mover.rapid([-20.0, 30.0, -3.0]);
-    mover.feed([120.0, 30.0, -3.0]);
-    mover
-}
-
-#[test]
-fn what_an_empty_spindle_was_to_mill_is_not_judged() {
-    let found = with_no_tool(50.0, &[(1, OpKind::SelectTool { number: 7 })]).finish().unwrap();
-    assert_eq!(
-        found.verdict.reason(),
-        Some(
-            "no tool was in the spindle, and nothing was cut: line 2 selects T7, and no M6 brings it into the spindle"
-        )
-    );
-    assert_eq!((found.verdict.name(), found.op, found.tool), ("not judged", 4, None));
-    assert!(found.duration.value() > 6.9, "{}", found.duration);
-}
-
-#[test]
-fn an_empty_spindle_is_said_once_for_each_tool_that_is_missing() {
-    let orders = [(1, OpKind::SelectTool { number: 7 }), (5, OpKind::SelectTool { number: 8 })];
-    let mut mover = with_no_tool(50.0, &orders);
-    mover.feed([120.0, 10.0, -3.0]);
-    mover.feed([0.0, 10.0, -3.0]);
-    let first: Vec<u32> = mover.features.iter().map(|feature| feature.op).collect();
-    assert_eq!(first, [4], "T7 is given up when T8 is called");
-    mover.sample.feedback.tool = Some(1);
-    mover.feed([-30.0, 10.0, -3.0]);
-    assert_eq!(mover.features.len(), 2, "T8 has come by hand");
-    assert!(mover.features[1].verdict.reason().is_some_and(|why| why.contains("selects T8")));
-}
-
-#[test]
-fn a_tool_that_was_not_called_is_not_missing_nor_one_whose_spindle_stands() {
-    assert!(with_no_tool(50.0, &[]).finish().is_none());
-    let call = (1, OpKind::SelectTool { number: 7 });
-    assert!(with_no_tool(0.0, std::slice::from_ref(&call)).finish().is_none());
-    let emptied = (2, OpKind::ChangeTool { number: 0 });
-    assert!(with_no_tool(50.0, &[call, emptied]).finish().is_none());
 }

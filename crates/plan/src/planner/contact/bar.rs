@@ -9,7 +9,7 @@
 //! The tip lies where the program has it across the axis, with the tool's offset in X; along Z the
 //! real length of the tool counts, as with every tool. Tools of which it is not known what they
 //! leave end what is known of the bar.
-use super::{DRILL_SIDEWAYS, Job, Planner, SCRAPES, SLIDES, SweepKind, places};
+use super::{DRILL_SIDEWAYS, Job, Planner, SCRAPES, SLIDES, Sweep, places};
 use crate::bar::Met;
 use crate::findings::Cause;
 use crate::words::{Rounding, advice, length, place, word};
@@ -26,7 +26,7 @@ const CLEAR: f64 = 2.0;
 
 impl Planner {
     /// A tool along a path, on a lathe; whether that is all there is to judge.
-    pub(in crate::planner) fn sweep_bar(&mut self, job: &Job, path: &Path, run: SweepKind) -> bool {
+    pub(in crate::planner) fn sweep_bar(&mut self, job: &Job, path: &Path, run: Sweep) -> bool {
         if self.tools.get(self.tool).is_some_and(|tool| matches!(tool.kind, ToolKind::Insert(_))) {
             self.sweep_shank(job, path);
         }
@@ -48,7 +48,7 @@ impl Planner {
                 Some(InsertPoint::Flat(width)) => width.value(),
                 None => UNKNOWN_POINT,
             },
-            (_, SweepKind::Rapid) => return false,
+            (_, Sweep::Rapid) => return false,
             (ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } | ToolKind::Tap(_), _)
                 if is_known =>
             {
@@ -76,22 +76,22 @@ impl Planner {
         places(path, tool_length, |[x, y, z]| {
             let at = [x - across, y, z];
             let Some(before) = before.replace(at) else { return };
-            if run == SweepKind::Rapid {
+            if run == Sweep::Rapid {
                 met = outline.met([before, at], SCRAPES).or(met);
             }
             match run {
-                SweepKind::Thread(_) => {
+                Sweep::Thread(_) => {
                     gap = [gap, outline.gap([before, at])].into_iter().flatten().reduce(f64::min);
                     outline.threaded([before, at], side);
                 }
-                SweepKind::Rapid if met.is_none() => {}
-                SweepKind::Rapid | SweepKind::Feed(_) => outline.cut([before, at], side), // what was met is said once
+                Sweep::Rapid if met.is_none() => {}
+                Sweep::Rapid | Sweep::Feed(_) => outline.cut([before, at], side), // what was met is said once
             }
         });
         if let Some(met) = met {
             self.say_bar(job.span, &met, across);
         }
-        if let SweepKind::Thread(_) = run {
+        if let Sweep::Thread(_) = run {
             self.turned_stretch(gap);
         }
         true
