@@ -93,7 +93,7 @@ def measured(program: str) -> str:
     stands()
     overridden = after("feed_override", percent=100)
     ask("stop")
-    until("stopped", lambda status: status["execution"] in ("READY", "PROGRAM_STOPPED", "PROGRAM_COMPLETED"))
+    until("stopped", lambda status: status["execution"] in ("STOPPED", "PROGRAM_STOPPED", "PROGRAM_COMPLETED"))
     stands()
     time.sleep(1.0 + 1.3 * loaded)
     again = after("start")
