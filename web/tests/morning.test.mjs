@@ -23,7 +23,7 @@ test('a key that cannot be used says why when it is touched', async () => {
 
 test('the drives come on and the axes are homed', async () => {
   await ready(page, server);
-  assert.equal(await page.getByText('not homed').count(), 0);
+  await until('the page says of no axis that it is not homed', async () => (await page.getByText('not homed').count()) === 0);
 });
 
 test('an axis moves as long as its key is held, and by a step when a step is chosen', async () => {
