@@ -125,6 +125,17 @@ fn a_renewal_that_is_refused_is_not_repeated_and_is_said_at_the_start() {
 }
 
 #[test]
+fn nothing_is_renewed_where_the_program_could_not_be_started() {
+    let mut control = homed();
+    let _folder = loaded(&mut control, TEXT);
+    control.request(&Request::TouchOff(Axis::X, Coordinate::new(3.0))).unwrap();
+    assert!(control.renewal().is_some());
+    control.request(&Request::Power(false)).unwrap();
+    control.period();
+    assert!(control.renewal().is_none(), "the drives are off");
+}
+
+#[test]
 fn of_two_programs_that_are_loaded_one_after_the_other_the_last_is_started() {
     let mut control = homed();
     let first = loaded(&mut control, TEXT);

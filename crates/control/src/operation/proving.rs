@@ -194,9 +194,10 @@ impl Control {
     /// else is to be done, it begins to move at once when it is started.
     pub fn renewal(&self) -> Option<Proving> {
         let loaded = self.loaded.as_ref()?;
-        let rests = self.under_way.is_none() && self.is_at_standstill() && self.is_homed_all();
+        // where it could not be started, as with the drives off, positions follow the encoders
+        let could_start = Request::Start.needs().iter().all(|need| self.meets(need).is_ok());
         let is_proved = || loaded.proof.as_ref().is_some_and(|proof| proof.is_on(&self.basis()));
-        if loaded.reads_files || !rests || is_proved() {
+        if loaded.reads_files || !could_start || !self.is_at_standstill() || is_proved() {
             return None;
         }
         self.proving(&Request::Start).ok().flatten()
