@@ -92,7 +92,7 @@ export class Machine {
 export const browser = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args });
 
 /** Waits until `is` says yes; says what it waited for when it gives up. */
-export async function until(what, is, within_ms = 15_000) {
+export async function until(what, is, within_ms = 60_000) {
   const end = Date.now() + within_ms;
   let last;
   while (Date.now() < end) {
@@ -107,6 +107,7 @@ export async function until(what, is, within_ms = 15_000) {
 export async function open(on, server, { hash = '', ...options } = {}) {
   const context = await on.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(60_000);
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.message));
   page.on('request', (request) => {
