@@ -27,7 +27,7 @@ const MEMORY_GOAL_MB: f64 = 50.0;
 /// Measures on programs of about so many lines. A ratio below the goal is marked and fails nothing:
 /// times of a shared machine are no verdict. A listing that differs is an error.
 pub(crate) fn run(lines: usize) -> Result<bool, String> {
-    let leadscrew = build()?;
+    let leadscrew = crate::leadscrew()?;
     let rs274 = Rs274::new()?;
     let folder = tempfile::tempdir().map_err(|e| format!("no temporary folder: {e}"))?;
     println!("| program | executed lines | leadscrew | rs274 -g | ratio (goal {GOAL}) |");
@@ -61,7 +61,7 @@ pub(crate) fn run(lines: usize) -> Result<bool, String> {
 
 /// The most memory on so many lines, of `canon` and of `check`. False if it is more than it may be.
 pub(crate) fn memory(lines: usize) -> Result<bool, String> {
-    let leadscrew = build()?;
+    let leadscrew = crate::leadscrew()?;
     let folder = tempfile::tempdir().map_err(|e| format!("no temporary folder: {e}"))?;
     println!("| program of {lines} lines | command | most memory | first byte | time |");
     println!("|---|---|---|---|---|");
@@ -96,19 +96,6 @@ fn canon(leadscrew: &Path, program: &Path) -> Command {
     let mut command = Command::new(leadscrew);
     command.args(["canon", "--format", "linuxcnc"]).arg(program);
     command
-}
-
-/// The release build of the command line.
-fn build() -> Result<PathBuf, String> {
-    let status = Command::new(env!("CARGO"))
-        .args(["build", "--release", "--workspace", "--bin", "leadscrew"])
-        .status();
-    if !status.is_ok_and(|s| s.success()) {
-        return Err("`cargo build --release --workspace --bin leadscrew` failed".into());
-    }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or(root.join("target"), PathBuf::from);
-    Ok(target.join("release/leadscrew"))
 }
 
 fn listing(mut command: Command) -> Result<Vec<String>, String> {

@@ -15,16 +15,15 @@ use units::Time;
 const MOST: f64 = 4000.0;
 
 /// The readings between two that were heard, one for each missed period.
-pub(crate) fn missed(
-    before: &Feedback,
-    now: &Feedback,
+pub(crate) fn missed<'a>(
+    before: &'a Feedback,
+    now: &'a Feedback,
     period: Time,
-) -> impl Iterator<Item = Feedback> + use<> {
-    let (before, now) = (*before, *now);
+) -> impl Iterator<Item = Feedback> + use<'a> {
     let periods = ((now.time - before.time) / period).round().min(MOST);
     (1..).map(f64::from).take_while(move |at| *at < periods).map(move |at| {
         let share = at / periods;
-        let mut between = now;
+        let mut between = *now;
         between.time = before.time + (now.time - before.time) * share;
         for ((axis, from), to) in between.axes.iter_mut().zip(&before.axes).zip(&now.axes) {
             axis.position = from.position + (to.position - from.position) * share;

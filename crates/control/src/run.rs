@@ -6,7 +6,7 @@ use crate::job::Operations;
 use crate::job::Session;
 use crate::job::preflight::planner;
 use crate::job::restart::Restart;
-use crate::observers::{Observing, ToolUseCount, TraceThread, Workpiece};
+use crate::observers::{self, Observing, ToolUseCount, TraceThread, Workpiece};
 use crate::outcome::{EndedRun, Outcome, unobserved};
 use crate::services::RecordWriter;
 use crate::stall::StallGuard;
@@ -33,6 +33,8 @@ pub struct ProgramRun {
     pub services: Services,
     /// What looks on.
     pub observers: Observers,
+    /// It looks on in a thread of its own, also in lock-step: worth while where a core is idle.
+    pub observes_beside: bool,
     /// Asked every period: whether the run is to end at once.
     pub is_interrupted: fn() -> bool,
     planned: Time,
@@ -64,6 +66,7 @@ impl ProgramRun {
             feeder: Feeder::new(ops, planner(session, options)),
             services: Services::new(session),
             observers: Observers::new(session, Workpiece::new(judge)),
+            observes_beside: false,
             is_interrupted: || false,
             planned,
         }
@@ -100,11 +103,12 @@ impl ProgramRun {
 
     /// The first period is about to come, of this kernel and machine.
     pub fn begin(self) -> (Running, Executor) {
-        let Self { mut executor, feeder, services, observers, planned, .. } = self;
+        let Self { mut executor, feeder, services, observers, observes_beside, planned, .. } = self;
         let begun = executor.machine.feedback().time;
         let stall = Some(StallGuard::new(planned, begun));
         let parts = (feeder, services, observers);
-        (Running::with(parts, planned, stall, &mut executor), executor)
+        let running = Running::with(parts, planned, stall, &mut executor);
+        (Running { observes_beside, ..running }, executor)
     }
 }
 
@@ -113,6 +117,7 @@ pub struct Running {
     feeder: Feeder,
     services: Services,
     observers: Observing,
+    observes_beside: bool,
     is_attended: bool,
     planned: Time,
     begun: Time,
@@ -168,6 +173,7 @@ impl Running {
             feeder,
             services,
             observers: Observing::Here(observers),
+            observes_beside: false,
             is_attended: stall.is_none(),
             planned,
             begun,
@@ -270,7 +276,10 @@ impl Running {
             }
         }
         if executor.keeps_time() {
-            self.broke_off.extend(self.observers.begin_beside().err());
+            self.broke_off.extend(self.observers.begin_beside(1).err());
+        } else if self.observes_beside {
+            // without a thread they look on from here
+            self.observes_beside = self.observers.begin_beside(observers::BATCH).is_ok();
         }
         let Self { feeder, services, observers, is_attended, heard, .. } = self;
         feeder.fill(&mut executor.kernel, services, observers);
@@ -337,6 +346,9 @@ impl Running {
 
     /// Let the machine run down, take a tap out if that is asked for; whether the program goes on.
     fn deal_with_stop(&mut self, executor: &mut Executor) -> Result<bool, String> {
+        if !executor.keeps_time() {
+            self.observers.come_back();
+        }
         let Self { feeder, services, observers, faults, .. } = self;
         let Executor { kernel, machine, .. } = executor;
         let here = (kernel.here(), machine.here(), observers.here());

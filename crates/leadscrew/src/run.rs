@@ -269,6 +269,7 @@ impl Run {
             run.executor.keep_time(real_time);
         }
         run.is_interrupted = self.is_interrupted;
+        run.observes_beside = std::thread::available_parallelism().is_ok_and(|n| n.get() > 1);
         run.services.record_writer = record_writer;
         run.services.stops = Stops::new(options.recover, told, session, seed, planned);
         if let Some(Replay { work, alarm, .. }) = replay {

@@ -13,6 +13,7 @@ pub struct PeriodAnswer {
 }
 
 /// What the kernel commands after what the machine has said.
+#[inline]
 pub fn answer(kernel: &mut Kernel, feedback: &Feedback) -> PeriodAnswer {
     let command = kernel.tick(feedback);
     let feedback = *feedback;

@@ -33,6 +33,7 @@
 //!
 //! Source: the two-mass model is that of any text on feed drives, e.g. Altintas, *Manufacturing
 //! Automation*, 2nd ed. 2012, ch. 5; friction as in [`crate::Lugre`].
+use crate::encoder::quantise;
 use crate::friction::{Guideway, between};
 use crate::lag::Lag;
 use crate::plant::Transmission;
@@ -190,7 +191,7 @@ impl Axis {
             table: Body { x: table, v: 0.0 },
             bristles: 0.0,
         };
-        axis.observe();
+        let _ = axis.observe();
         axis
     }
 
@@ -257,19 +258,15 @@ impl Axis {
         }
     }
 
-    /// What the machine says of it.
-    pub(crate) fn feedback(&self) -> bus::AxisFeedback {
-        let (position, motor) = self.screw.read(self.motor.x, self.table.x);
-        let position = self.surroundings.reading(position);
+    /// A period is over: what encoders, switches and index marks say.
+    pub(crate) fn observe(&mut self) -> bus::AxisFeedback {
+        let (seen, count) = self.screw.seen(self.motor.x, self.table.x);
+        self.surroundings.observe(self.table_mm(), seen, count);
+        let position = self.surroundings.reading(Coordinate::new(quantise(seen, count)));
+        let motor = self.screw.beside(self.motor.x);
         let mut said = bus::AxisFeedback { position, motor, ready: self.on, ..Default::default() };
         self.surroundings.fill(self.table_mm(), &mut said);
         said
-    }
-
-    /// A period is over: switches and index marks.
-    pub(crate) fn observe(&mut self) {
-        let (seen, count) = self.screw.seen(self.motor.x, self.table.x);
-        self.surroundings.observe(self.table.x * 1e3, seen, count);
     }
 
     /// Where the table really is.

@@ -343,8 +343,7 @@ impl SimulatedMachine {
         self.feedback.tool = self.changer.tool();
         self.feedback.inputs = self.inputs.shown();
         for ((index, _), axis) in self.config.axes.iter().zip(&mut self.axes) {
-            axis.observe();
-            self.feedback.axes[*index] = axis.feedback();
+            self.feedback.axes[*index] = axis.observe();
             self.truth.axes[*index] = axis.position();
             self.truth.axis_forces[*index] = axis.drive_force();
         }

@@ -22,6 +22,7 @@
 //! Sources: ISO 3408-3 (ball screws: V300p and v2πp), ISO 230-2 (positioning errors), encoder
 //! makers' application notes for the eccentricity: 2·(eccentricity)/(diameter of the graduation) in
 //! radians.
+use crate::encoder::quantise;
 use crate::rng::Rng;
 use crate::scatter::Draws;
 use crate::{AxisEncoder, AxisModel, Config, SpindleModel};
@@ -212,15 +213,47 @@ impl Config {
     }
 }
 
+/// An error that comes once per revolution: a·(sin(x·2π/lead + φ) − sin φ₀), which is 0 where all
+/// errors are. Metres.
+#[derive(Clone, Copy, Debug)]
+struct Wave {
+    amplitude: f64,
+    phase: f64,
+    per_m: f64,
+    /// sin φ₀.
+    at_zero: f64,
+}
+
+impl Wave {
+    fn new(amplitude: f64, phase: Angle, per_m: f64, zero: f64) -> Self {
+        let phase = phase.in_rad();
+        Self { amplitude, phase, per_m, at_zero: (zero * per_m + phase).sin() }
+    }
+
+    fn at(&self, motor: f64) -> f64 {
+        if self.amplitude == 0.0 {
+            return 0.0;
+        }
+        self.amplitude * ((motor * self.per_m + self.phase).sin() - self.at_zero)
+    }
+
+    /// Its derivative.
+    fn slope(&self, motor: f64) -> f64 {
+        if self.amplitude == 0.0 {
+            return 0.0;
+        }
+        self.amplitude * self.per_m * (motor * self.per_m + self.phase).cos()
+    }
+}
+
 /// A screw and its encoders, made ready. Metres.
 #[derive(Clone, Debug)]
 pub(crate) struct Transmission {
     encoder: AxisEncoder,
     lead_mm: f64,
-    per_m: f64,
     lead: f64,
-    wobble: (f64, f64),
-    eccentricity: (f64, f64),
+    wobble: Wave,
+    eccentricity: Wave,
     scale: f64,
     zero: f64,
     growth: Option<ScrewGrowth>,
@@ -241,18 +274,18 @@ impl Transmission {
     pub(crate) fn new(axis: &AxisModel, believed: &AxisModel, period: f64) -> Self {
         let errors = axis.errors;
         let lead_mm = axis.screw_lead.value();
-        let wave = |amplitude: f64, phase: Angle| (amplitude, phase.in_rad());
+        let (per_m, zero) = (TAU / (lead_mm * 1e-3), errors.zero.value() * 1e-3);
+        let wave = |amplitude: f64, phase: Angle| Wave::new(amplitude, phase, per_m, zero);
         let (wobble, wobble_at) = errors.wobble.unwrap_or_default();
         let (disk, disk_at) = errors.eccentricity.unwrap_or_default();
         let mut made = Self {
             encoder: axis.encoder,
             lead_mm,
-            per_m: TAU / (lead_mm * 1e-3),
             lead: errors.lead.unwrap_or(0.0),
             wobble: wave(wobble.value() * 1e-3, wobble_at),
             eccentricity: wave(disk.value() * lead_mm * 1e-3, disk_at),
             scale: errors.scale.unwrap_or(0.0),
-            zero: errors.zero.value() * 1e-3,
+            zero,
             growth: axis.growth,
             grown: 0.0,
             time: 0.0,
@@ -265,17 +298,9 @@ impl Transmission {
         made
     }
 
-    fn wave(&self, (amplitude, phase): (f64, f64), motor: f64) -> f64 {
-        if amplitude == 0.0 {
-            return 0.0;
-        }
-        let at = |x: f64| (x * self.per_m + phase).sin();
-        amplitude * (at(motor) - at(self.zero))
-    }
-
     /// Where the nut stands.
     pub(crate) fn nut(&self, motor: f64) -> f64 {
-        let straight = motor + self.lead * (motor - self.zero) + self.wave(self.wobble, motor);
+        let straight = motor + self.lead * (motor - self.zero) + self.wobble.at(motor);
         match self.growth {
             Some(growth) => straight + self.grown * (motor - growth.bearing.value() * 1e-3),
             None => straight,
@@ -291,13 +316,7 @@ impl Transmission {
     /// The screw's error is a straight line for the coming period, its growth a constant.
     fn straighten(&mut self, motor: f64) {
         self.grown = self.growth.map_or(0.0, |growth| growth.at(self.time));
-        let (amplitude, phase) = self.wobble;
-        let slope = if amplitude == 0.0 {
-            0.0
-        } else {
-            amplitude * self.per_m * (motor * self.per_m + phase).cos()
-        };
-        self.ratio = 1.0 + self.lead + slope + self.grown;
+        self.ratio = 1.0 + self.lead + self.wobble.slope(motor) + self.grown;
         self.offset = self.nut(motor) - self.ratio * motor;
     }
 
@@ -306,8 +325,7 @@ impl Transmission {
     pub(crate) fn seen(&self, motor: f64, table: f64) -> (f64, f64) {
         match self.encoder {
             AxisEncoder::Motor { counts_per_rev } => {
-                let disk = motor - self.touched_off + self.wave(self.eccentricity, motor);
-                (disk * 1e3, self.lead_mm / f64::from(counts_per_rev))
+                (self.disk_mm(motor), self.lead_mm / f64::from(counts_per_rev))
             }
             AxisEncoder::Scale { resolution, .. } => {
                 let read = table - self.scale * (table - self.zero);
@@ -316,22 +334,16 @@ impl Transmission {
         }
     }
 
-    /// What the encoders say of a motor and a table: the one that the position is taken from, and
-    /// the other one.
-    pub(crate) fn read(&self, motor: f64, table: f64) -> (Coordinate, Option<Coordinate>) {
-        let by_motor = |counts_per_rev: u32| {
-            let count = self.lead_mm / f64::from(counts_per_rev);
-            let disk = motor - self.touched_off + self.wave(self.eccentricity, motor);
-            Coordinate::new(crate::encoder::quantise(disk * 1e3, count))
-        };
-        match self.encoder {
-            AxisEncoder::Motor { counts_per_rev } => (by_motor(counts_per_rev), None),
-            AxisEncoder::Scale { resolution, motor_counts_per_rev } => {
-                let read = table - self.scale * (table - self.zero);
-                let read = crate::encoder::quantise(read * 1e3, resolution.value());
-                (Coordinate::new(read), motor_counts_per_rev.map(by_motor))
-            }
-        }
+    /// What the encoder on the motor says, where the position is taken from a scale.
+    pub(crate) fn beside(&self, motor: f64) -> Option<Coordinate> {
+        let AxisEncoder::Scale { motor_counts_per_rev, .. } = self.encoder else { return None };
+        let count = self.lead_mm / f64::from(motor_counts_per_rev?);
+        Some(Coordinate::new(quantise(self.disk_mm(motor), count)))
+    }
+
+    /// Where the disk of the motor's encoder stands.
+    fn disk_mm(&self, motor: f64) -> f64 {
+        (motor - self.touched_off + self.eccentricity.at(motor)) * 1e3
     }
 
     /// Motor and table at a place that the encoder calls `start`, the motor ahead by `hang`.
@@ -340,8 +352,8 @@ impl Transmission {
             AxisEncoder::Motor { counts_per_rev } => {
                 // within a count, so that the count is the one of the start
                 let within = 0.25 * self.lead_mm * 1e-3 / f64::from(counts_per_rev);
-                let motor = start + hang - self.wave(self.eccentricity, start + hang);
-                let errs = self.eccentricity.0 != 0.0;
+                let motor = start + hang - self.eccentricity.at(start + hang);
+                let errs = self.eccentricity.amplitude != 0.0;
                 (if errs { motor + within } else { start + hang }, self.nut(motor - hang))
             }
             AxisEncoder::Scale { .. } => {

@@ -1,13 +1,13 @@
-//! Observers where there is time for them: in the thread that feeds the kernel, or beside it, in
-//! real time.
+//! Observers where there is time for them: in the thread that feeds the kernel, or beside it.
 //!
 //! ```text
 //!   run ── operations, samples, events, in their order ──► the observers' thread ──► features as they are judged
-//!    └──────────────── at the end: the observers themselves ◄──────┘
+//!    └──────── at a stop and at the end: the observers themselves ◄┘
 //! ```
 //!
-//! The judge may think for a while about a feature that is finished; what is asked of the control
-//! meanwhile does not wait for it.
+//! In real time the judge may think for a while about a feature that is finished; what is asked of
+//! the control meanwhile does not wait for it. In lock-step, where a second core is idle, a run is
+//! shorter by what the observers take; samples go by the batch then, since nobody waits for them.
 use super::Observers;
 use bus::Sample;
 use canon::{Op, ProgramFrame};
@@ -21,6 +21,8 @@ use verify::Feature;
 /// What the observers have not looked at yet: some seconds of samples; then the run waits for them,
 /// and the servo thread does not.
 const WAITING: usize = 8192;
+/// Samples in a batch, in lock-step.
+pub(crate) const BATCH: usize = 64;
 
 /// See the module's header.
 pub(crate) enum Observing {
@@ -32,8 +34,12 @@ pub(crate) enum Observing {
 
 /// Observers in a thread of their own.
 pub(crate) struct Beside {
+    /// The samples of a batch that is not full.
+    samples: Vec<Sample>,
+    batch: usize,
     looks: SyncSender<Look>,
-    thread: JoinHandle<Option<Box<Observers>>>,
+    /// Until it has ended.
+    thread: Option<JoinHandle<Option<Box<Observers>>>>,
     judged: Receiver<Feature>,
     features: Vec<Feature>,
     breaches: Arc<AtomicUsize>,
@@ -44,7 +50,7 @@ pub(crate) struct Beside {
 /// What there is to look at.
 enum Look {
     Op(u32, Box<Op>, ProgramFrame),
-    Sample(Box<Sample>),
+    Samples(Vec<Sample>),
     SpindleOverride(f64),
     Event(Event),
 }
@@ -57,11 +63,12 @@ struct NewFeatures {
 }
 
 impl Observing {
-    /// In a thread of their own from now on, if there can be one.
-    pub(crate) fn begin_beside(&mut self) -> Result<(), String> {
+    /// In a thread of their own from now on, if there can be one; they are shown so many samples at
+    /// a time.
+    pub(crate) fn begin_beside(&mut self, batch: usize) -> Result<(), String> {
         let Self::Here(observers) = self else { return Ok(()) };
         let (hand_over, handed_over) = channel::<Box<Observers>>();
-        let (looks, looked_at) = sync_channel(WAITING);
+        let (looks, looked_at) = sync_channel(WAITING / batch);
         let (tell, judged) = channel();
         let breaches = Arc::new(AtomicUsize::new(0));
         let features = observers.judge.features().to_vec();
@@ -71,24 +78,28 @@ impl Observing {
         let thread = thread
             .spawn(move || look(handed_over.recv().ok(), &looked_at, told))
             .map_err(|e| format!("cannot start the observers' thread: {e}"))?;
-        let beside = Beside { looks, thread, judged, features, breaches, share: None };
+        let (samples, thread) = (Vec::with_capacity(batch), Some(thread));
+        let beside =
+            Beside { samples, batch, looks, thread, judged, features, breaches, share: None };
         if let Self::Here(observers) = std::mem::replace(self, Self::Beside(beside)) {
             let _ = hand_over.send(observers); // it waits for them
         }
         Ok(())
     }
 
+    /// In this thread from now on, when they have looked at all there is.
+    pub(crate) fn come_back(&mut self) {
+        if let Self::Beside(beside) = self {
+            let observers = beside.end();
+            *self = Self::Here(observers);
+        }
+    }
+
     /// The observers, when they have looked at all there is.
     pub(crate) fn end(self) -> Box<Observers> {
-        let Beside { looks, thread, .. } = match self {
-            Self::Here(observers) => return observers,
-            Self::Beside(beside) => beside,
-        };
-        drop(looks); // nothing more comes
-        match thread.join() {
-            Ok(Some(observers)) => observers,
-            Ok(None) => unreachable!("the observers are handed over before anything else is"),
-            Err(panicked) => std::panic::resume_unwind(panicked),
+        match self {
+            Self::Here(observers) => observers,
+            Self::Beside(mut beside) => beside.end(),
         }
     }
 
@@ -112,7 +123,12 @@ impl Observing {
     pub(crate) fn sample(&mut self, sample: &Sample) {
         match self {
             Self::Here(observers) => observers.sample(sample),
-            Self::Beside(beside) => beside.look(Look::Sample(Box::new(*sample))),
+            Self::Beside(beside) => {
+                beside.samples.push(*sample);
+                if beside.samples.len() >= beside.batch {
+                    beside.show();
+                }
+            }
         }
     }
 
@@ -154,7 +170,34 @@ impl Observing {
 }
 
 impl Beside {
+    fn end(&mut self) -> Box<Observers> {
+        self.show();
+        self.looks = sync_channel(0).0; // nothing more comes
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(Some(observers))) => observers,
+            Some(Ok(None)) => {
+                unreachable!("the observers are handed over before anything else is")
+            }
+            Some(Err(panicked)) => std::panic::resume_unwind(panicked),
+            None => unreachable!("a thread that has ended is beside nothing any more"),
+        }
+    }
+
     fn look(&mut self, look: Look) {
+        self.show();
+        self.send(look);
+    }
+
+    /// The samples that were not shown yet.
+    fn show(&mut self) {
+        if !self.samples.is_empty() {
+            let next = Vec::with_capacity(self.batch);
+            let samples = std::mem::replace(&mut self.samples, next);
+            self.send(Look::Samples(samples));
+        }
+    }
+
+    fn send(&mut self, look: Look) {
         // a thread that has broken down is told of at the end
         let _ = self.looks.send(look);
         self.features.extend(self.judged.try_iter());
@@ -171,7 +214,7 @@ fn look(
     for look in looks {
         match look {
             Look::Op(index, op, frame) => observers.op(index, &op, frame),
-            Look::Sample(sample) => observers.sample(&sample),
+            Look::Samples(samples) => samples.iter().for_each(|sample| observers.sample(sample)),
             Look::SpindleOverride(share) => observers.watch.spindle_override(share),
             Look::Event(event) => observers.event(&event),
         }
@@ -188,5 +231,83 @@ impl NewFeatures {
             self.count += 1;
         }
         self.breaches.store(observers.watch.breaches().len(), Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::{ProgramOptions, Session};
+    use crate::observers::{Observer, Workpiece};
+    use canon::OpKind;
+    use kernel::EventKind;
+    use std::path::Path;
+    use std::sync::Mutex;
+    use units::Time;
+
+    type Seen = Arc<Mutex<Vec<String>>>;
+
+    struct Log(Seen);
+
+    impl Observer for Log {
+        fn sample(&mut self, sample: &Sample) {
+            self.0.lock().unwrap().push(format!("{}", sample.feedback.time.value()));
+        }
+        fn event(&mut self, event: &Event) {
+            self.0.lock().unwrap().push(format!("event of line {}", event.line));
+        }
+        fn message(&mut self, line: u32, text: &str) {
+            self.0.lock().unwrap().push(format!("line {line}: {text}"));
+        }
+    }
+
+    /// Observers in this thread, and what they have seen.
+    fn observing() -> (Observing, Seen) {
+        let options = ProgramOptions::on("tapping-center");
+        let session = Session::load(&options, Path::new("p.ngc"), b"M2\n").unwrap();
+        let material = store::machine::StockMaterial::named("C45").unwrap();
+        let workpiece = Workpiece::new(session.judge(material, &session.work_zero()));
+        let (mut observers, seen) = (Observers::new(&session, workpiece), Seen::default());
+        observers.others.push(Box::new(Log(Arc::clone(&seen))));
+        (Observing::Here(Box::new(observers)), seen)
+    }
+
+    /// These periods, with an event in some of them and an operation in others.
+    fn show(observing: &mut Observing, periods: std::ops::Range<u32>) {
+        for n in periods {
+            let mut sample = Sample::default();
+            sample.feedback.time = Time::s(f64::from(n));
+            observing.sample(&sample);
+            if n % 50 == 7 {
+                let (time, kind) = (sample.feedback.time, EventKind::DrivesReady);
+                observing.event(&Event { time, op: 0, line: n, kind });
+            }
+            if n % 70 == 9 {
+                let kind = OpKind::Message(format!("at {n}").into());
+                observing.op(
+                    n,
+                    &Op { span: canon::Span::default(), kind },
+                    ProgramFrame::default(),
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn beside_the_run_they_see_the_same_in_the_same_order_also_when_they_come_back_in_between() {
+        let ((mut here, expected), (mut beside, seen)) = (observing(), observing());
+        show(&mut here, 0..1000);
+        beside.begin_beside(BATCH).unwrap();
+        show(&mut beside, 0..333);
+        beside.come_back();
+        assert!(beside.here().is_some());
+        show(&mut beside, 333..400);
+        beside.begin_beside(BATCH).unwrap();
+        assert!(beside.here().is_none());
+        show(&mut beside, 400..1000);
+        (here.end(), beside.end());
+        let expected = expected.lock().unwrap();
+        assert_eq!(expected.len(), 1000 + 20 + 15);
+        assert_eq!(*seen.lock().unwrap(), *expected);
     }
 }

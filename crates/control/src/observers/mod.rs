@@ -4,7 +4,7 @@ mod beside;
 mod tool_use;
 mod trace;
 
-pub(crate) use beside::Observing;
+pub(crate) use beside::{BATCH, Observing};
 pub use tool_use::{ToolUseCount, use_up};
 pub use trace::TraceThread;
 

@@ -6,7 +6,6 @@
 use super::Kernel;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
-use crate::queue::{Step, StepKind};
 use crate::record_requests::RecordRequest;
 use alloc::vec::Vec;
 use motion::{Superpose, TableId};
@@ -35,12 +34,9 @@ impl Kernel {
         self.drives.coupled.put(id, table)
     }
 
-    /// What the step in work waits for from outside, if it does: see [`StepKind::Consult`].
+    /// What the step in work waits for from outside, if it does: see [`motion::StepKind::Consult`].
     pub fn consulted(&self) -> Option<u16> {
-        match self.queue.front() {
-            Some(Step { kind: StepKind::Consult(what), .. }) if self.begun => Some(what),
-            _ => None,
-        }
+        self.queue.consults().filter(|_| self.begun)
     }
 
     /// While it is consulted: begin, exchange or end a superposition.

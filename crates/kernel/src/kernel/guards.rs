@@ -14,7 +14,6 @@ use crate::drives::Finding;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
 use crate::setpoint_monitor::Led;
-use crate::track::Track;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use motion::THREADING_AXES;
 use units::Axis;
@@ -52,7 +51,7 @@ impl Kernel {
     /// The steps have run out, and the last one went on into another: everything goes on from where
     /// it was a period ago.
     pub(super) fn has_run_out(&mut self) -> bool {
-        let dry = self.drives.flowing && self.queue.get(self.chained).is_none();
+        let dry = self.drives.flowing && self.queue.line(self.chained).is_none();
         if dry {
             for index in 0..AXES {
                 let led = self.led(index);
@@ -71,6 +70,9 @@ impl Kernel {
     pub(super) fn close_loops(&mut self, feedback: &Feedback) -> Command {
         let period_s = self.config.period.value();
         for index in 0..AXES {
+            if self.drives.axes[index].is_none() {
+                continue;
+            }
             let led = self.led(index);
             let stopped = matches!(self.mode, Mode::Halted);
             // what brakes by itself has been stopped already
@@ -125,9 +127,7 @@ impl Kernel {
         }
         match &self.activity {
             Activity::Moving(..) | Activity::Probing(_) => {
-                let step = self.queue.get(self.chained);
-                let track = step.as_ref().and_then(|step| Track::of(&step.kind));
-                if track.is_some_and(Track::per_revolution) { Led::Angle } else { Led::Path }
+                if self.queue.is_per_revolution(self.chained) { Led::Angle } else { Led::Path }
             }
             _ => Led::Itself,
         }

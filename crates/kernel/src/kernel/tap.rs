@@ -59,20 +59,14 @@ impl Kernel {
 
     /// Where the tap that is in work touches the work, as a coordinate of its axis.
     pub fn surface(&self) -> Option<units::Length> {
-        match (&self.activity, self.queue.front()) {
-            (Activity::Tapping(_), Some(Step { kind: StepKind::Tap(plan), .. })) => {
-                Some(plan.surface)
-            }
-            _ => None,
-        }
+        let taps = matches!(self.activity, Activity::Tapping(_));
+        self.queue.tap(0).filter(|_| taps).map(|plan| plan.surface)
     }
 
     /// What is coupled at present: axis, spindle, and how.
     pub(super) fn coupled(&self) -> Option<(usize, usize, Coupling)> {
         let Activity::Tapping(run) = &self.activity else { return None };
-        let Some(Step { kind: StepKind::Tap(plan), .. }) = self.queue.front() else {
-            return None;
-        };
+        let plan = self.queue.tap(0)?;
         Some((plan.axis.index(), usize::from(plan.spindle), run.coupling()?))
     }
 
