@@ -305,7 +305,8 @@ mod tests {
         beside.begin_beside(BATCH).unwrap();
         assert!(beside.here().is_none());
         show(&mut beside, 400..1000);
-        (here.end(), beside.end());
+        here.end();
+        beside.end();
         let expected = expected.lock().unwrap();
         assert_eq!(expected.len(), 1000 + 20 + 15);
         assert_eq!(*seen.lock().unwrap(), *expected);
