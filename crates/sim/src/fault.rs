@@ -380,6 +380,7 @@ impl<M: Machine> Machine for Faulty<M> {
 
     fn exchange(&mut self, command: &Command) -> Feedback {
         if self.pending.is_empty() {
+            // nothing can happen to it: command and feedback pass as they are
             self.last = *command;
             self.said = self.machine.exchange(command);
             return self.said;

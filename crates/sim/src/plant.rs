@@ -213,14 +213,14 @@ impl Config {
     }
 }
 
-/// An error that comes once per revolution: a·(sin(x·2π/lead + φ) − sin φ₀), which is 0 where all
-/// errors are. Metres.
+/// An error that comes once per revolution: a·(sin(2πx/lead + φ) − sin(2πx₀/lead + φ)), which is 0
+/// at x₀, where all errors are. Metres.
 #[derive(Clone, Copy, Debug)]
 struct Wave {
     amplitude: f64,
     phase: f64,
     per_m: f64,
-    /// sin φ₀.
+    /// Its sine at x₀.
     at_zero: f64,
 }
 

@@ -5,9 +5,10 @@
 //!    └──────── at a stop and at the end: the observers themselves ◄┘
 //! ```
 //!
-//! In real time the judge may think for a while about a feature that is finished; what is asked of
-//! the control meanwhile does not wait for it. In lock-step, where a second core is idle, a run is
-//! shorter by what the observers take; samples go by the batch then, since nobody waits for them.
+//! In real time the judge may take a while for a feature that is finished; what is asked of the
+//! control meanwhile does not wait for it. In lock-step, where a second core is idle, a run is
+//! shorter by what the observers take. Samples go by the batch then: nothing that the run does
+//! depends on when they are seen, so two runs of the same inputs stay bit-identical.
 use super::Observers;
 use bus::Sample;
 use canon::{Op, ProgramFrame};
@@ -170,6 +171,7 @@ impl Observing {
 }
 
 impl Beside {
+    /// The observers, when they have looked at all there is; the thread has ended.
     fn end(&mut self) -> Box<Observers> {
         self.show();
         self.looks = sync_channel(0).0; // nothing more comes
