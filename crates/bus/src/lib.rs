@@ -369,11 +369,11 @@ pub trait Machine {
     /// Length of the servo period.
     fn period(&self) -> Time;
     /// What it says now, before any command.
-    fn feedback(&self) -> Feedback;
+    fn feedback(&self) -> &Feedback;
     /// Obey for one period; answer with what the encoders say at its end.
-    fn exchange(&mut self, command: &Command) -> Feedback;
+    fn exchange(&mut self, command: &Command) -> &Feedback;
     /// The world at the moment of the last feedback, where it can be known.
-    fn truth(&self) -> Option<Truth> {
+    fn truth(&self) -> Option<&Truth> {
         None
     }
 }

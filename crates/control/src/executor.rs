@@ -34,6 +34,8 @@ pub struct Executor {
     /// What the operating system has refused of what real time needs, in sentences.
     pub refused: Vec<String>,
     time: TimeKeeping,
+    /// What was said and commanded in the last period.
+    last: Box<Ticked>,
 }
 
 /// What gives the time.
@@ -57,6 +59,7 @@ impl Executor {
             ticks: TickTimes::new(false),
             refused: Vec::new(),
             time: TimeKeeping::LockStep,
+            last: Box::default(),
         }
     }
 
@@ -149,15 +152,16 @@ impl Executor {
     pub fn period(
         &mut self,
         observe: impl FnOnce(&mut KernelHandle, &mut MachineHandle, &Sample),
-    ) -> Sample {
+    ) -> &Sample {
         self.begin_real_time();
-        let Self { kernel, machine, ticks, time, .. } = self;
+        let Self { kernel, machine, ticks, time, last, .. } = self;
         if let TimeKeeping::RealTime(thread) = time {
             if let Some(record) = thread.next() {
                 kernel.see(&record);
                 machine.see(&record);
                 observe(kernel, machine, &record.sample);
-                return record.sample;
+                last.answer.sample = record.sample;
+                return last.sample();
             }
             kernel.lose();
             machine.lose(thread.why().unwrap_or(BROKEN_DOWN));
@@ -167,15 +171,16 @@ impl Executor {
             std::thread::sleep(Duration::from_secs_f64(machine.period().value()));
             machine.pass();
             let report = bus::Report { state: State::Faulted, ..kernel.report() };
-            return Sample { feedback: machine.feedback(), report, ..Sample::default() };
+            let feedback = *machine.feedback();
+            last.answer.sample = Sample { feedback, report, ..Sample::default() };
+            return last.sample();
         };
-        let answer = answer(ticked, moved, ticks);
-        observe(kernel, machine, answer.sample());
-        let sample = *answer.sample();
+        answer(ticked, moved, ticks, last);
+        observe(kernel, machine, last.sample());
         if let (Some(kernel), Some(machine)) = (kernel.here(), machine.here()) {
-            obey(kernel, machine, &answer);
+            obey(kernel, machine, last);
         }
-        sample
+        last.sample()
     }
 }
 
@@ -202,10 +207,11 @@ impl KernelBefore {
     }
 }
 
-/// What the kernel has answered in a period.
+/// What the machine has said in a period, and what the kernel has answered.
+#[derive(Default)]
 pub(crate) struct Ticked {
     answer: servo::PeriodAnswer,
-    /// What the machine had said.
+    /// What the machine had said, in its own counts.
     feedback: Feedback,
     /// A machine whose control is gone (a simulated failure) goes on without a tick.
     is_abandoned: bool,
@@ -218,20 +224,21 @@ impl Ticked {
     }
 }
 
-/// The first half of a period: what the machine has said, and what the kernel commands.
-pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes) -> Ticked {
-    let feedback = machine.feedback();
-    let is_abandoned = machine.is_abandoned();
-    let mut answer = if is_abandoned {
+/// The first half of a period: what the machine has said, and what the kernel commands, in the
+/// place of the period before.
+pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes, ticked: &mut Ticked) {
+    let Ticked { answer, feedback, is_abandoned } = ticked;
+    *feedback = *machine.feedback();
+    *is_abandoned = machine.is_abandoned();
+    if *is_abandoned {
         let report = bus::Report { state: State::Faulted, ..kernel.report() };
-        let mut sample = Sample { feedback, report, ..Sample::default() };
-        kernel.in_positions(&mut sample);
-        servo::PeriodAnswer { sample, command: Command::default() }
+        answer.sample = Sample { feedback: *feedback, report, ..Sample::default() };
+        answer.command = Command::default();
+        kernel.in_positions(&mut answer.sample);
     } else {
-        ticks.time(|| servo::answer(kernel, &feedback))
-    };
-    answer.sample.truth = machine.truth();
-    Ticked { answer, feedback, is_abandoned }
+        ticks.time(|| servo::answer(kernel, feedback, answer));
+    }
+    answer.sample.truth = machine.truth().copied();
 }
 
 /// The second half: the machine obeys, and the kernel lives through the periods that were missed
@@ -240,9 +247,10 @@ pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, ticked: &Ticked) {
     if ticked.is_abandoned {
         return machine.wait();
     }
+    let period = machine.period();
     let heard = machine.exchange(&ticked.answer.command);
-    for between in missed(&ticked.feedback, &heard, machine.period()) {
-        servo::answer(kernel, &between);
+    for between in missed(&ticked.feedback, heard, period) {
+        servo::answer(kernel, &between, &mut servo::PeriodAnswer::default());
     }
 }
 
@@ -253,8 +261,9 @@ pub fn period<B>(
     machine: &mut Plant,
     observe: impl FnOnce(&mut Kernel, &mut Plant, &Sample) -> ControlFlow<B>,
 ) -> ControlFlow<B> {
-    let answer = answer(kernel, machine, &TickTimes::new(false));
-    observe(kernel, machine, answer.sample())?;
-    obey(kernel, machine, &answer);
+    let mut ticked = Ticked::default();
+    answer(kernel, machine, &TickTimes::new(false), &mut ticked);
+    observe(kernel, machine, ticked.sample())?;
+    obey(kernel, machine, &ticked);
     ControlFlow::Continue(())
 }

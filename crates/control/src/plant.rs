@@ -43,9 +43,9 @@ impl HalDrives {
     }
 
     /// A period without the component: nothing moves, and nothing is ready.
-    fn pass(&mut self) -> Feedback {
+    fn pass(&mut self) -> &Feedback {
         self.feedback.time += self.period;
-        self.feedback
+        &self.feedback
     }
 }
 
@@ -218,15 +218,15 @@ impl Machine for Plant {
         }
     }
 
-    fn feedback(&self) -> Feedback {
+    fn feedback(&self) -> &Feedback {
         match self {
             Self::Inside(machine) => machine.feedback(),
             Self::Outside(remote) => remote.feedback(),
-            Self::Hal(drives) => drives.feedback,
+            Self::Hal(drives) => &drives.feedback,
         }
     }
 
-    fn exchange(&mut self, command: &Command) -> Feedback {
+    fn exchange(&mut self, command: &Command) -> &Feedback {
         match self {
             Self::Inside(machine) => machine.exchange(command),
             Self::Outside(remote) => remote.exchange(command),
@@ -234,7 +234,7 @@ impl Machine for Plant {
         }
     }
 
-    fn truth(&self) -> Option<Truth> {
+    fn truth(&self) -> Option<&Truth> {
         match self {
             Self::Inside(machine) => machine.truth(),
             Self::Outside(remote) => remote.truth(),

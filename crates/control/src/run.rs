@@ -193,8 +193,9 @@ impl Running {
     /// What is ordered from the beginning is known before the first move is planned.
     fn orders_from_the_beginning(&mut self, executor: &mut Executor) {
         let Executor { kernel, machine, .. } = executor;
-        let (feedback, report) = (machine.feedback(), kernel.report());
-        let first = Sample { feedback, report, truth: machine.truth(), ..Sample::default() };
+        let (feedback, report) = (*machine.feedback(), kernel.report());
+        let truth = machine.truth().copied();
+        let first = Sample { feedback, report, truth, ..Sample::default() };
         self.services.stops.act(&first, kernel, machine);
         self.feeder.follow_overrides(kernel);
     }
@@ -283,7 +284,7 @@ impl Running {
         }
         let Self { feeder, services, observers, is_attended, heard, .. } = self;
         feeder.fill(&mut executor.kernel, services, observers);
-        let sample = executor.period(|kernel, machine, sample| {
+        self.sample = *executor.period(|kernel, machine, sample| {
             services.sample(sample, kernel);
             observers.sample(sample);
             services.stops.act(sample, kernel, machine);
@@ -300,7 +301,6 @@ impl Running {
                 }
             }
         });
-        self.sample = sample;
         if executor.kernel.is_idle() && !self.feeder.refused().is_empty() {
             let said = self.feeder.refused().iter();
             self.broke_off.extend(said.map(|d| format!("line {}: {}", d.span.line, d.message)));
@@ -311,7 +311,7 @@ impl Running {
         self.now = executor.machine.feedback().time;
         let (times, kernel) = ((self.begun, self.now), &executor.kernel);
         let given_up =
-            self.stall.as_mut().and_then(|stall| stall.ends(&sample.command, times, kernel));
+            self.stall.as_mut().and_then(|stall| stall.ends(&self.sample.command, times, kernel));
         let given_up = given_up.or_else(|| self.nobody_confirms(kernel));
         match given_up {
             Some(why) => {

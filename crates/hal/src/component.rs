@@ -138,7 +138,9 @@ impl Component {
         }
         session.seat.before_tick();
         let was_off = session.seat.kernel.is_off();
-        let PeriodAnswer { sample, command } = servo::answer(&mut session.seat.kernel, &feedback);
+        let mut answer = PeriodAnswer::default();
+        servo::answer(&mut session.seat.kernel, &feedback, &mut answer);
+        let PeriodAnswer { sample, command } = answer;
         let turns = self.spins.iter().any(|spin| spin.abs() > STANDSTILL);
         let stands = session.seat.kernel.is_off() || session.seat.kernel.is_standing() && !turns;
         self.stood_ns = if stands { self.stood_ns.saturating_add(period_ns) } else { 0 };

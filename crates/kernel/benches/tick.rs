@@ -79,7 +79,7 @@ fn measure(mode: SyncMode, clock_ns: u64, costs: &mut Vec<(State, u64)>) -> Dura
     config.synchronisation = mode;
     let mut kernel = Kernel::new(config);
     let mut machine = sim::SimulatedMachine::new(model).expect("the machine can be built");
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     let steps = program().into_iter().map(|kind| Step { op: 0, line: 1, kind });
     let steps: Vec<Step> = steps.collect();
     let mut waiting = steps.iter().peekable();
@@ -90,7 +90,7 @@ fn measure(mode: SyncMode, clock_ns: u64, costs: &mut Vec<(State, u64)>) -> Dura
         let command = kernel.tick(&feedback);
         let ns = before.elapsed().as_nanos() as u64;
         costs.push((kernel.report().state, ns.saturating_sub(clock_ns)));
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
         while kernel.next_event().is_some() {}
     }
     assert!(kernel.faults().is_empty(), "{:?}", kernel.faults());

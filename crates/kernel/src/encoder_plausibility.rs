@@ -31,7 +31,7 @@ use crate::config::{EncoderPlace, FeedForward, Subject};
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
 use crate::spindle::SpindleLoop;
-use bus::Feedback;
+use bus::{AXES, Feedback};
 use units::Axis;
 use untied::Untied;
 
@@ -99,7 +99,7 @@ impl Watched {
 }
 
 /// The encoders of what is coupled.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct EncoderPlausibility {
     of: Option<(usize, usize)>,
     axis: Option<Watched>,
@@ -120,38 +120,44 @@ pub(crate) struct Tied {
 }
 
 impl EncoderPlausibility {
+    /// Nothing has been read yet, of these axes.
+    pub(crate) fn new(axes: &[Option<AxisLoop>; AXES], period_s: f64) -> Self {
+        let untied = Untied::new(axes, period_s);
+        Self { of: None, axis: None, spindle: None, infeed: None, untied, frame_lost: false }
+    }
+
     /// One of the encoders is implausible.
     fn any(&self) -> bool {
         [self.axis, self.spindle].iter().flatten().any(|watched| !watched.plausible)
     }
 
-    /// The readings to go by: as they are, but for what cannot be of the pair that is coupled; and
-    /// what is wrong.
+    /// Readings become those to go by: as they are, but for what cannot be of the pair that is
+    /// coupled; and what is wrong.
     pub(crate) fn bridge(
         &mut self,
         tied: Tied,
-        feedback: &Feedback,
+        taken: &mut Feedback,
         drives: &mut Drives,
         period_s: f64,
-    ) -> (Feedback, Option<Finding>) {
-        let (mut taken, frame_lost) = (*feedback, self.frame_lost);
-        let of_infeed = self.bridge_infeed(tied.infeed, &mut taken, drives, period_s);
+    ) -> Option<Finding> {
+        let frame_lost = self.frame_lost;
+        let of_infeed = self.bridge_infeed(tied.infeed, taken, drives, period_s);
         if self.of != tied.pair && !(self.any() && tied.pair.is_none()) {
             (self.of, self.axis, self.spindle) = (tied.pair, None, None);
         }
-        let Some((axis, spindle)) = self.of else { return (taken, of_infeed) };
+        let Some((axis, spindle)) = self.of else { return of_infeed };
         let mut finding = of_infeed;
         let shares = drives.follower.and_then(|(_, shares)| shares);
         if let Some(loop_) = &mut drives.axes[axis] {
             let expected = period_s * (loop_.target.speed + period_s * loop_.target.accel / 2.0);
-            let reading = feedback.axes[axis].position.value();
+            let reading = taken.axes[axis].position.value();
             let watched = self.axis.get_or_insert(Watched::new(reading - expected, expected));
             let bounds = Bounds { frame_lost, ..axis_bounds(loop_, shares, period_s) };
             let (place, lost) = watched.judge(reading, expected, bounds);
             taken.axes[axis].position = units::Coordinate::new(place);
             loop_.blind |= lost;
             // a drive that is gone says so itself
-            if lost && feedback.axes[axis].ready {
+            if lost && taken.axes[axis].ready {
                 let of = Subject::Axis(Axis::ALL[axis]);
                 finding = Some((FaultKind::ReadingImplausible, of, reading - place, 0.0));
             }
@@ -159,18 +165,18 @@ impl EncoderPlausibility {
         if let Some(loop_) = &mut drives.spindles[spindle] {
             // a drive that is only told a speed has a way of its own there
             let expected = period_s * loop_.now().spin.value();
-            let reading = feedback.spindles[spindle].angle.value();
+            let reading = taken.spindles[spindle].angle.value();
             let watched = self.spindle.get_or_insert(Watched::new(reading - expected, expected));
             let bounds = spindle_bounds(loop_, period_s, frame_lost);
             let (angle, lost) = watched.judge(reading, expected, bounds);
             taken.spindles[spindle].angle = units::Angle::rev(angle);
             loop_.blind |= lost;
-            if lost && feedback.spindles[spindle].ready {
+            if lost && taken.spindles[spindle].ready {
                 let of = Subject::Spindle(spindle as u8);
                 finding = Some((FaultKind::ReadingImplausible, of, reading - angle, 0.0));
             }
         }
-        (taken, finding)
+        finding
     }
 
     /// The same for an infeed axis, which follows no master, or a table that is superposed on it.

@@ -122,8 +122,11 @@ impl Kernel {
     /// A kernel for a machine. All memory it will ever need is taken here. What
     /// [`Config::problems`] reports should have been mended before.
     pub fn new(config: Config) -> Self {
+        let drives = Drives::new(&config);
         Self {
-            drives: Drives::new(&config),
+            setpoints: SetpointMonitor::new(&drives.axes, &config.motion),
+            plausibility: EncoderPlausibility::new(&drives.axes, config.period.value()),
+            drives,
             queue: Queue::new(),
             chained: 0,
             activity: Activity::Idle,
@@ -134,8 +137,6 @@ impl Kernel {
             report: Report::default(),
             operator: Operator::new(config.overrides),
             reported: None,
-            plausibility: EncoderPlausibility::default(),
-            setpoints: SetpointMonitor::default(),
             spindle_monitor: SpindleMonitor::default(),
             feedback_age: FeedbackAge::default(),
             drive_lost: None,
@@ -221,8 +222,12 @@ impl Kernel {
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;
         let age = self.check_age(feedback);
-        let positions = self.homing.is_shifted().then(|| self.positions(feedback));
-        let feedback = &self.bridge(positions.as_ref().unwrap_or(feedback));
+        let mut taken = *feedback;
+        if self.homing.is_shifted() {
+            taken = self.positions(feedback);
+        }
+        self.bridge(&mut taken);
+        let feedback = &taken;
         if let Err(finding) = age.and_then(|()| self.check(feedback)) {
             self.raise(finding, feedback);
         }

@@ -196,7 +196,7 @@ impl Drive {
 
     /// Send an effort on its way.
     fn order(&mut self, effort: f64) {
-        self.queue[..=self.delay].rotate_right(1);
+        self.queue.copy_within(..self.delay, 1);
         self.queue[0] = effort;
         self.arriving = self.queue[self.delay];
     }

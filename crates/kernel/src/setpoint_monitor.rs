@@ -104,13 +104,22 @@ struct Sent {
 }
 
 /// All axes' setpoints.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct SetpointMonitor {
     axes: [Sent; AXES],
+    most: [MostByLead; AXES],
+}
+
+/// What an axis may be asked for, by what leads it.
+#[derive(Clone, Copy, Debug, Default)]
+struct MostByLead {
+    path: Most,
+    itself: Most,
+    angle: Most,
 }
 
 /// What an axis may be asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Most {
     speed: f64,
     accel: f64,
@@ -119,32 +128,47 @@ struct Most {
     stops: f64,
 }
 
-impl Most {
-    fn of(index: usize, axis: &AxisLoop, limits: &Limits, led: Led) -> Self {
+impl MostByLead {
+    fn new(index: usize, axis: &AxisLoop, limits: &Limits) -> Self {
         let (approach_speed, approach_accel) = axis.control.approach;
         let speed = limits.feed.speed[index].max(limits.rapid.speed[index]);
         let stops = limits.feed.accel[index].max(limits.rapid.accel[index]);
         let jerk = limits.feed.jerk[index].max(limits.rapid.jerk[index]);
         let (speed, accel) = (speed.max(approach_speed.value()), stops.max(approach_accel.value()));
-        let own = Self {
+        let itself = Most {
             speed: SPEED_SHARE * speed,
             accel: ACCEL_SHARE * accel.max(axis.braking()),
             jerk: f64::INFINITY,
             stops: accel,
         };
+        let path = Most { accel: ACCEL_SHARE * accel, jerk: JERK_SHARE * jerk, ..itself };
+        let angle = Most {
+            speed: ANGLE_SPEED_SHARE * speed,
+            accel: ANGLE_ACCEL_SHARE * accel.max(2.0 * axis.braking()),
+            ..itself
+        };
+        Self { path, itself, angle }
+    }
+
+    const fn of(&self, led: Led) -> &Most {
         match led {
-            Led::Path => Self { accel: ACCEL_SHARE * accel, jerk: JERK_SHARE * jerk, ..own },
-            Led::Itself => own,
-            Led::Angle => Self {
-                speed: ANGLE_SPEED_SHARE * speed,
-                accel: ANGLE_ACCEL_SHARE * accel.max(2.0 * axis.braking()),
-                ..own
-            },
+            Led::Path => &self.path,
+            Led::Itself => &self.itself,
+            Led::Angle => &self.angle,
         }
     }
 }
 
 impl SetpointMonitor {
+    /// Of a machine's axes, with their limits.
+    pub(crate) fn new(axes: &[Option<AxisLoop>; AXES], limits: &Limits) -> Self {
+        let most = core::array::from_fn(|index| {
+            let axis = axes[index].as_ref();
+            axis.map_or_else(MostByLead::default, |axis| MostByLead::new(index, axis, limits))
+        });
+        Self { axes: [Sent::default(); AXES], most }
+    }
+
     /// The axes stand where their encoders say: there is no setpoint before.
     pub(crate) fn reset(&mut self) {
         self.axes = [Sent::default(); AXES];
@@ -160,7 +184,7 @@ impl SetpointMonitor {
         &mut self,
         index: usize,
         axis: &AxisLoop,
-        (limits, period_s): (&Limits, f64),
+        period_s: f64,
         (led, homed, is_coupled_stop): (Led, bool, bool),
     ) -> Result<(), Finding> {
         let next = self.axes[index].next(axis, led);
@@ -174,7 +198,7 @@ impl SetpointMonitor {
         // measured, wherever that is
         let known = if is_coupled_stop { 0 } else { sent.known };
         let led = if next.since_angle < FORGOTTEN { Led::Angle } else { led };
-        let most = Most::of(index, axis, limits, led);
+        let most = self.most[index].of(led);
         if known > 0 {
             let speed = next.first / period_s;
             if speed.abs() > most.speed {
@@ -193,7 +217,7 @@ impl SetpointMonitor {
                 return found(FaultKind::SetpointJerk, jerk, most.jerk);
             }
         }
-        if let Some((beyond, end)) = next.beyond(axis, &most, led, period_s).filter(|_| homed) {
+        if let Some((beyond, end)) = next.beyond(axis, most, led, period_s).filter(|_| homed) {
             return found(FaultKind::SoftLimit, beyond, end);
         }
         self.axes[index] = next;

@@ -203,10 +203,10 @@ impl Machine for Obedient {
     fn period(&self) -> Time {
         PERIOD
     }
-    fn feedback(&self) -> Feedback {
-        self.0
+    fn feedback(&self) -> &Feedback {
+        &self.0
     }
-    fn exchange(&mut self, command: &Command) -> Feedback {
+    fn exchange(&mut self, command: &Command) -> &Feedback {
         self.0.time += PERIOD;
         self.0.tool = Some(command.tool);
         for (axis, told) in self.0.axes.iter_mut().zip(&command.axes) {
@@ -222,7 +222,7 @@ impl Machine for Obedient {
             spindle.angle += (self.1 + told.spin) * PERIOD * 0.5;
             self.1 = told.spin;
         }
-        self.0
+        &self.0
     }
 }
 

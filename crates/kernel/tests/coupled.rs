@@ -311,7 +311,7 @@ fn a_phase_that_is_lost_takes_the_tool_away_before_the_spindles_stop() {
     for (op, kind) in (0..).zip(steps) {
         kernel.push(&Step { op, line: op + 1, kind }).expect("there is room");
     }
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     let mut at_fault = None;
     let mut left_turning = 0.0_f64;
     let mut before = feedback.spindles[0].angle;
@@ -327,7 +327,7 @@ fn a_phase_that_is_lost_takes_the_tool_away_before_the_spindles_stop() {
                 left_turning = left_turning.max(x - from);
             }
         }
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
     }
     let (from, _) = at_fault.expect("it loses its phase");
     assert_eq!(kernel.faults()[0].kind, FaultKind::CouplingLost);

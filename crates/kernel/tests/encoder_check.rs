@@ -18,10 +18,11 @@ struct Counted {
     counts: f64,
     has_index: bool,
     turned: Angle,
+    said: Feedback,
 }
 
 impl Counted {
-    fn said(&mut self, mut feedback: Feedback) -> Feedback {
+    fn said(&mut self, mut feedback: Feedback) -> &Feedback {
         let turned = feedback.spindles[0].angle;
         let scale = self.counts / f64::from(STATED);
         let passed = turned.value().floor() != self.turned.value().floor() && self.has_index;
@@ -30,7 +31,8 @@ impl Counted {
         let counted = (turned.value() * self.counts).floor() / f64::from(STATED);
         feedback.spindles[0].angle = Angle::rev(counted);
         feedback.spindles[0].index = passed.then(|| Angle::rev(mark * scale));
-        feedback
+        self.said = feedback;
+        &self.said
     }
 }
 
@@ -39,12 +41,12 @@ impl Machine for Counted {
         self.machine.period()
     }
 
-    fn feedback(&self) -> Feedback {
+    fn feedback(&self) -> &Feedback {
         self.machine.feedback()
     }
 
-    fn exchange(&mut self, command: &Command) -> Feedback {
-        let feedback = self.machine.exchange(command);
+    fn exchange(&mut self, command: &Command) -> &Feedback {
+        let feedback = *self.machine.exchange(command);
         self.said(feedback)
     }
 }
@@ -78,7 +80,8 @@ fn mill(index: bool) -> (SimulatedMachine, Config) {
 /// the spindle was told to turn.
 fn tap(counts: f64, has_index: bool, states_index: bool) -> (Option<Fault>, bool, f64) {
     let (machine, control) = mill(states_index);
-    let mut machine = Counted { machine, counts, has_index, turned: Angle::ZERO };
+    let mut machine =
+        Counted { said: *machine.feedback(), machine, counts, has_index, turned: Angle::ZERO };
     let order = TapOrder { lead_mm: 1.25, rpm: 1000.0, to_mm: -120.0, ..M6 };
     let seen = run_on(&mut machine, &control, &tapping(&order), 60_000);
     let told = seen.samples.iter().map(|sample| sample.command.spindles[0].spin.in_rpm().abs());

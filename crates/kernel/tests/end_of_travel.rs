@@ -91,13 +91,13 @@ fn run(config: &Config, step: StepKind) -> (Vec<kernel::Fault>, f64) {
     }
     let mut machine = SimulatedMachine::new(machine(0)).expect("the test's machine can be built");
     let mut lowest = f64::INFINITY;
-    let mut feedback = bus::Machine::feedback(&machine);
+    let mut feedback = *bus::Machine::feedback(&machine);
     for _ in 0..1600 {
         let command = kernel.tick(&feedback);
         if command.axes[2].enable {
             lowest = lowest.min(command.axes[2].position.value());
         }
-        feedback = bus::Machine::exchange(&mut machine, &command);
+        feedback = *bus::Machine::exchange(&mut machine, &command);
     }
     (kernel.faults().to_vec(), lowest)
 }

@@ -11,21 +11,22 @@ use units::{Coordinate, Length, Time};
 struct Spoiled<F> {
     machine: SimulatedMachine,
     spoil: F,
+    said: Feedback,
 }
 
 impl<F: FnMut(&mut Feedback)> Machine for Spoiled<F> {
     fn period(&self) -> Time {
         self.machine.period()
     }
-    fn feedback(&self) -> Feedback {
+    fn feedback(&self) -> &Feedback {
         self.machine.feedback()
     }
-    fn exchange(&mut self, command: &Command) -> Feedback {
-        let mut said = self.machine.exchange(command);
-        (self.spoil)(&mut said);
-        said
+    fn exchange(&mut self, command: &Command) -> &Feedback {
+        self.said = *self.machine.exchange(command);
+        (self.spoil)(&mut self.said);
+        &self.said
     }
-    fn truth(&self) -> Option<Truth> {
+    fn truth(&self) -> Option<&Truth> {
         self.machine.truth()
     }
 }
@@ -38,7 +39,7 @@ fn spoiled(
     spoil: impl FnMut(&mut Feedback),
 ) -> Run {
     let machine = SimulatedMachine::new(machine(0)).expect("the test's machine can be built");
-    run_on(&mut Spoiled { machine, spoil }, config, steps, ticks)
+    run_on(&mut Spoiled { said: *machine.feedback(), machine, spoil }, config, steps, ticks)
 }
 
 #[track_caller]
@@ -134,17 +135,17 @@ fn halted(
     for kind in steps {
         kernel.push(&plan::Step { op: 0, line: 1, kind: kind.clone() }).expect("there is room");
     }
-    let (mut samples, mut feedback) = (Vec::new(), machine.feedback());
+    let (mut samples, mut feedback) = (Vec::new(), *machine.feedback());
     for _ in 0..40_000 {
         let command = kernel.tick(&feedback);
-        let (report, truth) = (kernel.report(), machine.truth());
+        let (report, truth) = (kernel.report(), machine.truth().copied());
         if report.state == State::Faulted {
             samples.push(bus::Sample { feedback, command, report, truth });
         }
         if samples.len() == 2000 {
             break;
         }
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
         spoil(&mut feedback);
     }
     samples

@@ -33,23 +33,24 @@ struct Spoiled<F, G> {
     machine: SimulatedMachine,
     hears: F,
     says: G,
+    said: Feedback,
 }
 
 impl<F: FnMut(f64, &mut Command), G: FnMut(&mut Feedback)> Machine for Spoiled<F, G> {
     fn period(&self) -> Time {
         self.machine.period()
     }
-    fn feedback(&self) -> Feedback {
+    fn feedback(&self) -> &Feedback {
         self.machine.feedback()
     }
-    fn exchange(&mut self, command: &Command) -> Feedback {
+    fn exchange(&mut self, command: &Command) -> &Feedback {
         let mut command = *command;
         (self.hears)(self.machine.feedback().time.value(), &mut command);
-        let mut said = self.machine.exchange(&command);
-        (self.says)(&mut said);
-        said
+        self.said = *self.machine.exchange(&command);
+        (self.says)(&mut self.said);
+        &self.said
     }
-    fn truth(&self) -> Option<Truth> {
+    fn truth(&self) -> Option<&Truth> {
         self.machine.truth()
     }
 }
@@ -69,11 +70,11 @@ fn run(
     says: impl FnMut(&mut Feedback),
 ) -> Seen {
     let machine = SimulatedMachine::new(machine(0)).expect("the test's machine can be built");
-    let mut machine = Spoiled { machine, hears, says };
+    let mut machine = Spoiled { said: *machine.feedback(), machine, hears, says };
     let mut kernel = Kernel::new(config.clone());
     let mut waiting = (1..).zip(steps).peekable();
     let mut samples: Vec<bus::Sample> = Vec::new();
-    let (mut alarm, mut feedback) = (None, machine.feedback());
+    let (mut alarm, mut feedback) = (None, *machine.feedback());
     for tick in 0..40_000 {
         while let Some((line, kind)) = waiting.peek() {
             let step = Step { op: *line - 1, line: *line, kind: (*kind).clone() };
@@ -83,7 +84,7 @@ fn run(
             waiting.next();
         }
         let command = kernel.tick(&feedback);
-        let truth = machine.truth();
+        let truth = machine.truth().copied();
         samples.push(bus::Sample { feedback, command, report: kernel.report(), truth });
         if !kernel.faults().is_empty() && alarm.is_none() {
             alarm = Some(tick);
@@ -91,7 +92,7 @@ fn run(
         if alarm.is_some_and(|at| tick > at + 4000) {
             break;
         }
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
     }
     let alarm = alarm.expect("there is an alarm");
     Seen { samples, kernel, alarm }
@@ -204,9 +205,9 @@ fn a_plan_within_twice_the_jerk_is_none_of_the_monitors_business() {
     let step = defective(&then(0.1, jerk));
     kernel.push(&Step { op: 0, line: 1, kind: step }).expect("there is room");
     let mut machine = SimulatedMachine::new(machine(0)).expect("the test's machine can be built");
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     for _ in 0..415 {
-        feedback = machine.exchange(&kernel.tick(&feedback));
+        feedback = *machine.exchange(&kernel.tick(&feedback));
     }
     assert_eq!(kernel.faults(), []);
 }
@@ -272,9 +273,9 @@ fn steps_that_run_out_in_motion_are_an_alarm_and_everything_brakes() {
     let steps = all.iter().map(|kind| Step { op: 0, line: 1, kind: kind.clone() });
     let taken = steps.take_while(|step| kernel.push(step).is_ok()).count();
     assert!(taken > all.len() / 2, "{taken}");
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     for _ in 0..1500 {
-        feedback = machine.exchange(&kernel.tick(&feedback));
+        feedback = *machine.exchange(&kernel.tick(&feedback));
     }
     assert!(feedback.axes[0].position.value() > 5.0 && kernel.faults().is_empty());
     let reply = kernel.serve(kernel::Request::HandBack);
@@ -310,13 +311,13 @@ fn two_lost_frames_are_lived_through_in_a_fast_move() {
     let steps =
         [line(Position::default(), Position::xyz(100.0, 0.0, 0.0), 200.0, true), StepKind::End];
     let machine = SimulatedMachine::new(machine(0)).expect("the test's machine can be built");
-    let mut before = machine.feedback();
+    let mut before = *machine.feedback();
     let says = move |said: &mut Feedback| {
         let lost = said.time.value() > 0.2 && (said.time.value() / H).round() as u32 % 50 < 2;
         *said = if lost { before } else { *said };
         before = *said;
     };
-    let mut machine = Spoiled { machine, hears: obeys, says };
+    let mut machine = Spoiled { said: *machine.feedback(), machine, hears: obeys, says };
     let seen = run_on(&mut machine, &config(), &steps, 20_000);
     assert_eq!(seen.kernel.faults(), []);
     assert!((seen.samples.last().expect("there are samples").axis(0).value() - 100.0).abs() < 0.01);

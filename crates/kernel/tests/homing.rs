@@ -107,7 +107,7 @@ impl Bench {
     }
 
     fn feedback(&self) -> Feedback {
-        let mut said = self.machine.feedback();
+        let mut said = *self.machine.feedback();
         (self.wiring)(&mut said);
         said
     }

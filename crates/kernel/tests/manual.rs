@@ -32,7 +32,7 @@ impl Bench {
     fn run(&mut self, seconds: f64) {
         let end = self.now() + Time::s(seconds);
         while self.now() < end {
-            let command = self.kernel.tick(&self.machine.feedback());
+            let command = self.kernel.tick(self.machine.feedback());
             self.machine.exchange(&command);
         }
     }

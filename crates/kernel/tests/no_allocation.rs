@@ -26,7 +26,7 @@ fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>
     config.learning = learning;
     let mut kernel = Kernel::new(config);
     let mut machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     let steps = steps.iter().map(|kind| Step { op: 0, line: 1, kind: kind.clone() });
     let steps: Vec<Step> = steps.collect();
     let mut waiting = steps.iter().peekable();
@@ -35,7 +35,7 @@ fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>
         while waiting.next_if(|step| assert_no_alloc(|| kernel.push(step)).is_ok()).is_some() {}
         // the events are not taken: the ring has to cope by itself
         let command = assert_no_alloc(|| kernel.tick(&feedback));
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
         ticks += 1;
     }
     assert!(kernel.is_over() && kernel.faults().is_empty(), "{:?}", kernel.faults());
@@ -102,11 +102,11 @@ fn a_fault_takes_no_memory_either() {
     let machine = machine(0);
     let mut kernel = Kernel::new(control(&machine));
     let mut machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     for tick in 0..2000 {
         feedback.emergency_stop = tick > 1000;
         let command = assert_no_alloc(|| kernel.tick(&feedback));
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
     }
     assert_eq!(kernel.faults().len(), 1);
 }

@@ -42,6 +42,7 @@ fn mill() -> (SimulatedMachine, Config) {
 struct Answers<F> {
     machine: SimulatedMachine,
     answer: F,
+    said: Feedback,
 }
 
 impl<F: Fn(&Command, &mut Feedback)> Machine for Answers<F> {
@@ -49,17 +50,17 @@ impl<F: Fn(&Command, &mut Feedback)> Machine for Answers<F> {
         self.machine.period()
     }
 
-    fn feedback(&self) -> Feedback {
+    fn feedback(&self) -> &Feedback {
         self.machine.feedback()
     }
 
-    fn exchange(&mut self, command: &Command) -> Feedback {
-        let mut feedback = self.machine.exchange(command);
-        (self.answer)(command, &mut feedback);
-        feedback
+    fn exchange(&mut self, command: &Command) -> &Feedback {
+        self.said = *self.machine.exchange(command);
+        (self.answer)(command, &mut self.said);
+        &self.said
     }
 
-    fn truth(&self) -> Option<Truth> {
+    fn truth(&self) -> Option<&Truth> {
         self.machine.truth()
     }
 }
@@ -85,7 +86,7 @@ fn oriented_to(
         steps.push(StepKind::Dwell(Time::s(0.05)));
     }
     steps.extend([turn(0.0, 500.0), await_speed(), StepKind::End]);
-    run_on(&mut Answers { machine, answer }, &control, &steps, 60_000)
+    run_on(&mut Answers { said: *machine.feedback(), machine, answer }, &control, &steps, 60_000)
 }
 
 /// Whole turns left out, from −0.5 to 0.5.
@@ -208,17 +209,18 @@ fn what_the_drive_says_before_it_can_have_obeyed_is_not_about_this_angle() {
 fn turned_to_an_angle_by_hand_it_is_given_as_long() {
     let (machine, control) = mill();
     let mut machine = Answers {
+        said: *machine.feedback(),
         machine,
         answer: |_: &Command, feedback: &mut Feedback| feedback.spindles[0].oriented = false,
     };
     let mut kernel = kernel::Kernel::new(control);
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     for tick in 0..20_000 {
         if tick == 2000 {
             kernel.orient_manually(0, Angle::deg(45.0)).expect("it stands");
         }
         let command = kernel.tick(&feedback);
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
     }
     assert_eq!(kernel.faults().first().map(|fault| fault.kind), Some(FaultKind::NotOriented));
 }

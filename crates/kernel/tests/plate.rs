@@ -158,7 +158,7 @@ fn a_plate_is_drilled_and_tapped_to_the_end_within_10_um_and_the_planned_time() 
     let mut machine = SimulatedMachine::new(plate()).expect("the test's machine can be built");
     let mut kernel = Kernel::new(control(&plate()));
     let mut waiting = steps.iter().peekable();
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     let mut taps: Vec<TapFigures> = Vec::new();
     let (mut ticks, mut broken, mut worst_mm) = (0u32, false, 0.0f64);
     while !kernel.is_over() && ticks < 400_000 {
@@ -175,7 +175,7 @@ fn a_plate_is_drilled_and_tapped_to_the_end_within_10_um_and_the_planned_time() 
                 taps.push(figures);
             }
         }
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
         ticks += 1;
     }
     assert_eq!(kernel.faults(), []);

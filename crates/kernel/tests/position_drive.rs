@@ -15,17 +15,25 @@ struct Drives {
     counts: f64,
     /// From here on the spindle falls behind.
     slips_from: f64,
+    said: Feedback,
 }
 
 impl Drives {
     fn new() -> Self {
-        let machine = SimulatedMachine::new(machine(1)).expect("it can be built");
-        Self { machine, angle: 3.3, counts: 1.0, slips_from: f64::INFINITY }
+        Self::at(3.3, 1.0)
     }
 
-    fn said(&self, mut feedback: Feedback) -> Feedback {
-        feedback.spindles[0].angle = Angle::rev(self.angle * self.counts);
-        feedback
+    fn at(angle: f64, counts: f64) -> Self {
+        let machine = SimulatedMachine::new(machine(1)).expect("it can be built");
+        let said = *machine.feedback();
+        let mut new = Self { machine, angle, counts, slips_from: f64::INFINITY, said };
+        new.say(said);
+        new
+    }
+
+    fn say(&mut self, feedback: Feedback) {
+        self.said = feedback;
+        self.said.spindles[0].angle = Angle::rev(self.angle * self.counts);
     }
 }
 
@@ -34,18 +42,19 @@ impl Machine for Drives {
         self.machine.period()
     }
 
-    fn feedback(&self) -> Feedback {
-        self.said(self.machine.feedback())
+    fn feedback(&self) -> &Feedback {
+        &self.said
     }
 
-    fn exchange(&mut self, command: &Command) -> Feedback {
-        let feedback = self.machine.exchange(command);
+    fn exchange(&mut self, command: &Command) -> &Feedback {
+        let feedback = *self.machine.exchange(command);
         if command.spindles[0].enable {
             let told = command.spindles[0].angle.value();
             // behind by more and more
             self.angle = told - 0.3 * (told - self.slips_from).max(0.0).powi(2);
         }
-        self.said(feedback)
+        self.say(feedback);
+        &self.said
     }
 }
 
@@ -152,7 +161,7 @@ fn one_that_does_not_follow_stops_the_machine_also_while_it_only_turns() {
 /// whether the axis has gone in.
 fn counted(counts: f64) -> (Option<Fault>, bool) {
     let control = control_of(true);
-    let mut drives = Drives { counts, angle: 0.0, ..Drives::new() };
+    let mut drives = Drives::at(0.0, counts);
     let seen = run_on(&mut drives, &control, &tapping(&M6), 60_000);
     let goes_in = seen.samples.iter().any(|sample| sample.report.state == State::TapIn);
     (seen.kernel.faults().first().copied(), goes_in)
@@ -188,7 +197,7 @@ fn spun_by_hand_and_stopped_it_is_told_no_other_angle_than_it_has() {
         if tick == 100 {
             kernel.turn_manually(0, Spin::rpm(300.0), Time::s(1.0)).expect("it stands");
         }
-        let command = kernel.tick(&drives.feedback());
+        let command = kernel.tick(drives.feedback());
         told.push(command.spindles[0].angle.value());
         drives.exchange(&command);
     }

@@ -209,11 +209,11 @@ fn a_stop_waits_for_the_operator_and_an_optional_one_only_if_it_is_set() {
     {
         kernel.push(&Step { op: op as u32, line: 1, kind }).expect("there is room");
     }
-    let mut feedback = bus::Machine::feedback(&machine);
+    let mut feedback = *bus::Machine::feedback(&machine);
     let mut run = |kernel: &mut Kernel| {
         for _ in 0..100 {
             let command = kernel.tick(&feedback);
-            feedback = bus::Machine::exchange(&mut machine, &command);
+            feedback = *bus::Machine::exchange(&mut machine, &command);
         }
         kernel.report()
     };

@@ -26,7 +26,7 @@ impl Bench {
             kernel.push(&Step { op, line: op + 1, kind }).expect("there is room");
         }
         let machine = SimulatedMachine::new(config).expect("it can be built");
-        let feedback = machine.feedback();
+        let feedback = *machine.feedback();
         Self { kernel, machine, feedback, answers: Vec::new() }
     }
 
@@ -43,7 +43,7 @@ impl Bench {
             say(&mut self.feedback, z);
             command = self.kernel.tick(&self.feedback);
             self.answers.extend(self.kernel.take_answer());
-            self.feedback = self.machine.exchange(&command);
+            self.feedback = *self.machine.exchange(&command);
         }
         command
     }

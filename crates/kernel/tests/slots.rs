@@ -89,14 +89,14 @@ proptest! {
         let steps: Vec<Step> =
             (0..).zip(cycle()).map(|(op, kind)| Step { op, line: op + 1, kind }).collect();
         let mut waiting = steps.iter().cycle().peekable();
-        let mut feedback = machine.feedback();
+        let mut feedback = *machine.feedback();
         let nowhere = WithdrawalPlan { legs: [None; 2] };
         for event in events {
             match event {
                 Event::Tick(count) => {
                     for _ in 0..count {
                         while waiting.next_if(|step| kernel.push(step).is_ok()).is_some() {}
-                        feedback = machine.exchange(&kernel.tick(&feedback));
+                        feedback = *machine.exchange(&kernel.tick(&feedback));
                     }
                 }
                 Event::Order(order) => kernel.order(order),
@@ -109,7 +109,7 @@ proptest! {
                 Event::DriveLost => {
                     let mut lost = feedback;
                     lost.axes[2].ready = false;
-                    feedback = machine.exchange(&kernel.tick(&lost));
+                    feedback = *machine.exchange(&kernel.tick(&lost));
                 }
                 Event::Withdraw => {
                     kernel.withdraw(nowhere);
@@ -131,10 +131,10 @@ proptest! {
         let steps: Vec<Step> =
             (0..).zip(kinds).map(|(op, kind)| Step { op, line: op + 1, kind }).collect();
         let mut waiting = steps.iter().peekable();
-        let mut feedback = machine.feedback();
+        let mut feedback = *machine.feedback();
         for _ in 0..80_000 {
             while waiting.next_if(|step| kernel.push(step).is_ok()).is_some() {}
-            feedback = machine.exchange(&kernel.tick(&feedback));
+            feedback = *machine.exchange(&kernel.tick(&feedback));
             if waiting.peek().is_none() && kernel.is_idle() {
                 break;
             }

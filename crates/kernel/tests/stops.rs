@@ -27,9 +27,9 @@ impl Bench {
     }
 
     fn tick(&mut self) {
-        let feedback = self.machine.feedback();
+        let feedback = *self.machine.feedback();
         let command = self.kernel.tick(&feedback);
-        let (report, truth) = (self.kernel.report(), self.machine.truth());
+        let (report, truth) = (self.kernel.report(), self.machine.truth().copied());
         self.samples.push(Sample { feedback, command, report, truth });
         while let Some(event) = self.kernel.next_event() {
             self.events.push(event.kind);
@@ -240,7 +240,7 @@ fn a_recovery_right_after_an_emergency_stop_waits_for_the_drives() {
         let machine = SimulatedMachine::new(model).unwrap();
         let mut bench = Bench { machine, kernel, samples: Vec::new(), events: Vec::new() };
         (0..400).for_each(|_| bench.tick());
-        let pressed = bus::Feedback { emergency_stop: true, ..bench.machine.feedback() };
+        let pressed = bus::Feedback { emergency_stop: true, ..*bench.machine.feedback() };
         let command = bench.kernel.tick(&pressed);
         assert!(!command.axes[2].enable);
         bench.machine.exchange(&command);

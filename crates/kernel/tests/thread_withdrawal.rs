@@ -61,7 +61,7 @@ impl Bench {
             kernel.push(&plan::Step { op, line: op + 1, kind }).expect("there is room");
         }
         let machine = SimulatedMachine::new(machine).expect("it can be built");
-        let feedback = bus::Machine::feedback(&machine);
+        let feedback = *bus::Machine::feedback(&machine);
         Self {
             kernel,
             machine,
@@ -78,7 +78,7 @@ impl Bench {
         let command = self.kernel.tick(&self.feedback);
         self.requests.extend(self.kernel.next_record_request());
         self.told = command;
-        self.feedback = bus::Machine::exchange(&mut self.machine, &command);
+        self.feedback = *bus::Machine::exchange(&mut self.machine, &command);
         match self.wrong {
             Some(wrong) => wrong(&mut self.feedback, &self.before),
             None => self.before = self.feedback,
@@ -300,7 +300,7 @@ fn a_tool_that_was_left_in_a_thread_is_withdrawn_by_its_infeed_axis_first() {
     // the control dies, and another one finds the tool in the work
     let still = bus::Command::default();
     for _ in 0..8000 {
-        bench.feedback = bus::Machine::exchange(&mut bench.machine, &still);
+        bench.feedback = *bus::Machine::exchange(&mut bench.machine, &still);
     }
     bench.kernel = Kernel::new(control(&machine(1)));
     let legs = [Some((Axis::X, Length::mm(CLEAR))), Some((Axis::Z, Length::mm(FROM)))];

@@ -176,11 +176,11 @@ fn emitted_setpoints_keep_the_acceleration_that_the_corners_were_made_for() {
 #[test]
 fn an_alarm_in_the_thread_brings_spindle_and_axes_to_rest_together_on_the_helix() {
     let (mut kernel, mut machine) = loaded();
-    let mut feedback = bus::Machine::feedback(&machine);
+    let mut feedback = *bus::Machine::feedback(&machine);
     let (mut said, mut worst) = (false, 0.0_f64);
     for _ in 0..40_000 {
         let command = kernel.tick(&feedback);
-        feedback = bus::Machine::exchange(&mut machine, &command);
+        feedback = *bus::Machine::exchange(&mut machine, &command);
         let truth = bus::Machine::truth(&machine).expect("it is simulated");
         let z = truth.axes[2].value();
         if !said && z < FROM - 8.0 {
@@ -203,11 +203,11 @@ fn an_alarm_in_the_thread_brings_spindle_and_axes_to_rest_together_on_the_helix(
 #[test]
 fn a_hold_waits_for_the_end_of_the_thread() {
     let (mut kernel, mut machine) = loaded();
-    let mut feedback = bus::Machine::feedback(&machine);
+    let mut feedback = *bus::Machine::feedback(&machine);
     let (mut ordered, mut end) = (false, 0.0);
     for _ in 0..40_000 {
         let command = kernel.tick(&feedback);
-        feedback = bus::Machine::exchange(&mut machine, &command);
+        feedback = *bus::Machine::exchange(&mut machine, &command);
         if !ordered && feedback.axes[2].position.value() < FROM - 3.0 {
             kernel.order(Order::FeedHold);
             ordered = true;

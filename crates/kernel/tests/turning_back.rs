@@ -20,7 +20,7 @@ fn tap(order: &TapOrder, disk: Time) -> (f64, bool) {
     let (mut underway, mut turn, mut on_disk) = (Vec::new(), None, None);
     let (mut deepest, mut stood, mut turned) = (f64::NEG_INFINITY, 0.0, None);
     while !kernel.is_over() {
-        let feedback = machine.feedback();
+        let feedback = *machine.feedback();
         assert!(feedback.time < Time::s(20.0), "it never came out");
         let command = kernel.tick(&feedback);
         let now = feedback.time;

@@ -89,7 +89,7 @@ impl Link {
         let remote =
             Remote::connect(plant::connect(path)?, hello).map_err(|e| plant::gone(path, &e))?;
         let feedback = remote.feedback();
-        job.session.stands(&feedback);
+        job.session.stands(feedback);
         let identity = plant::identity(remote.welcome());
         let named = options.state.as_deref();
         let folder = sync_record::folder(named, &identity)?;

@@ -4,7 +4,7 @@ use bus::{Command, Feedback, Sample};
 use kernel::Kernel;
 
 /// What the kernel has answered in a period.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct PeriodAnswer {
     /// What observers see: positions.
     pub sample: Sample,
@@ -12,12 +12,14 @@ pub struct PeriodAnswer {
     pub command: Command,
 }
 
-/// What the kernel commands after what the machine has said.
+/// What the kernel commands after what the machine has said, in the place of the answer before.
 #[inline]
-pub fn answer(kernel: &mut Kernel, feedback: &Feedback) -> PeriodAnswer {
-    let command = kernel.tick(feedback);
-    let feedback = *feedback;
-    let mut sample = Sample { feedback, command, report: kernel.report(), ..Sample::default() };
-    kernel.in_positions(&mut sample);
-    PeriodAnswer { sample, command }
+pub fn answer(kernel: &mut Kernel, feedback: &Feedback, answer: &mut PeriodAnswer) {
+    let PeriodAnswer { sample, command } = answer;
+    *command = kernel.tick(feedback);
+    sample.feedback = *feedback;
+    sample.command = *command;
+    sample.report = kernel.report();
+    sample.truth = None;
+    kernel.in_positions(sample);
 }

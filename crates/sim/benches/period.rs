@@ -49,7 +49,11 @@ fn period(criterion: &mut Criterion) {
     }
     let (mut machine, command) = in_the_work();
     let name = "the same with a tap in the work, 25 µs steps";
-    criterion.bench_function(name, |b| b.iter(|| black_box(machine.exchange(&command))));
+    criterion.bench_function(name, |b| {
+        b.iter(|| {
+            black_box(machine.exchange(&command));
+        });
+    });
 }
 
 criterion_group!(benches, period);

@@ -155,7 +155,7 @@ pub struct Faulty<M> {
 impl<M: Machine> Faulty<M> {
     /// Wrap a machine. The seed decides what is left to chance.
     pub fn new(machine: M, planned: &[Planned], seed: u64) -> Self {
-        let said = machine.feedback();
+        let said = *machine.feedback();
         let mut rng = Rng::new(seed);
         let pending = planned
             .iter()
@@ -204,7 +204,7 @@ impl<M: Machine> Faulty<M> {
 
     /// Let a fault come now.
     pub fn strike(&mut self, fault: Fault) {
-        let now = self.machine.feedback();
+        let now = *self.machine.feedback();
         let planned = Planned { trigger: Trigger::At(now.time), fault };
         self.pending.push(Pending { planned, came: Some(now.time), then: now });
     }
@@ -229,7 +229,7 @@ impl<M: Machine> Faulty<M> {
     pub fn mend(&mut self) {
         self.pending.retain(|pending| pending.came.is_none());
         (self.run_down, self.silent) = (None, Time::ZERO);
-        self.said = self.machine.feedback();
+        self.said = *self.machine.feedback();
     }
 
     /// A fault of this kind is over: a button is released, a drive is repaired.
@@ -242,8 +242,8 @@ impl<M: Machine> Faulty<M> {
     }
 
     /// A period without a controller.
-    pub fn wait(&mut self) -> Feedback {
-        let now = self.machine.feedback();
+    pub fn wait(&mut self) -> &Feedback {
+        let now = *self.machine.feedback();
         let no_power = self.has(|fault| matches!(fault, Fault::PowerCut));
         let off = Command { tool: self.last.tool, ..Command::default() };
         let order = match (&mut self.run_down, &self.alone) {
@@ -264,7 +264,7 @@ impl<M: Machine> Faulty<M> {
             (None, None) => off,
         };
         self.silent += self.machine.period();
-        let said = self.machine.exchange(&order);
+        let said = *self.machine.exchange(&order);
         self.hear(&said)
     }
 
@@ -274,7 +274,7 @@ impl<M: Machine> Faulty<M> {
 
     /// What comes now.
     fn trip(&mut self) {
-        let now = self.machine.feedback();
+        let now = *self.machine.feedback();
         let turned = (now.spindles[0].angle - self.first_angle).abs();
         for pending in &mut self.pending {
             let comes = match pending.planned.trigger {
@@ -328,7 +328,7 @@ impl<M: Machine> Faulty<M> {
     }
 
     /// The feedback as it is heard.
-    fn hear(&mut self, real: &Feedback) -> Feedback {
+    fn hear(&mut self, real: &Feedback) -> &Feedback {
         let mut said = *real;
         for pending in &self.pending {
             let Some(came) = pending.came else { continue };
@@ -365,7 +365,7 @@ impl<M: Machine> Faulty<M> {
             }
         }
         self.said = said;
-        said
+        &self.said
     }
 }
 
@@ -374,16 +374,16 @@ impl<M: Machine> Machine for Faulty<M> {
         self.machine.period()
     }
 
-    fn feedback(&self) -> Feedback {
-        self.said
+    fn feedback(&self) -> &Feedback {
+        &self.said
     }
 
-    fn exchange(&mut self, command: &Command) -> Feedback {
+    fn exchange(&mut self, command: &Command) -> &Feedback {
         if self.pending.is_empty() {
             // nothing can happen to it: command and feedback pass as they are
             self.last = *command;
-            self.said = self.machine.exchange(command);
-            return self.said;
+            self.said = *self.machine.exchange(command);
+            return &self.said;
         }
         self.trip();
         // a chain that opens has the drives stop by themselves, whatever the control says
@@ -391,11 +391,11 @@ impl<M: Machine> Machine for Faulty<M> {
             return self.wait();
         }
         let order = self.order(command);
-        let real = self.machine.exchange(&order);
+        let real = *self.machine.exchange(&order);
         self.hear(&real)
     }
 
-    fn truth(&self) -> Option<Truth> {
+    fn truth(&self) -> Option<&Truth> {
         self.machine.truth()
     }
 }

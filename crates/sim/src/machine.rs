@@ -373,11 +373,11 @@ impl bus::Machine for SimulatedMachine {
         self.config.period
     }
 
-    fn feedback(&self) -> Feedback {
-        self.feedback
+    fn feedback(&self) -> &Feedback {
+        &self.feedback
     }
 
-    fn exchange(&mut self, command: &Command) -> Feedback {
+    fn exchange(&mut self, command: &Command) -> &Feedback {
         if self.underway.is_empty() {
             self.obey(command);
         } else {
@@ -388,10 +388,10 @@ impl bus::Machine for SimulatedMachine {
         self.touch();
         self.periods += 1;
         self.observe();
-        self.feedback
+        &self.feedback
     }
 
-    fn truth(&self) -> Option<Truth> {
-        Some(self.truth)
+    fn truth(&self) -> Option<&Truth> {
+        Some(&self.truth)
     }
 }

@@ -52,7 +52,7 @@ fn two_runs_of_the_same_inputs_are_equal_to_the_last_bit() {
             let swing = (f64::from(i) * 0.01).sin();
             let mut order = Command { tool: 2, ..command(5000.0 * swing, 30.0 * swing) };
             order.axes[2].force = Force::n(-300.0);
-            let feedback = machine.exchange(&order);
+            let feedback = *machine.exchange(&order);
             rows.push(format!("{feedback:?} {:?}", machine.truth()));
         }
         assert_eq!(machine.holes().len(), 1);

@@ -10,9 +10,9 @@ use units::{CoordinateSpeed, Force, Lead, Spin, Time, Torque};
 fn moving() -> (SimulatedMachine, Command, Feedback) {
     let mut machine = SimulatedMachine::new(tapping_center()).expect("the fixture is a machine");
     let wanted = (Spin::rpm(1000.0), CoordinateSpeed::new(-1.25 * 1000.0 / 60.0));
-    let (mut before, mut command) = (machine.feedback(), Command::default());
+    let (mut before, mut command) = (*machine.feedback(), Command::default());
     for i in 0..4000 {
-        let now = machine.feedback();
+        let now = *machine.feedback();
         let rate = |a: f64, b: f64| (a - b) / 250e-6;
         let v = rate(now.axes[2].position.value(), before.axes[2].position.value());
         let spin = rate(now.spindles[0].angle.value(), before.spindles[0].angle.value());
@@ -26,7 +26,7 @@ fn moving() -> (SimulatedMachine, Command, Feedback) {
         before = now;
         machine.exchange(&command);
     }
-    let now = machine.feedback();
+    let now = *machine.feedback();
     command.coupled = Some(Coupled {
         axis: 2,
         spindle: 0,
@@ -43,7 +43,7 @@ fn run_down(reaction: DriveReaction, bus: Option<Bus>) -> (f64, f64, f64, Time) 
     let mut drives = RunDown::new(&tapping_center(), reaction, bus, &command, &begin);
     let mut worst = 0.0_f64;
     loop {
-        let now = machine.feedback();
+        let now = *machine.feedback();
         let turned = (now.spindles[0].angle - begin.spindles[0].angle).value();
         let off = (now.axes[2].position - begin.axes[2].position).value() + 1.25 * turned;
         worst = worst.max(off.abs());
@@ -110,6 +110,6 @@ fn drives_that_are_off_already_stay_off() {
     let machine = SimulatedMachine::new(config.clone()).expect("the fixture is a machine");
     let nothing = Command::default();
     let mut drives =
-        RunDown::new(&config, DriveReaction::QuickStop, None, &nothing, &machine.feedback());
-    assert_eq!(drives.command(&machine.feedback()), nothing);
+        RunDown::new(&config, DriveReaction::QuickStop, None, &nothing, machine.feedback());
+    assert_eq!(drives.command(machine.feedback()), nothing);
 }

@@ -34,7 +34,7 @@ struct Servo {
 impl Servo {
     fn new(config: Config) -> Self {
         let machine = SimulatedMachine::new(config).expect("the fixture is a machine");
-        let feedback = machine.feedback();
+        let feedback = *machine.feedback();
         let z = feedback.axes[2].position.value();
         let wanted = Wanted { z, turns: feedback.spindles[0].angle.value(), ..Wanted::default() };
         Self {
@@ -50,7 +50,7 @@ impl Servo {
     /// One period: the references that pull the machine to where it is wanted.
     fn period(&mut self, wanted: Wanted) {
         self.wanted = wanted;
-        let feedback = self.machine.feedback();
+        let feedback = *self.machine.feedback();
         let (turns, z) = (feedback.spindles[0].angle.value(), feedback.axes[2].position.value());
         let (spin, speed) = ((turns - self.last.0) / PERIOD, (z - self.last.1) / PERIOD);
         self.last = (turns, z);
@@ -68,7 +68,7 @@ impl Servo {
         command.spindles[0].torque = Torque::n_m(torque + 0.3 * wanted.spin.clamp(-1.0, 1.0));
         let answer = self.machine.exchange(&command);
         self.saturated |= answer.spindles[0].saturated;
-        self.saw.push(self.machine.truth().expect("a simulated machine knows"));
+        self.saw.push(*self.machine.truth().expect("a simulated machine knows"));
     }
 
     /// Stay for a while.

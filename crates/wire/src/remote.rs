@@ -210,11 +210,11 @@ impl<S: Read + Write> bus::Machine for Remote<S> {
         self.welcome.period
     }
 
-    fn feedback(&self) -> Feedback {
-        self.last.feedback
+    fn feedback(&self) -> &Feedback {
+        &self.last.feedback
     }
 
-    fn exchange(&mut self, command: &Command) -> Feedback {
+    fn exchange(&mut self, command: &Command) -> &Feedback {
         if self.lost.is_none() {
             match self.ask(command) {
                 Ok(observed) => self.last = observed,
@@ -227,11 +227,11 @@ impl<S: Read + Write> bus::Machine for Remote<S> {
             feedback.axes.iter_mut().for_each(|axis| axis.ready = false);
             feedback.spindles.iter_mut().for_each(|spindle| spindle.ready = false);
         }
-        self.last.feedback
+        &self.last.feedback
     }
 
-    fn truth(&self) -> Option<Truth> {
-        self.last.truth
+    fn truth(&self) -> Option<&Truth> {
+        self.last.truth.as_ref()
     }
 }
 

@@ -52,7 +52,7 @@ impl MachineHandle {
     }
 
     /// What it has said last.
-    pub fn feedback(&self) -> Feedback {
+    pub fn feedback(&self) -> &Feedback {
         match self {
             Self::Here(machine) => machine.feedback(),
             Self::There(link) => link.feedback(),
@@ -60,7 +60,7 @@ impl MachineHandle {
     }
 
     /// What only a simulated one knows.
-    pub fn truth(&self) -> Option<Truth> {
+    pub fn truth(&self) -> Option<&Truth> {
         match self {
             Self::Here(machine) => machine.truth(),
             Self::There(link) => link.truth(),

@@ -376,7 +376,7 @@ impl Control {
         } else {
             let Self { executor, workpiece, meters, .. } = self;
             let sample = executor.period(|_, _, sample| workpiece.sample(sample));
-            meters.sample(&sample);
+            meters.sample(sample);
             let mut heard = Vec::new();
             while let Some(event) = self.executor.kernel.next_event() {
                 heard.push(event);

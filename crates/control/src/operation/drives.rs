@@ -202,7 +202,7 @@ impl Control {
             Some(InWork::Tap(stored, surface)) => {
                 self.executor.machine.mend();
                 // the thread was cut in the coordinates that homing has found
-                let mut now = self.executor.machine.feedback();
+                let mut now = *self.executor.machine.feedback();
                 for (axis, letter) in now.axes.iter_mut().zip(Axis::ALL) {
                     axis.position += kernel.zero(letter);
                 }

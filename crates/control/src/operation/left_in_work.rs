@@ -26,7 +26,7 @@ impl Control {
         executor.period(|_, _, sample| workpiece.sample(sample)); // where everything stands
         let Some(retained) = executor.machine.retained() else { return };
         let feedback = executor.machine.feedback();
-        let (outside, said) = on_hal(&self.base.machine, &retained, &feedback, &self.kept);
+        let (outside, said) = on_hal(&self.base.machine, &retained, feedback, &self.kept);
         self.outside = Some(outside);
         if let Some(said) = said {
             self.events.notice(said);
@@ -108,7 +108,7 @@ impl Control {
         };
         if outside.left.as_ref().is_some_and(|left| left.record().is_some()) {
             // it may have been turned meanwhile
-            outside.welcome.observed.feedback = self.executor.machine.feedback();
+            outside.welcome.observed.feedback = *self.executor.machine.feedback();
             if let Ok(record) = outside.read(folder) {
                 outside.look(record, folder.path(), machine);
             }

@@ -49,12 +49,12 @@ impl MachineLink {
         self.feedback.time += self.period;
     }
 
-    pub(crate) fn feedback(&self) -> Feedback {
-        self.feedback
+    pub(crate) const fn feedback(&self) -> &Feedback {
+        &self.feedback
     }
 
-    pub(crate) fn truth(&self) -> Option<Truth> {
-        self.truth
+    pub(crate) const fn truth(&self) -> Option<&Truth> {
+        self.truth.as_ref()
     }
 
     pub(crate) fn period(&self) -> Time {

@@ -3,7 +3,7 @@ use super::clock::PeriodClock;
 use super::kernel_link::{KernelLink, KernelRings};
 use super::machine_link::{MachineLink, MachineRequest};
 use super::{RECORDS, REQUESTS, RealTimeOptions, SAID, STEPS, ServoMetrics, scheduling};
-use crate::executor::{answer, obey};
+use crate::executor::{Ticked, answer, obey};
 use crate::timings::TickTimes;
 use crate::{Plant, Refused};
 use bus::{Machine as _, Sample};
@@ -41,6 +41,8 @@ pub(crate) struct Prepared {
 struct Servo {
     seat: servo::Seat<ServoRings>,
     machine: Box<Plant>,
+    /// The last period.
+    ticked: Box<Ticked>,
     ticks: TickTimes,
     metrics: Arc<ServoMetrics>,
     /// Why it has ended.
@@ -64,7 +66,7 @@ pub(crate) fn prepare(
     machine: &Plant,
 ) -> (Box<KernelLink>, Box<MachineLink>, Prepared) {
     let picture = kernel.picture();
-    let (feedback, truth) = (machine.feedback(), machine.truth());
+    let (feedback, truth) = (*machine.feedback(), machine.truth().copied());
     let sample = Sample { feedback, truth, report: picture.report, ..Sample::default() };
     let first = Record { number: 0, sample, heard: feedback, picture, taken: 0 };
     let (mut records, mut seen) = RingBuffer::new(RECORDS);
@@ -119,6 +121,7 @@ impl Prepared {
         let servo = Servo {
             seat: servo::Seat::new(kernel, rings),
             machine,
+            ticked: Box::default(),
             ticks,
             metrics: Arc::clone(&metrics),
             why: Arc::clone(&why),
@@ -166,15 +169,15 @@ impl Servo {
         let mut answered = None;
         around(&mut || {
             self.seat.before_tick();
-            let answer = answer(&mut self.seat.kernel, &self.machine, &self.ticks);
+            answer(&mut self.seat.kernel, &self.machine, &self.ticks, &mut self.ticked);
             let number = self.seat.after_tick();
-            answered = Some((answer, number, self.seat.kernel.picture()));
+            answered = Some((number, self.seat.kernel.picture()));
         });
-        let Some((answer, number, picture)) = answered else { return };
-        let sample = *answer.sample();
-        obey(&mut self.seat.kernel, &mut self.machine, &answer);
+        let Some((number, picture)) = answered else { return };
+        let sample = *self.ticked.sample();
+        obey(&mut self.seat.kernel, &mut self.machine, &self.ticked);
         self.metrics.period();
-        let heard = self.machine.feedback();
+        let heard = *self.machine.feedback();
         let record = Record { number, sample, heard, picture, taken: self.seat.taken() };
         if self.seat.rings.records.push(record).is_err() {
             self.metrics.unobserved();

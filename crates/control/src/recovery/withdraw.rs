@@ -163,7 +163,7 @@ fn back_along(
     let approach = approach.ok_or_else(|| format!("there is no axis {}", pass.axis.letter()))?;
     let mut kernel = Kernel::new(config::control(file, None, false));
     let feed = (approach.speed.of_linear() / 10.0, approach.acceleration.of_linear());
-    let plan = along_pass(&pass, stroke.spindle, &plant.feedback(), feed);
+    let plan = along_pass(&pass, stroke.spindle, plant.feedback(), feed);
     kernel.recover(plan.ok_or("its lead grows")?);
     let mut figures = None;
     super::obey(&mut kernel, plant, &mut |event| {

@@ -190,7 +190,7 @@ impl Stops {
             return Ok(false);
         };
         plant.mend();
-        let plan = self.settings.plan(stored, surface, &plant.feedback())?;
+        let plan = self.settings.plan(stored, surface, plant.feedback())?;
         let preferred = plan.way;
         let mut ways = Vec::new();
         if let Some(mut copy) = plant.copy() {

@@ -88,7 +88,7 @@ fn withdraw(
     kernel.withdraw(WithdrawalPlan { legs: [Some((way_out.infeed, way_out.clear)), None] });
     until_over(kernel, plant, hear)?;
     let Some(pass) = way_out.pass else { return Ok(()) };
-    match recovery::along_pass(&pass, way_out.spindle, &plant.feedback(), feed) {
+    match recovery::along_pass(&pass, way_out.spindle, plant.feedback(), feed) {
         Some(plan) => kernel.recover(plan),
         None => kernel.withdraw(WithdrawalPlan { legs: [Some((pass.axis, pass.from)), None] }),
     }

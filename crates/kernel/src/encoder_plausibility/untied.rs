@@ -22,10 +22,20 @@ use units::{Angle, Axis, Coordinate};
 const SPRINGS: f64 = 2.0;
 
 /// What is known of the encoders that nothing ties.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Untied {
     axes: [Option<Watched>; AXES],
     spindles: [Option<Watched>; SPINDLES],
+    /// What the encoder of an axis can show that goes its own way.
+    bounds: [Option<Bounds>; AXES],
+}
+
+impl Untied {
+    pub(super) fn new(axes: &[Option<AxisLoop>; AXES], period_s: f64) -> Self {
+        let bounds = |index: usize| axes[index].as_ref().map(|axis| bounds(axis, period_s));
+        let bounds = core::array::from_fn(bounds);
+        Self { axes: [None; AXES], spindles: [None; SPINDLES], bounds }
+    }
 }
 
 impl EncoderPlausibility {
@@ -41,7 +51,10 @@ impl EncoderPlausibility {
         let infeeds = [tied.infeed, self.infeed.map(|(axis, _)| axis)];
         let (mut finding, frame_lost) = (None, self.frame_lost);
         for index in 0..AXES {
-            let Some(loop_) = &mut drives.axes[index] else { continue };
+            let (Some(loop_), Some(bounds)) = (&mut drives.axes[index], self.untied.bounds[index])
+            else {
+                continue;
+            };
             let slot = &mut self.untied.axes[index];
             let said = &mut taken.axes[index];
             let is_tied = pairs.iter().flatten().any(|(axis, _)| *axis == index)
@@ -60,8 +73,8 @@ impl EncoderPlausibility {
                 *slot = Some(Watched::first(reading));
                 continue;
             };
-            let (place, lost) =
-                watched.judge(reading, expected, bounds(loop_, period_s, frame_lost));
+            let bounds = Bounds { frame_lost, ..bounds };
+            let (place, lost) = watched.judge(reading, expected, bounds);
             said.position = Coordinate::new(place + loop_.shifted);
             loop_.blind |= lost;
             if lost {
@@ -99,7 +112,7 @@ impl EncoderPlausibility {
 }
 
 /// What the encoder of an axis can show that goes its own way.
-fn bounds(axis: &AxisLoop, period_s: f64, frame_lost: bool) -> Bounds {
+fn bounds(axis: &AxisLoop, period_s: f64) -> Bounds {
     let control = &axis.control;
     let bounds = axis_bounds(axis, None, period_s);
     // a loop that speed is not fed to begins to move when its error asks for it
@@ -107,5 +120,5 @@ fn bounds(axis: &AxisLoop, period_s: f64, frame_lost: bool) -> Bounds {
     let late = if lags { control.windows.following_stop.value() } else { 0.0 };
     let springs = control.backlash.value()
         + 2.0 * control.friction.breakaway.value() / control.stiffness.value();
-    Bounds { stuck: (SPRINGS * (bounds.stuck + springs)).max(late), frame_lost, ..bounds }
+    Bounds { stuck: (SPRINGS * (bounds.stuck + springs)).max(late), ..bounds }
 }

@@ -154,8 +154,8 @@ impl Kernel {
         Tied { pair: tap.or_else(|| self.thread_pair()), infeed }
     }
 
-    /// The readings to go by.
-    pub(super) fn bridge(&mut self, feedback: &Feedback) -> Feedback {
+    /// Readings become those to go by.
+    pub(super) fn bridge(&mut self, taken: &mut Feedback) {
         let tied = match self.mode {
             Mode::Running | Mode::Halted => self.tied(),
             Mode::New | Mode::Starting(_) | Mode::Disabled => Tied::default(),
@@ -163,16 +163,14 @@ impl Kernel {
         let period_s = self.config.period.value();
         self.plausibility.frame_lost = self.feedback_age.is_lost();
         let watches = matches!(self.mode, Mode::Running | Mode::Halted);
-        let (mut taken, tied_finding) =
-            self.plausibility.bridge(tied, feedback, &mut self.drives, period_s);
+        let tied_finding = self.plausibility.bridge(tied, taken, &mut self.drives, period_s);
         let finding = tied_finding.or_else(|| {
             let of = &mut self.plausibility;
-            watches.then(|| of.bridge_untied(tied, &mut taken, &mut self.drives, period_s))?
+            watches.then(|| of.bridge_untied(tied, taken, &mut self.drives, period_s))?
         });
         if let Some(finding) = finding {
-            self.raise(finding, &taken);
+            self.raise(finding, taken);
         }
-        taken
     }
 
     /// A drive or an encoder is gone, or a loop still pushes at what it could not move, and

@@ -81,9 +81,8 @@ impl Kernel {
                 && (!stopped || led == Led::Angle);
             let coupled_stop = stopped && led == Led::Angle;
             let Some(axis) = &self.drives.axes[index] else { continue };
-            let limits = (&self.config.motion, period_s);
             let Err(finding) =
-                self.setpoints.check(index, axis, limits, (led, homed, coupled_stop))
+                self.setpoints.check(index, axis, period_s, (led, homed, coupled_stop))
             else {
                 continue;
             };

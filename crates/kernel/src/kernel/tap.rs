@@ -32,7 +32,8 @@ impl Kernel {
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) =
             (Operator::new(self.config.overrides), false, None);
-        (self.plausibility, self.drive_lost) = (EncoderPlausibility::default(), None);
+        (self.plausibility, self.drive_lost) =
+            (EncoderPlausibility::new(&self.drives.axes, self.config.period.value()), None);
         (self.chained, self.way_out, self.retreating) = (0, None, None);
         (self.recovering, self.withdrawing) = (None, None);
         self.report.state = State::Idle;

@@ -82,7 +82,7 @@ impl Bench {
     }
 
     fn truth(&self) -> Truth {
-        self.machine.truth().unwrap()
+        *self.machine.truth().unwrap()
     }
 
     fn point(&self) -> Point {
@@ -101,8 +101,8 @@ impl Bench {
 
     /// One period.
     pub fn tick(&mut self) {
-        let feedback = self.machine.feedback();
-        let mut sample = Sample { feedback, truth: self.machine.truth(), ..Sample::default() };
+        let (feedback, truth) = (*self.machine.feedback(), self.machine.truth().copied());
+        let mut sample = Sample { feedback, truth, ..Sample::default() };
         if self.machine.is_abandoned() {
             sample.report = self.kernel.report();
             sample.report.state = bus::State::Faulted;

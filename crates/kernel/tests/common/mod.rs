@@ -386,16 +386,16 @@ pub fn run_ordered(
     let steps: Vec<Step> = (0..).zip(steps).map(step).collect();
     let mut waiting = steps.iter().peekable();
     let (mut samples, mut events) = (Vec::new(), Vec::new());
-    let mut feedback = machine.feedback();
+    let mut feedback = *machine.feedback();
     for tick in 0..ticks {
         for (_, order) in orders.iter().filter(|(at, _)| *at == tick) {
             kernel.order(*order);
         }
         while waiting.next_if(|step| kernel.push(step).is_ok()).is_some() {}
-        let truth = machine.truth();
+        let truth = machine.truth().copied();
         let command = kernel.tick(&feedback);
         samples.push(Sample { feedback, command, report: kernel.report(), truth });
-        feedback = machine.exchange(&command);
+        feedback = *machine.exchange(&command);
         while let Some(event) = kernel.next_event() {
             events.push(event);
         }

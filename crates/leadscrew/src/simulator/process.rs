@@ -155,8 +155,8 @@ impl SimulatorProcess {
 
     /// What encoders and the world say now.
     pub(super) fn observed(&self) -> Observed {
-        let mut feedback = self.machine.feedback();
-        let mut truth = self.machine.truth();
+        let mut feedback = *self.machine.feedback();
+        let mut truth = self.machine.truth().copied();
         self.forget(&mut feedback, truth.as_mut());
         Observed { feedback, truth }
     }
@@ -193,14 +193,14 @@ impl SimulatorProcess {
         if self.cuts.pop_if(|at| *at <= now).is_some() {
             return Ok(false);
         }
-        self.monitor.check(command, &self.machine.feedback())?;
+        self.monitor.check(command, self.machine.feedback())?;
         self.last = *command;
-        let before = self.machine.feedback();
+        let before = *self.machine.feedback();
         let after = self.machine.exchange(command);
         if let Some(coupled) = command.coupled {
             let turned =
                 |feedback: &Feedback| feedback.spindles[usize::from(coupled.spindle)].angle;
-            self.retained.turned((turned(&after) - turned(&before)) / self.config.period);
+            self.retained.turned((turned(after) - turned(&before)) / self.config.period);
         }
         self.feel();
         if let Some(off) = self.machine.off_helix().filter(|_| command.coupled.is_some()) {

@@ -246,8 +246,8 @@ fn another_version_and_a_length_beyond_bounds_are_named() {
 fn a_machine_that_vanishes_has_no_ready_drive_and_time_goes_on() {
     let answers = [Message::Welcome(welcome()), Message::Observed(observed(1.000_25))];
     let mut simulator = Remote::connect(script(&answers), hello()).unwrap();
-    assert_eq!(simulator.feedback(), observed(1.0).feedback);
-    assert_eq!(simulator.exchange(&command()), observed(1.000_25).feedback);
+    assert_eq!(*simulator.feedback(), observed(1.0).feedback);
+    assert_eq!(*simulator.exchange(&command()), observed(1.000_25).feedback);
     assert!(simulator.lost().is_none());
     let after = simulator.exchange(&command());
     assert!(!after.axes[2].ready && !after.spindles[0].ready);
