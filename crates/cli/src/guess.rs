@@ -5,7 +5,8 @@
 //!   words of a lathe, no Y    ──► a lathe
 //!   else                      ──► the default machine; what it is too small for is told, with one that is not
 //! ```
-use crate::args::CheckArgs;
+use crate::args::{CheckArgs, FindingsFormat, ProgramArgs};
+use crate::pieces;
 use control::Refused;
 use control::job::options::{DecimalPoint, ProgramOptions};
 use control::job::preflight;
@@ -33,6 +34,9 @@ const LATHES: [&str; 3] = ["lathe", "turning-center", "lathe-chuck-zero"];
 /// taps, the pocket; spindles for polygons, cams and gears.
 const OF_THE_MACHINE: [&str; 10] =
     ["M0301", "M0303", "M0305", "M0308", "M0317", "M0321", "M0401", "M0411", "M0431", "A0403"];
+
+/// How a program is read, and where, for which nothing was named.
+const READ_AS: &str = "A0106";
 
 /// What is added to the name of a machine where numbers without a point are read so.
 const WHOLE_UNITS: &str = ", numbers without a point in whole units";
@@ -123,6 +127,30 @@ pub(crate) fn judge(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Fitted
     Ok(best)
 }
 
+/// Where a program was refused for which no machine is named: with which words nothing would be
+/// wrong with it, or which machine would be large enough.
+pub(crate) fn instead(source: &ProgramArgs, path: &Path, refused: &Refused) -> Option<String> {
+    let Refused::Findings { name, text, .. } = refused else { return None };
+    if source.machine.is_some() || text.len() as u64 > pieces::WHOLE {
+        return None;
+    }
+    let args = CheckArgs {
+        programs: vec![path.to_owned()],
+        source: source.clone(),
+        summary: false,
+        format: FindingsFormat::Text,
+    };
+    let fitted = judge(&args, path, text).ok()?;
+    let found = || {
+        let is_other = fitted.found.first().is_some_and(|finding| finding.code == READ_AS);
+        let reading = (fitted.session.dialect, None);
+        let is_sound = is_other && errors(&fitted.found) == 0;
+        is_sound.then(|| without_fault_hint(reading, &fitted.machine))
+    };
+    let hint = fitted.hint.clone().or_else(found)?;
+    Some(format!("{name}: {hint}\n"))
+}
+
 /// A way to read a program.
 type Reading = (Dialect, Option<DecimalPoint>);
 
@@ -161,14 +189,17 @@ struct WithoutFault {
 
 impl WithoutFault {
     fn hint(&self) -> String {
-        let (dialect, point) = self.reading;
-        let point = if point.is_some() { " --decimal-point calculator" } else { "" };
-        format!(
-            "nothing is wrong with it with --dialect {}{point} --machine {}",
-            dialect.name(),
-            self.fitted.machine.split(',').next().unwrap_or_default()
-        )
+        without_fault_hint(self.reading, &self.fitted.machine)
     }
+}
+
+fn without_fault_hint((dialect, point): Reading, machine: &str) -> String {
+    let point = if point.is_some() { " --decimal-point calculator" } else { "" };
+    format!(
+        "nothing is wrong with it with --dialect {}{point} --machine {}",
+        dialect.name(),
+        machine.split(',').next().unwrap_or_default()
+    )
 }
 
 /// The first of these readings in which nothing is wrong with a program.
@@ -296,7 +327,7 @@ fn said(dialect: Dialect, machine: &str, evidence: Option<&str>) -> Diagnostic {
         None => "no Y, and codes of a lathe",
     };
     let text = format!("read with --dialect {} on --machine {machine}: {why}", dialect.name());
-    Diagnostic::note("A0106", Span::default(), text)
+    Diagnostic::note(READ_AS, Span::default(), text)
         .with_help("no machine is named: its tools are taken from the program's comments, and lengths are not known")
 }
 

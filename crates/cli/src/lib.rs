@@ -90,6 +90,10 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(code) => code,
         Err(refused) => {
             refusal::say(&refused);
+            let instead = |(path, source)| guess::instead(source, path, &refused);
+            if let Some(hint) = cli.command.program().and_then(instead) {
+                say::err(&hint);
+            }
             if cli.command.answers_in_json() {
                 let _ = say::out(&refusal::json(&refused)); // standard error has it as well
             }

@@ -61,6 +61,26 @@ fn a_machine_that_is_too_small_is_said_with_one_that_is_not() {
     assert!(leadscrew(&there, folder.path()).status.success());
 }
 
+/// What `check` finds for a program without a machine is said where it is refused elsewhere, too.
+#[test]
+fn a_run_that_is_refused_says_where_it_would_not_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = "G21 G90 G54\nG0 Z50\nG0 X-300\nX300\nM2\n";
+    fs::write(folder.path().join("long.ngc"), long).unwrap();
+    fs::write(folder.path().join("hobby.nc"), HOBBY).unwrap();
+    for command in ["run", "time"] {
+        let text = said(&leadscrew(&[command, "long.ngc"], folder.path()));
+        let hint = "long.ngc: tapping-center is too small for this program (2 beyond its travel): --machine machining-center is not";
+        assert!(text.contains(hint), "{command}: {text}");
+        let text = said(&leadscrew(&[command, "hobby.nc"], folder.path()));
+        let hint = "hobby.nc: nothing is wrong with it with --dialect grbl --machine router";
+        assert!(text.contains(hint), "{command}: {text}");
+        // where a machine is named, it is the one that is meant
+        let named = [command, "long.ngc", "--machine", "tapping-center"];
+        assert!(!said(&leadscrew(&named, folder.path())).contains("too small"), "{command}");
+    }
+}
+
 #[test]
 fn a_folder_is_summed_up() {
     let folder = tempfile::tempdir().unwrap();

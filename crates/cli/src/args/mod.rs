@@ -28,6 +28,7 @@ pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use serve::{ServeArgs, TokenRole};
 pub(crate) use simulator::{RecoverArgs, SimulatorArgs};
+use std::path::Path;
 pub(crate) use text::{
     CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
 };
@@ -254,6 +255,15 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
 }
 
 impl Command {
+    /// The one program that is executed or planned, and how it is read.
+    pub(crate) fn program(&self) -> Option<(&Path, &ProgramArgs)> {
+        match self {
+            Self::Run(args) => Some((&args.program, &args.source)),
+            Self::Time(args) => Some((&args.program, &args.source)),
+            _ => None,
+        }
+    }
+
     /// Whether the caller reads JSON: then a refusal is JSON, too.
     pub(crate) fn answers_in_json(&self) -> bool {
         match self {
