@@ -52,7 +52,13 @@ impl Line<'_, '_> {
     pub(crate) fn bracket_comment(&mut self) -> Read<()> {
         let open = self.at;
         self.take();
-        match memchr::memchr2(b'(', b')', &self.text[self.at..]) {
+        let rest = &self.text[self.at..];
+        let length = if self.grammar == Grammar::Grbl {
+            memchr::memchr(b')', rest) // up to the first one, whatever stands before it
+        } else {
+            memchr::memchr2(b'(', b')', rest)
+        };
+        match length {
             Some(length) if self.text[self.at + length] == b')' => {
                 self.comment(open, self.at, self.at + length, false)?;
                 self.take();

@@ -190,11 +190,11 @@ impl Line<'_, '_> {
         Ok(())
     }
 
-    /// `,C1.` or `,R1.`: the comma comes next.
+    /// `,C1.`, `,R1.` or `,A45.`: the comma comes next.
     pub(crate) fn comma_word(&mut self, seen: &mut u64) -> Read<()> {
         self.take();
         match self.peek() {
-            letter @ (b'C' | b'R') => self.word(letter.to_ascii_lowercase(), seen),
+            letter @ (b'A' | b'C' | b'R') => self.word(letter.to_ascii_lowercase(), seen),
             _ => self.fault_here(Problem::CommaWord),
         }
     }

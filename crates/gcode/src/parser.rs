@@ -91,7 +91,12 @@ impl<'a> Parser<'a> {
         while let [line @ .., b'\r'] = text {
             text = line; // CR LF, and CR CR LF of files that were sent through two systems
         }
-        let (mut step, mut lines) = (step, 1);
+        let mut step = step;
+        while let [b'\r', line @ ..] = text {
+            (text, step) = (line, step - 1); // LF CR and LF CR CR, as controls punch their tapes
+            self.offset += 1;
+        }
+        let mut lines = 1;
         let mut comment = false;
         if let Some((end, next)) = self.grammar.end_of_block(text) {
             // what follows in the line is a block of its own, unless it is blank or for people
@@ -443,5 +448,7 @@ fn before_end_mark(source: &[u8]) -> &[u8] {
 /// Whether an O after this beginning of a line is an O-word: blanks, block delete and N before it.
 fn begins_o_word(before: &[u8]) -> bool {
     let before = before.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(before);
-    before.iter().all(|b| matches!(b, b' ' | b'\t' | b'/' | b'n' | b'N' | b'.' | b'0'..=b'9'))
+    before
+        .iter()
+        .all(|b| matches!(b, b' ' | b'\t' | b'\r' | b'/' | b'n' | b'N' | b'.' | b'0'..=b'9'))
 }

@@ -179,7 +179,7 @@ impl Problem {
             }
             Self::PowNeedsTwo => "expected two arguments, as in POW[2,3]".into(),
             Self::CommaWord => {
-                format!("expected C (chamfer) or R (corner radius) after the comma, found {found}")
+                format!("expected C (chamfer), R (corner radius) or A (angle) after the comma, found {found}")
             }
             Self::OutputText => format!(
                 "expected text with * for a blank, or a variable with its digits as in #1[53], in \

@@ -423,3 +423,73 @@ fn codes_that_are_not_executed_say_what_is() {
         assert!(told, "{code}: {found:#?}");
     }
 }
+
+/// The manuals: of several codes of one group in a block, the last one specified is valid.
+#[test]
+fn of_two_codes_of_one_group_the_last_acts() {
+    for (text, end) in
+        [("O1\nG0 G90 X1.\nG90 G91 X2.\nM30\n", 3.0), ("O1\nG1 G0 X1.\nX2. G91 G90\nM30\n", 2.0)]
+    {
+        let (kinds, found) = ops_with(text, &setup(Dialect::Fanuc));
+        assert!(found.iter().all(|f| f.starts_with("I0114")), "{found:#?}");
+        let ends = kinds.iter().filter_map(|kind| match kind {
+            OpKind::Rapid { to } => Some(to.linear[0].value()),
+            _ => None,
+        });
+        assert_eq!(ends.collect::<Vec<_>>(), [1.0, end]);
+    }
+    is_told("O1\nG0 G90 G91 X1.\nM30\n", "I0114@2 G90 has no effect beside G91");
+    for dialect in [Dialect::Haas, Dialect::LinuxCnc] {
+        let (_, found) = ops_with("G0 G90 G91 X1.\nM30\n", &setup(dialect));
+        assert!(found.iter().any(|f| f.starts_with("I0104@1")), "{found:#?}");
+    }
+}
+
+#[test]
+fn an_arc_without_a_place_is_in_force_for_the_blocks_that_follow() {
+    let text = "O1\nG0 X10.\nG3 F100.\nX0 Y10. R10.\nM30\n";
+    let (kinds, found) = ops_with(text, &setup(Dialect::Fanuc));
+    assert!(kinds.iter().any(|kind| matches!(kind, OpKind::Arc { .. })), "{found:#?}");
+    goes_to(text, &[[10.0, 0.0, 0.0], [0.0, 10.0, 0.0]]);
+    let (_, found) = ops_with("G0 X10\nG3 F100\nX0 Y10 R10\nM2\n", &setup(Dialect::LinuxCnc));
+    assert!(found.iter().any(|f| f.starts_with("I0411@2")), "{found:#?}");
+}
+
+#[test]
+fn the_motion_from_before_a_cycle_takes_the_words_beside_g80() {
+    let text = "O1\nT1 M6\nM3 S500\nG0 Z10.\nG81 X1. Z-5. R2. F100.\nG80 Z20.\nX5.\nM30\n";
+    let places = places(text);
+    close(&places[places.len() - 2..], &[[1.0, 0.0, 20.0], [5.0, 0.0, 20.0]]);
+    let (kinds, _) = ops_with(text, &setup(Dialect::Fanuc));
+    let last =
+        kinds.iter().rev().find(|kind| matches!(kind, OpKind::Rapid { .. } | OpKind::Line { .. }));
+    assert!(matches!(last, Some(OpKind::Rapid { .. })));
+}
+
+/// With parameter 3405#5 a comma stands before the angle too.
+#[test]
+fn the_angle_of_a_line_may_stand_after_a_comma() {
+    let text = |a: &str| format!("O1\nM3 S500\nG0 X20. Z0.\nG1 X24.{a} F0.1\nM30\n");
+    let with = places_of(Dialect::FanucLatheA, &text(",A135."));
+    close(&with, &places_of(Dialect::FanucLatheA, &text("A135.")));
+    close(&with[1..], &[[12.0, 0.0, -2.0]]);
+    is_told("O1\nG1 X24.,A135. F100.\nM30\n", "I0110@2 A after a comma");
+}
+
+#[test]
+fn a_fraction_of_repetitions_is_told_by_its_own_letter() {
+    is_told(
+        "O1\nT1 M6\nM3 S500\nG0 Z10.\nG73 X1. Z-5. R2. Q1. K0.2 F100.\nM30\n",
+        "I0108@5 K counts",
+    );
+}
+
+/// LF CR CR, as controls punch their tapes, LF CR and CR CR LF.
+#[test]
+fn carriage_returns_beside_a_line_feed_end_the_line_with_it() {
+    for end in ["\n\r\r", "\n\r", "\r\r\n", "\r\n"] {
+        let text = format!("%{end}O1(PART){end}G0 X1.{end}X2.{end}M30{end}%{end}");
+        goes_to(&text, &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+    }
+    is_told("O1\nG0 X1.\rX2.\nM30\n", "P0193@2");
+}

@@ -131,3 +131,14 @@ fn a_printers_program_gets_one_sentence() {
     assert!(!codes(&interp::check(shop.as_bytes(), &setup)).contains(&"I0910"));
     assert!(!codes(&read("M106 P0\nG1 X1 F100\nM2\n", &grbl()).1).contains(&"I0910"));
 }
+
+/// Grbl throws away what stands up to the first closing bracket.
+#[test]
+fn a_comment_ends_at_its_first_closing_bracket() {
+    let (_, found) = read("(REPLACE (CUT); all of this)\nG1 X1 F100\nM2\n", &grbl());
+    assert!(found.is_empty(), "{found:?}");
+    let (_, found) = read("(ENDMILL, 3MM (R))\nG1 X1 F100\nM2\n", &grbl());
+    assert_eq!(codes(&found), ["P0113"]);
+    let (_, found) = read("(REPLACE (CUT); all of this)\nG1 X1 F100\nM2\n", &Setup::default());
+    assert_eq!(codes(&found), ["P0112"]);
+}

@@ -51,6 +51,8 @@ pub(crate) struct Rules {
     /// Modes may be restated and ended in one block with G40, and the work offset in force may be
     /// called again.
     pub(crate) restates_modes: bool,
+    /// Of two codes of one group in a block the last acts.
+    pub(crate) last_code_acts: bool,
     /// How the tool comes beside the way.
     pub(crate) start_up: StartUp,
     /// An external work offset lies under all others.

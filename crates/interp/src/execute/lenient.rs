@@ -73,6 +73,19 @@ pub(crate) fn remark_on_scaling(ex: &mut Executor, span: diag::Span) {
     );
 }
 
+/// Two codes of one group: the manuals say that the last of them is valid.
+pub(crate) fn remark_on_outdone(ex: &mut Executor) {
+    let Some((other, code, span)) = ex.words.outdone.take().filter(|(a, b, _)| a != b) else {
+        return;
+    };
+    let [other, code] = [other, code].map(crate::codes::spelling::written);
+    let text = format!("G{other} has no effect beside G{code}: of one group the last acts");
+    ex.remarks.push(
+        diag::Diagnostic::warning("I0114", span, text)
+            .with_help("write one of them, or two blocks: other controls stop here with an alarm"),
+    );
+}
+
 /// Words that the dialect takes without effect.
 pub(crate) fn drop_idle(ex: &mut Executor, modal: Letters) {
     let Some((letter, span)) = ex.words.drop_idle(ex.settings.rules.idle, modal) else { return };

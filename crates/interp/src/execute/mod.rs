@@ -97,6 +97,9 @@ fn obey<S: Sink>(
     if ex.settings.rules.has_laser {
         lenient::remark_on_laser(ex);
     }
+    if ex.words.outdone.is_some() {
+        lenient::remark_on_outdone(ex);
+    }
     if let Some(span) = ex.words.ends_scaling {
         lenient::remark_on_scaling(ex, span);
     }

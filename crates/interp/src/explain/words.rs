@@ -41,6 +41,13 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nT1 M6\nS500 M3\nF100.\nG81 X1. Z-5. R2.\nM30",
     )
     .of(crate::Dialect::Fanuc),
+    row(
+        "I0114",
+        "Two codes of one group in a block: the last acts, as Fanuc's controls have it.",
+        "O1\nG0 G90 G91 X1.\nM30",
+        "O1\nG0 G91 X1.\nM30",
+    )
+    .of(crate::Dialect::Fanuc),
     row("I0201", "A value is not finite.", "G0 X[10**400]", "G0 X[10**2]"),
     row("I0202", "A negative number has no such power.", "G0 X[[0-8]**0.5]", "G0 X[8**0.5]"),
     row("I0203", "Something is divided by zero.", "G0 X[1/#5]", "#5=2\nG0 X[1/#5]"),

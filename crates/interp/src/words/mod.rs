@@ -51,6 +51,8 @@ pub(crate) struct Words {
     pub(crate) step_turns_deg: f64,
     /// G50 of a dialect that knows no scaling.
     pub(crate) ends_scaling: Option<Span>,
+    /// A code that another one of its group comes after, that one, and where it stands.
+    pub(crate) outdone: Option<(u16, u16, Span)>,
     /// How far the block was executed.
     pub(crate) stage: Stage,
 }
@@ -74,6 +76,7 @@ impl Words {
             by_increments: false,
             step_turns_deg: 0.0,
             ends_scaling: None,
+            outdone: None,
             stage: Stage::Words,
         }
     }
@@ -85,7 +88,7 @@ impl Words {
         (self.present, self.unread, self.stage) = (0, 0, Stage::Words);
         (self.cycle_off, self.by_increments) = (false, false);
         self.step_turns_deg = 0.0;
-        self.ends_scaling = None;
+        (self.ends_scaling, self.outdone) = (None, None);
         if self.any_code {
             self.g = [NONE; G_GROUPS];
             self.m = [NONE; M_GROUPS];
@@ -189,6 +192,11 @@ impl Words {
         {
             *slot = (*slot).min(code.tenths);
             self.cycle_off = true;
+            return Ok(());
+        }
+        if self.rules.last_code_acts && code.group != GGroup::NonModal {
+            self.outdone = Some((*slot, code.tenths, span));
+            *slot = code.tenths;
             return Ok(());
         }
         let other = *slot;

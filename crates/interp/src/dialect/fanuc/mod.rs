@@ -29,6 +29,7 @@ pub(crate) const MILL: Rules = Rules {
     no_repetition: true,
     taps_keep_dwell: false,
     restates_modes: true,
+    last_code_acts: true,
     start_up: StartUp::BesideNext,
     external_offset: true,
     lead_along_axis: true,

@@ -65,5 +65,6 @@ pub(crate) const RULES: Rules = Rules {
     codes: Some(&Kind::Haas),
     evidence: &[Family::Fanuc, Family::FanucMill, Family::Haas],
     idle: set("DEHPQ"),
+    last_code_acts: false,
     ..fanuc::MILL
 };

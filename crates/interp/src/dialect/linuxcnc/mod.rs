@@ -37,6 +37,7 @@ pub(crate) const RULES: Rules = Rules {
     has_laser: false,
     dwells_by_s: false,
     ends_scaling: false,
+    last_code_acts: false,
     tools_by_hand: false,
     idle: 0,
     short_radius: [0.00127, 0.00005],

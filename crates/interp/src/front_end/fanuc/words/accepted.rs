@@ -3,6 +3,9 @@
 //! ```text
 //!   G0 G91 G28 Z0     the reference point takes the axis words, G0 is in force afterwards
 //!   G2 X10 Y5         an arc without centre and radius goes straight
+//!   G3                no axis, no move: the arc is in force for the blocks that follow
+//!   G80 Z20           the motion from before the cycle takes the axis words
+//!   G91 G28 Z0 G90    of two codes of one group the last acts
 //!   G53 M5            no axis, no move
 //!   G91 G53 Z0        Fanuc ignores G53 under G91, Haas goes to the machine's zero, Mitsubishi moves by the word
 //!   G1 Z-10. A150.    on a lathe: X where a line at that angle to Z comes to
@@ -51,6 +54,15 @@ pub(crate) fn accept(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> Out
     {
         words.put(b'D', number, span)?;
     }
+    if ex.words.g(GGroup::Motion) == Some(800)
+        && axes
+        && non_modal.is_none()
+        && !ex.modes.hobbing
+        && let before @ (Motion::Rapid | Motion::Feed) = fanuc.before_cycle
+    {
+        ex.words.forget_g(GGroup::Motion);
+        ex.words.take_g(f64::from(before.code()) / 10.0, ex.words.place.span)?;
+    }
     if fanuc.is_lathe() && sense.feed && ex.recording.is_none() {
         by_angle(ex)?;
     }
@@ -90,6 +102,14 @@ fn straight_arc(fanuc: &mut Fanuc, ex: &mut Executor, sense: &Sense) -> Outcome 
         Some(_) => return Ok(()),
         None => in_force(ex),
     };
+    if ex.words.g(GGroup::Motion).is_some()
+        && !ex.words.any(AXES | CENTRE | set("R"))
+        && ex.words.g(GGroup::NonModal).is_none()
+    {
+        fanuc.once.straight = Some(arc);
+        ex.words.forget_g(GGroup::Motion);
+        return Ok(());
+    }
     let is_arc = matches!(arc, Motion::ArcClockwise | Motion::ArcCounterclockwise);
     let moves = ex.words.any(AXES) && ex.words.g(GGroup::NonModal).is_none();
     if !is_arc || !moves || sense.cycle || ex.words.any(CENTRE | set("R")) {

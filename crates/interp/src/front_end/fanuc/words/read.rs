@@ -69,7 +69,7 @@ pub(crate) fn counts_inches(fanuc: &Fanuc, block: &Block, ex: &Executor) -> bool
 pub(crate) fn per_unit(fanuc: &Fanuc, letter: u8, inch: bool) -> f64 {
     let per_unit = fanuc.increments.per_unit();
     match letter {
-        b'A' | b'B' | b'C' => per_unit,
+        b'A' | b'B' | b'C' | b'a' => per_unit,
         b'X'..=b'Z' | b'U'..=b'W' | b'I'..=b'K' | b'Q' | b'R' | b'c' | b'r' => {
             per_unit * if inch { 10.0 } else { 1.0 }
         }
