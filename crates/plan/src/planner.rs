@@ -83,6 +83,9 @@ struct SpindleState {
     surface: Option<SurfaceSpeed>,
     /// The kernel has been told that.
     told_surface: Option<SurfaceSpeed>,
+    /// G96 is in force, and a thread is being cut: `ordered` is the speed of its pass, and holds
+    /// until something else than a pass or a rapid comes.
+    held_surface: Option<SurfaceSpeed>,
 }
 
 impl SpindleState {
@@ -94,7 +97,7 @@ impl SpindleState {
     /// From now on it shall stand, or turn at a speed in revolutions.
     const fn order(&mut self, spin: Spin) {
         self.ordered = spin;
-        self.surface = None;
+        (self.surface, self.held_surface) = (None, None);
     }
 }
 

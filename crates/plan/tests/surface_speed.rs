@@ -72,18 +72,48 @@ fn a_limit_above_the_spindles_own_is_its_own_and_none_is_said() {
     assert!(said.starts_with("M0319 Warning line 1: G96 without a limit: near the work's axis the spindle turns at its highest speed, 10000 rpm"), "{said}");
 }
 
-#[test]
-fn a_thread_needs_revolutions_per_minute() {
-    let thread = OpKind::Threading(canon::Threading {
-        to: Position::xyz(0.0, 0.0, -30.0),
+fn thread(axis: Axis, to: [f64; 3]) -> OpKind {
+    OpKind::Threading(canon::Threading {
+        to: Position::xyz(to[0], to[1], to[2]),
         lead: Lead::mm_per_rev(1.5),
         growth: units::LeadGrowth::ZERO,
         start_angle: Angle::ZERO,
-        axis: Axis::Z,
+        axis,
         surface: Length::mm(-10.0),
-    });
-    let said = findings_of(lathe(), [surface(Some(2500.0)), thread.clone(), thread]);
-    let refused = "M0355 Error line 2: a thread needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write G97 S530 before it, which is its speed at this X"; // 100 m/min / (π·60 mm)
+    })
+}
+
+/// 100 m/min on diameters of 60 mm and 58 mm: 530.5 and 548.8 rpm. The speed of a pass holds in the
+/// rapids after it, and a cut goes by X again.
+#[test]
+fn each_pass_of_a_thread_turns_at_the_speed_of_its_own_diameter() {
+    let ops = [
+        surface(Some(2500.0)),
+        thread(Axis::Z, [0.0, 0.0, -30.0]),
+        rapid(10.0, 0.0, -30.0),
+        rapid(10.0, 0.0, 0.0),
+        rapid(-1.0, 0.0, 0.0),
+        thread(Axis::Z, [-1.0, 0.0, -30.0]),
+        rapid(10.0, 0.0, -30.0),
+        line(-10.0, 0.0, -30.0, 200.0),
+    ];
+    let steps = words(&steps_of(lathe(), ops.clone()));
+    let turns: Vec<_> = steps
+        .split(' ')
+        .filter(|word| word.starts_with("turn(") || word.starts_with("surface("))
+        .collect();
+    assert_eq!(turns, ["turn(531)", "turn(549)", "surface(100000,2500,-30,398)"], "{steps}");
+    let said = findings_of(lathe(), ops);
+    assert_eq!(said.matches("M0356 Warning line 2").count(), 1, "{said}");
+    assert!(said.contains("this pass turns at S530"), "{said}");
+    assert!(!said.contains("M0355"), "{said}");
+}
+
+#[test]
+fn a_thread_on_a_face_needs_revolutions_per_minute() {
+    let face = thread(Axis::X, [-20.0, 0.0, 0.0]);
+    let said = findings_of(lathe(), [surface(Some(2500.0)), face.clone(), face]);
+    let refused = "M0355 Error line 2: a thread on a face needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write G97 S530 before it, which is its speed at this X"; // 100 m/min / (π·60 mm)
     assert_eq!(said.matches("M0355").count(), 1, "{said}");
     assert!(said.contains(refused), "{said}");
 }

@@ -117,7 +117,11 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0351", "Chips are thrown off against the cut."),
     (
         "M0355",
-        "A thread, a tap, a polygon, a gear or a cam needs revolutions per minute, and G96 is in force.",
+        "A thread on a face, a tap, a polygon, a gear or a cam needs revolutions per minute, and G96 is in force.",
+    ),
+    (
+        "M0356",
+        "A thread is cut under G96: each pass turns at one speed, that of the X where it begins.",
     ),
     ("M0360", "A rapid takes the tool into the stock; the height that is clear of it is said."),
     ("M0361", "A tool that cuts along its axis only moves sideways in the stock."),

@@ -8,12 +8,16 @@
 //!
 //! The axis of the work is where the program has its X zero, with the tool's offset, as on every
 //! lathe. The spindle follows X in rapids too, and the first cut after one awaits its speed.
+//!
+//! A pass of a thread along Z turns at one speed, that of the X where it begins: the axes follow
+//! the spindle's angle by what they know of its speed, and a speed that changes with X would leave
+//! them behind by another way at each turn.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::tap_check::whole_rpm;
 use crate::{SpindleStep, Step, StepKind};
 use alloc::{format, vec, vec::Vec};
-use canon::OpKind;
+use canon::{Axis, OpKind};
 use diag::Diagnostic;
 use motion::SurfaceSpeed;
 use units::{Angle, Length, Speed, Spin, Torque};
@@ -88,14 +92,31 @@ impl Planner {
     /// Before an op: the axis of the work may lie elsewhere now, and some ops need revolutions per
     /// minute.
     pub(super) fn aim_surface(&mut self, job: &Job, kind: &OpKind) {
-        let axis = self.work_axis();
+        let (axis, x, begins) =
+            (self.work_axis(), self.position().linear[0], self.chain.is_empty());
         let Some(state) = self.spindles.get_mut(SPINDLE) else { return };
-        let Some(surface) = &mut state.surface else { return };
-        if (surface.axis - axis).abs().value() > SAME_AXIS {
-            surface.axis = axis;
+        for surface in [&mut state.surface, &mut state.held_surface].into_iter().flatten() {
+            if (surface.axis - axis).abs().value() > SAME_AXIS {
+                surface.axis = axis;
+            }
+        }
+        let holds = matches!(kind, OpKind::Threading(_) | OpKind::Rapid { .. });
+        match state.held_surface {
+            Some(held) if !holds => {
+                (state.held_surface, state.surface) = (None, Some(held));
+                state.ordered = held.at(x);
+            }
+            Some(held) if begins && matches!(kind, OpKind::Threading(_)) => {
+                state.ordered = held.at(x);
+            }
+            _ => {}
+        }
+        if state.surface.is_none() {
+            return;
         }
         let what = match kind {
-            OpKind::Threading(_) => "a thread",
+            OpKind::Threading(order) if order.axis != Axis::X => return self.hold_surface(job),
+            OpKind::Threading(_) => "a thread on a face",
             OpKind::Tap(_) => "a tap",
             OpKind::Polygon(_) => "a polygon",
             OpKind::Hob(_) => "a gear",
@@ -103,6 +124,18 @@ impl Planner {
             _ => return,
         };
         self.refuse_surface(job, what);
+    }
+
+    /// The first pass of a thread: the speed that there is holds.
+    fn hold_surface(&mut self, job: &Job) {
+        let Some(state) = self.spindles.get_mut(SPINDLE) else { return };
+        state.held_surface = state.surface.take();
+        let rpm = number(whole_rpm(state.ordered.abs()));
+        let text = format!(
+            "a thread under constant surface speed (G96): this pass turns at S{rpm}, by the X where it begins, and a pass at another X at another speed"
+        );
+        let help = format!("G97 S{rpm} before it gives all passes one speed");
+        self.findings.add_once(Diagnostic::warning("M0356", job.span, text).with_help(help));
     }
 
     fn refuse_surface(&mut self, job: &Job, what: &str) {
