@@ -32,14 +32,15 @@
 //! along the tool axis, M0335 beside its hole, M0336 blind hole too near for this spindle, M0337 no
 //! angle, M0338 a spindle that coasts when the control dies; clutch and floating holders: M0340
 //! dwell, M0341 stroke, M0342 travel, M0343 words; chip removal: M0350 too fast for the spindle,
-//! M0351 not against the cut; M0355 a face thread, tap or gear with G96, M0356 a thread with it; tool and stock: M0360 rapid
-//! into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too fast, M0364 tap without its
-//! cycle, M0365 length offset, M0370 no such input, M0371 no such output, M0372 no probe, M0373 no
-//! tool of those selected, M0366 nothing is cut, M0367 reach, M0368 chamfer, M0369 zero; polygon
-//! turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too
-//! fast; cam grinding: M0411 no such profile, M0412 nothing sampled, M0413 not measured, M0414 too
-//! fast, M0415 wheel too near; turned threads: M0421 spindle at rest, M0422 stretch too short,
-//! M0423 axis too slow, M0424 lead, M0425 another axis, M0426 run-in too short.
+//! M0351 not against the cut; M0355 a face thread, tap or gear with G96, M0356 a thread with it;
+//! tool and stock: M0360 rapid into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too
+//! fast, M0364 tap without its cycle, M0365 length offset, M0370 no such input, M0371 no such
+//! output, M0372 no probe, M0373 no tool of those selected, M0366 nothing is cut, M0367 reach,
+//! M0368 chamfer, M0369 zero; polygon turning: M0401 spindles missing, M0402 ratio, M0403 work
+//! spindle at rest, M0404 tool spindle too fast; cam grinding: M0411 no such profile, M0412 nothing
+//! sampled, M0413 not measured, M0414 too fast, M0415 wheel too near; turned threads: M0421 spindle
+//! at rest, M0422 stretch too short, M0423 axis too slow, M0424 lead, M0425 another axis, M0426
+//! run-in too short.
 #![no_std]
 #![allow(clippy::large_types_passed_by_value)] // a path is moved once, into its step
 extern crate alloc;

@@ -62,14 +62,7 @@ fn translated(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome<Th
             b'r' if sense.tap && fanuc.kind.variant().taps_by_r => rigid(ex, word)?,
             b'Q' if sense.set_offset => ex.words.put(b'Q', word.value, word.span)?,
             b'c' | b'r' => corner_word(fanuc, word, value)?,
-            b'a' if fanuc.is_lathe() => ex.words.put(b'A', value, word.span)?,
-            b'a' => {
-                return refuse(
-                    "I0110",
-                    word.span,
-                    "A after a comma is for lathes: the angle of a line",
-                );
-            }
+            b'a' => line_angle(fanuc, ex, word, value)?,
             b'C' | b'R' | b'I' | b'K' if is_corner(fanuc, word, &sense) => {
                 let length = Said { letter: b'r', ..*word };
                 let value = scaled(fanuc, ex, &length);
@@ -97,14 +90,7 @@ fn translated(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome<Th
                 ex.words.put(b'P', seconds, word.span)?;
             }
             b'L' if sense.call || sense.set_offset => l = Some(*word),
-            b'K' if sense.cycle && near_whole(word.value).is_none() => {
-                let text = format!(
-                    "K counts a cycle's repetitions here: expected a whole number, found {}",
-                    word.value
-                );
-                return refuse("I0108", word.span, text);
-            }
-            b'K' if sense.cycle => ex.words.put(b'L', word.value, word.span)?,
+            b'K' if sense.cycle => repetitions(ex, word)?,
             b'Q' if sense.thread && fanuc.is_lathe() => {
                 fanuc.thread_angle = start_angle(fanuc, &[*word]);
             }
@@ -153,6 +139,27 @@ fn translated(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome<Th
     accept(fanuc, ex, &sense)?;
     complete(fanuc, ex, &sense)?;
     numbers(fanuc, ex, &sense, p, l, start)
+}
+
+/// `,A45.`: the angle of a line to Z.
+fn line_angle(fanuc: &Fanuc, ex: &mut Executor, word: &Said, value: f64) -> Outcome {
+    if !fanuc.is_lathe() {
+        let text = "A after a comma is for lathes: the angle of a line";
+        return refuse("I0110", word.span, text);
+    }
+    ex.words.put(b'A', value, word.span)
+}
+
+/// K of a cycle.
+fn repetitions(ex: &mut Executor, word: &Said) -> Outcome {
+    if near_whole(word.value).is_none() {
+        let text = format!(
+            "K counts a cycle's repetitions here: expected a whole number, found {}",
+            word.value
+        );
+        return refuse("I0108", word.span, text);
+    }
+    ex.words.put(b'L', word.value, word.span)
 }
 
 fn codes(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said], sense: &Sense) -> Outcome {
