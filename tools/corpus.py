@@ -2,7 +2,7 @@
 """Real programs from public repositories: fetched by repository, commit and path, held against their checksum, and checked.
 
     python tools/corpus.py fetch FOLDER              from the hosting site, what is not there yet
-    python tools/corpus.py verdicts FOLDER --half open    `leadscrew check --summary` on one part: `open`, `kept` or `blind`
+    python tools/corpus.py verdicts FOLDER --half open    `leadscrew check --summary` on one part: `open`, `kept`, `blind` or `second`
     python tools/corpus.py verdicts FOLDER --write   on all, and docs/corpus/verdicts.tsv anew
     python tools/corpus.py motion FOLDER             what both accept, call by call against LinuxCNC's stand-alone interpreter
 
@@ -131,7 +131,7 @@ def main() -> int:
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("what", choices=["fetch", "verdicts", "motion"])
     asked.add_argument("folder", type=Path)
-    asked.add_argument("--half", choices=["open", "kept", "blind", "all"], default="all")
+    asked.add_argument("--half", choices=["open", "kept", "blind", "second", "all"], default="all")
     asked.add_argument("--command", default=str(ROOT / "target/debug/leadscrew"), help="the command that checks")
     asked.add_argument("--write", action="store_true", help="write docs/corpus/verdicts.tsv anew")
     args = asked.parse_args()
