@@ -109,6 +109,19 @@ fn each_pass_of_a_thread_turns_at_the_speed_of_its_own_diameter() {
     assert!(!said.contains("M0355"), "{said}");
 }
 
+/// The speed that a thread along Z holds is none for a thread on a face.
+#[test]
+fn a_thread_on_a_face_is_refused_behind_one_along_z_too() {
+    let ops = [
+        surface(Some(2500.0)),
+        thread(Axis::Z, [0.0, 0.0, -30.0]),
+        rapid(10.0, 0.0, 0.0),
+        thread(Axis::X, [0.0, 0.0, 0.0]),
+    ];
+    let said = findings_of(lathe(), ops);
+    assert!(said.contains("M0355 Error line 4: a thread on a face"), "{said}");
+}
+
 #[test]
 fn a_thread_on_a_face_needs_revolutions_per_minute() {
     let face = thread(Axis::X, [-20.0, 0.0, 0.0]);

@@ -100,7 +100,10 @@ impl Planner {
                 surface.axis = axis;
             }
         }
-        let holds = matches!(kind, OpKind::Threading(_) | OpKind::Rapid { .. });
+        let holds = match kind {
+            OpKind::Threading(order) => order.axis != Axis::X,
+            kind => matches!(kind, OpKind::Rapid { .. }),
+        };
         match state.held_surface {
             Some(held) if !holds => {
                 (state.held_surface, state.surface) = (None, Some(held));
