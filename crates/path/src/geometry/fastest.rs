@@ -75,13 +75,13 @@ pub(crate) struct Stage {
     steps: usize,
 }
 
-const FIRST: Stage = Stage { mu: 0.05, steps: 10 };
-const SECOND: Stage = Stage { mu: 0.02, steps: 8 };
-const LAST: Stage = Stage { mu: 0.005, steps: 6 };
+const FIRST: Stage = Stage { mu: 0.05, steps: 8 };
+const SECOND: Stage = Stage { mu: 0.02, steps: 6 };
+const LAST: Stage = Stage { mu: 0.005, steps: 4 };
 
 impl Stage {
-    /// The first of them, and the finer ones, with twice the knots from one to the next: with a
-    /// limit of jerk more of them, as q‴ does not change between two knots.
+    /// The first of them, and the finer ones, with more knots from one to the next where spans take
+    /// long: with a limit of jerk more of them, as q‴ does not change between two knots.
     pub(crate) fn all(limits: &Limits) -> (Self, &'static [Self]) {
         (FIRST, if limits.has_jerk() { &[SECOND, LAST] } else { &[LAST] })
     }
@@ -153,6 +153,11 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
             loads.each(place, &at, |_, load| most = most.max(load.value.abs()));
             most <= 1.0 + 1e-9
         })
+    }
+
+    /// Time that a span took where the search was last.
+    pub(crate) fn time(&self, span: usize) -> f64 {
+        self.spans[span].time
     }
 
     /// Move the control points to where the curve is fastest; `false`: they are as they were.

@@ -43,6 +43,9 @@ const HALVINGS: usize = 12;
 const FEWEST: usize = 8;
 /// Knots that are nearer to each other than so many tolerances get none between them.
 const CRUMB: f64 = 2.1;
+/// A span that takes less time gets none either, s: in half of it hardly any axis could do
+/// something else.
+const BRIEF: f64 = 6e-3;
 /// How much sharper its sharpest bend may be.
 const SHARPER: f64 = 8.0;
 
@@ -194,11 +197,17 @@ impl Fitter {
         }
     }
 
-    /// The same curve with more knots, as long as they are not too near to each other.
+    /// The same curve with more knots, as long as they are not too near to each other, in time or
+    /// along the way.
     fn refine(&mut self, way: &Way) -> Halved {
         let spans: Vec<Polynomial> = (0..self.spans()).map(|span| self.polynomial(span)).collect();
         let old = core::mem::take(&mut self.knots);
-        let near = |a: f64, b: f64| b - a < CRUMB * serves(way, a, b).tolerance;
+        let (linear, all) = (&self.fastest_linear, &self.fastest_of_all);
+        let time = |span| if self.axes <= 3 { linear.time(span) } else { all.time(span) };
+        let near = |span: usize| {
+            let (a, b) = (old[span], old[span + 1]);
+            time(span) < BRIEF || b - a < CRUMB * serves(way, a, b).tolerance
+        };
         let halved = Knots(&old).halved(near);
         self.control.clear();
         self.control.extend(halved.control(|span, u: [f64; 3]| -> Point {

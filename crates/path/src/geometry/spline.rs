@@ -88,14 +88,14 @@ impl Knots<'_> {
         rows
     }
 
-    /// The same knots, and one midway between two that are not too near to each other; and which
+    /// The same knots, and one midway between the two of each span that is not so `near`; and which
     /// span each one of the new spans is of.
-    pub(crate) fn halved(&self, near: impl Fn(f64, f64) -> bool) -> Halved {
+    pub(crate) fn halved(&self, near: impl Fn(usize) -> bool) -> Halved {
         let (mut knots, mut of) = (Vec::new(), Vec::new());
         for (span, ends) in self.0.windows(2).enumerate() {
             knots.push(ends[0]);
             of.push(span);
-            if !near(ends[0], ends[1]) {
+            if !near(span) {
                 knots.push(f64::midpoint(ends[0], ends[1]));
                 of.push(span);
             }
@@ -154,7 +154,7 @@ mod tests {
     /// With the polar form x·y·z of u³ the control points are those of u³ on the new knots, too.
     #[test]
     fn knots_come_between_those_that_are_far_apart_and_the_curve_stays() {
-        let halved = KNOTS.halved(|a, b| b - a < 0.5);
+        let halved = KNOTS.halved(|span| KNOTS.0[span + 1] - KNOTS.0[span] < 0.5);
         assert_eq!(halved.knots, [0.0, 0.4, 0.7, 1.0, 1.3, 1.9, 2.5]);
         assert_eq!(halved.of, [0, 1, 1, 2, 3, 3]);
         let control: Vec<f64> = halved.control(|_, [x, y, z]: [f64; 3]| x * y * z).collect();
