@@ -73,7 +73,7 @@ pub(crate) struct Fitter {
     places: Vec<LimitPoint>,
     fastest_linear: Fastest<3, 4>,
     fastest_of_all: Fastest<AXES, { AXES + 1 }>,
-    /// The curve that bends least, in case that the fastest one is not good.
+    /// A slower curve, in case that the fastest one is not good.
     kept: (Vec<f64>, Vec<Point>),
 }
 
@@ -132,27 +132,41 @@ impl Fitter {
             return;
         }
         let sharpest = self.sharpest();
-        self.kept.0.clone_from(&self.knots);
-        self.kept.1.clone_from(&self.control);
+        self.keep();
         let (first, finer) = Stage::all(limits);
         let mut found = self.search((limits, rests), (first, None));
+        let mut is_good = found && self.is_good(sharpest);
         for stage in finer {
             if !found {
                 break;
             }
+            if is_good {
+                self.keep();
+            }
             let old = self.knots.clone();
             let halved = self.refine(way);
             found = self.search((limits, rests), (*stage, Some((Knots(&old), &halved))));
+            is_good = found && self.is_good(sharpest);
         }
-        let near =
-            |sample: &Sample| distance(&self.at(sample), &sample.p) <= sample.tolerance * BETWEEN;
-        // where it is slow a bend is free: none is to become so sharp that the law's cells would
-        // miss it
-        let bends = self.sharpest() <= SHARPER * sharpest;
-        if !(found && bends && self.samples.iter().all(near) && self.keeps_between()) {
+        if !is_good {
             core::mem::swap(&mut self.kept.0, &mut self.knots);
             core::mem::swap(&mut self.kept.1, &mut self.control);
         }
+    }
+
+    /// The curve as it is, in case that one that is faster is not good.
+    fn keep(&mut self) {
+        self.kept.0.clone_from(&self.knots);
+        self.kept.1.clone_from(&self.control);
+    }
+
+    /// Whether it is within the tolerance, and where it is slow, where a bend is free, no bend has
+    /// become so sharp that the law's cells would miss it.
+    fn is_good(&mut self, sharpest: f64) -> bool {
+        let near =
+            |sample: &Sample| distance(&self.at(sample), &sample.p) <= sample.tolerance * BETWEEN;
+        let is_near = self.samples.iter().all(near);
+        is_near && self.sharpest() <= SHARPER * sharpest && self.keeps_between()
     }
 
     /// One stage of the search for the fastest curve; knots of the one before, and new ones.

@@ -23,15 +23,13 @@ use super::joint::{Joint, SHARE, Segment, Waiting, difference, distance, joint};
 use alloc::vec::Vec;
 use motion::{Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape, measure};
 
-/// So many moves are fitted at once: fewer where the way they go is many times as long as starting
-/// and stopping take, and more where it is shorter, up to the most.
-const ZONE: usize = 512;
-const FEW: usize = 256;
-const MANY_RUNWAYS: f64 = 32.0;
+/// So many moves are fitted at once, and more where the way they go is shorter than starting and
+/// stopping take, up to the most.
+const ZONE: usize = 256;
 const MOST: usize = 2048;
 /// Of these, so many wait for what comes next, and so large a share of the way.
 const KEPT: usize = 64;
-const KEPT_SHARE: f64 = 0.125;
+const KEPT_SHARE: f64 = 0.25;
 /// A move that begins farther from where the last one ended does not go on from it, mm: the path
 /// rests between them.
 const SAME_PLACE: f64 = 1e-3;
@@ -125,9 +123,7 @@ impl Joiner {
         let way = self.waiting.last().map_or(0.0, |last| last.way) + length;
         self.waiting.push(Waiting { segment: *segment, start, end, joint, way });
         let (count, gone) = (self.waiting.len(), way - self.waiting[0].way);
-        let runways = gone / self.runway(segment);
-        let enough = if runways > MANY_RUNWAYS { FEW } else { ZONE };
-        if count > MOST || count > enough && runways > 1.0 {
+        if count > MOST || count > ZONE && gone > self.runway(segment) {
             self.part(emit);
         }
     }

@@ -10,20 +10,20 @@
 //! v̂/√c is convex in c, so a step that keeps its tangent keeps it too. Boyd and
 //! Vandenberghe, *Convex Optimization*, ch. 11; the jerk's bound is not convex as a set, so the
 //! optimum that is found may be a local one.
+mod bundle;
+mod slack;
+
 use crate::banded::Banded;
 use alloc::vec::Vec;
+pub(super) use bundle::Pair;
+use bundle::{Added, Bundle, Three};
+use slack::{Least, Left, Reach};
 
 /// Newton steps at most.
 const STEPS: usize = 200;
 
-/// Part of the way to the nearest bound that a step may go.
-const SHARE: f64 = 0.95;
-
-/// Largest quotient between λ·s of a bound and what it is led to.
-const KEEP: f64 = 20.0;
-
 /// How far the time may still be above the optimum when the search ends.
-const GAP: f64 = 0.002;
+pub(super) const GAP: f64 = 0.002;
 
 /// How far a bound may still be exceeded then, as a share of it.
 const MISS: f64 = 1e-4;
@@ -46,113 +46,30 @@ const SLOWER: f64 = 1e3;
 /// it.
 const PART: f64 = 1e-3;
 
-/// From such a share of its bound on a slack is free, and begins again as what it is.
-const FREE: f64 = 0.1;
+/// An unknown falls by no more than this share of it in a step: 1/√c stays near its tangent.
+const FALL: f64 = 0.8;
 
-/// A slack and its price.
+/// What follows from an unknown.
 #[derive(Clone, Copy, Debug, Default)]
-struct Slack {
-    s: f64,
-    price: f64,
-    /// 1/s.
-    over: f64,
-    /// How it changes with the step under way.
-    ds: f64,
+struct Unknown {
+    /// 1/√c, and how it changes with c.
+    root: f64,
+    slope: f64,
 }
 
-impl Slack {
-    fn new(s: f64, price: f64) -> Self {
-        Self { s, price, over: 1.0 / s, ds: 0.0 }
-    }
-
-    /// Of what there `is` of a bound `r`, at the price that it had in a problem like it.
-    fn again(is: f64, r: f64, price: f64, mu: f64) -> Self {
-        let s = if is > FREE * r { is } else { is.max(mu / price).min(FREE * r) };
-        Self::new(s, price.max(mu / s).min(KEEP * mu / s))
-    }
-
-    /// What pulls the unknowns, where there `is` room.
-    fn pull(&self, mu: f64, is: f64) -> f64 {
-        (mu - self.price * (is - self.s)) * self.over
-    }
-
-    /// Change of the price.
-    fn dearer(&self, mu: f64) -> f64 {
-        (mu - self.price * self.ds) * self.over - self.price
-    }
-
-    /// A step by `ds` may go only so far.
-    fn limit(&mut self, mu: f64, ds: f64, (primal, dual): (&mut f64, &mut f64)) {
-        self.ds = ds;
-        if ds * *primal < -SHARE * self.s {
-            *primal = -SHARE * self.s / ds;
-        }
-        let dl = self.dearer(mu);
-        if dl * *dual < -SHARE * self.price {
-            *dual = -SHARE * self.price / dl;
-        }
-    }
-
-    /// Go; there `is` so much room now.
-    fn go(&mut self, mu: f64, (primal, dual): (f64, f64), is: f64) {
-        self.price += dual * self.dearer(mu);
-        // the bound may have moved away further than its tangent: what is there may be used
-        self.s = more(self.s + primal * self.ds, is);
-        self.over = 1.0 / self.s;
-        // prices that lost touch with their slacks would block the way
-        let even = mu * self.over;
-        self.price = less(more(self.price, even * (1.0 / KEEP)), KEEP * even);
+impl Unknown {
+    fn of(c: f64) -> Self {
+        let root = 1.0 / libm::sqrt(if c > 1e-300 { c } else { 1e-300 });
+        Self { root, slope: -0.5 * root * root * root }
     }
 }
 
-/// The smaller one; of numbers alone, which is faster than what knows of others.
-fn less(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The larger one.
-fn more(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// Two bounds around one sum: −r ≤ g·c ≤ r.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
-    /// First of the three unknowns.
-    pub(crate) at: usize,
-    pub(crate) g: [f64; 3],
-    /// 0: r = 1; else r = scale/√c of the middle unknown.
-    pub(crate) scale: f64,
-    /// r − g·c and r + g·c.
-    slack: [Slack; 2],
-}
-
-impl Pair {
-    pub(crate) fn new(at: usize, g: [f64; 3], scale: f64) -> Self {
-        Self { at, g, scale, slack: [Slack::default(); 2] }
-    }
-
-    fn sum(&self, c: &[f64]) -> f64 {
-        let [x, y, z] = [c[self.at], c[self.at + 1], c[self.at + 2]];
-        self.g[0] * x + self.g[1] * y + self.g[2] * z
-    }
-
-    /// r.
-    fn bound(&self, root: &[f64]) -> f64 {
-        if self.scale == 0.0 { 1.0 } else { self.scale * root[self.at + 1] }
-    }
-
-    /// How r changes with the middle unknown.
-    fn slope(&self, root: &[f64]) -> f64 {
-        let root = root[self.at + 1];
-        -0.5 * self.scale * root * root * root
-    }
-
-    /// Both sides' room.
-    fn room(&self, c: &[f64], root: &[f64]) -> [f64; 2] {
-        let (r, sum) = (self.bound(root), self.sum(c));
-        [r - sum, r + sum]
-    }
+/// What an unknown is drawn by: at once, and with μ; and by how much bounds that fall with it bend.
+#[derive(Clone, Copy, Debug, Default)]
+struct Drawn {
+    at_once: f64,
+    by_mu: f64,
+    bend: f64,
 }
 
 /// The problem and its solution.
@@ -164,19 +81,20 @@ pub(crate) struct Chain {
     pub(crate) weight: Vec<f64>,
     /// Largest values; infinite where there are none.
     pub(crate) cap: Vec<f64>,
-    pub(crate) pairs: Vec<Pair>,
+    bundles: Vec<Bundle>,
     /// How many of the first, and of the last, are given.
     pub(crate) given: [usize; 2],
-    /// 1/√c.
-    root: Vec<f64>,
+    unknowns: Vec<Unknown>,
+    /// Where the step under way began.
+    c_before: Vec<f64>,
+    before: Vec<Unknown>,
     /// Each unknown's part of the time where the search begins, over an even one: what λ·s of its
     /// bounds is led by.
     part: Vec<f64>,
-    /// 1 − c/cap.
-    under: Vec<Slack>,
-    /// The pairs of the problem before.
-    known: Vec<Pair>,
+    /// Those of the problem before.
+    known: Vec<Bundle>,
     band: Banded<1, 3>,
+    drawn: Vec<Drawn>,
     step: Vec<f64>,
 }
 
@@ -185,41 +103,43 @@ impl Chain {
         self.c.clear();
         self.weight.clear();
         self.cap.clear();
-        core::mem::swap(&mut self.pairs, &mut self.known);
-        self.pairs.clear();
+        core::mem::swap(&mut self.bundles, &mut self.known);
+        self.bundles.clear();
     }
 
-    fn free(&self) -> core::ops::Range<usize> {
+    /// One more pair of bounds: those of the same unknowns one after another.
+    pub(crate) fn push(&mut self, pair: &Pair) {
+        if !self.bundles.last_mut().is_some_and(|last| last.take(pair)) {
+            let mut bundle = Bundle::new(pair.at);
+            bundle.take(pair);
+            self.bundles.push(bundle);
+        }
+    }
+
+    pub(crate) fn free(&self) -> core::ops::Range<usize> {
         self.given[0]..self.c.len() - self.given[1]
     }
 
     /// Largest amount by which a bound is exceeded, as a share of it.
-    pub(crate) fn excess(&self) -> f64 {
-        let mut most = -1.0_f64;
-        for i in self.free() {
-            most = most.max(self.c[i] / self.cap[i] - 1.0);
-        }
-        for p in &self.pairs {
-            let r = if p.scale == 0.0 { 1.0 } else { p.scale / libm::sqrt(self.c[p.at + 1]) };
-            most = most.max(p.sum(&self.c).abs() / r - 1.0);
-        }
-        most
+    pub(crate) fn excess(&mut self) -> f64 {
+        self.look();
+        let all = Unknowns { c: &self.c, one: &self.unknowns, part: &[] };
+        self.bundles.iter().map(|one| one.excess(&all.three(one.at))).fold(-1.0, f64::max)
     }
 
     /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was
     /// found. `first`: so much of the time for λ·s of each unknown where the search begins; `None`:
     /// a problem of the same shape was solved before, and this one begins where that one ended.
-    pub(crate) fn solve(&mut self, first: Option<f64>) -> Option<usize> {
+    pub(crate) fn solve(&mut self, first: Option<f64>, close: f64) -> Option<usize> {
         if self.free().is_empty() {
             return (self.excess() < 1e-6).then_some(0);
         }
-        self.roots();
+        self.look();
         let mut time = self.time();
         self.parts(time);
         let slowest = SLOWER * time;
-        let capped = self.free().filter(|i| self.cap[*i].is_finite()).count();
-        let count = (2 * self.pairs.len() + capped) as f64;
-        let is_same = self.known.len() == self.pairs.len() && self.under.len() == self.c.len();
+        let count = 2.0 * self.bundles.iter().map(|one| one.pairs as f64).sum::<f64>();
+        let is_same = self.known.len() == self.bundles.len();
         let mut mu = if first.is_none() && is_same {
             AGAIN * time / count
         } else {
@@ -231,25 +151,24 @@ impl Chain {
             self.start(mu);
         }
         let (mut stuck, mut is_fast) = (0, false);
+        self.gather::<false>(mu, Reach::all());
         for steps in 1..=STEPS {
-            self.assemble();
-            self.band.factor();
             self.aim(mu);
-            let (primal, dual) = self.reach(mu);
-            let (gap, miss) = self.advance(mu, (primal, dual));
+            let reach = self.reach(mu);
+            let (gap, miss) = self.advance(mu, reach);
             let before = core::mem::replace(&mut time, self.time());
-            is_fast = gap < GAP * time && (before - time).abs() < GAP * time;
-            if is_fast && miss < MISS {
+            is_fast = gap < close * time && (before - time).abs() < close * time;
+            if is_fast && miss < MISS * close / GAP {
                 return Some(steps);
             }
             if !(gap.is_finite() && time < slowest) {
                 return None;
             }
-            stuck = if primal.max(dual) < STUCK.0 { stuck + 1 } else { 0 };
+            stuck = if reach.primal.max(reach.dual) < STUCK.0 { stuck + 1 } else { 0 };
             if stuck == STUCK.1 {
                 break;
             }
-            let least = primal.min(dual);
+            let least = reach.primal.min(reach.dual);
             let shrink = if least > 0.8 {
                 0.1
             } else if least > 0.4 {
@@ -263,178 +182,138 @@ impl Chain {
         (excess < 1e-6 || is_fast && excess < NEARLY).then_some(STEPS)
     }
 
-    fn roots(&mut self) {
-        self.root.clear();
-        self.root.extend(self.c.iter().map(|c| 1.0 / libm::sqrt(c.max(1e-300))));
+    fn look(&mut self) {
+        self.unknowns.clear();
+        self.unknowns.extend(self.c.iter().map(|c| Unknown::of(*c)));
     }
 
-    /// The time of all cells; after [`Self::roots`].
+    /// The time of all cells; after [`Self::look`].
     fn time(&self) -> f64 {
-        self.free().map(|i| self.weight[i] * self.root[i]).sum()
+        self.free().map(|i| self.weight[i] * self.unknowns[i].root).sum()
     }
 
-    /// After [`Self::roots`].
+    /// After [`Self::look`].
     fn parts(&mut self, time: f64) {
         let over = self.free().len() as f64 / time;
-        let parts = self.weight.iter().zip(&self.root).map(|(w, root)| w * root * over);
+        let parts = self.weight.iter().zip(&self.unknowns).map(|(w, one)| w * one.root * over);
         self.part.clear();
         self.part.extend(parts.map(|part| part.clamp(PART, 1.0 / PART)));
     }
 
     fn start(&mut self, mu: f64) {
-        let new = |room: f64, r: f64, part: f64| {
-            let s = room.max(0.1 * r);
-            Slack::new(s, mu * part / s)
-        };
-        self.under.clear();
-        let all = self.c.iter().zip(&self.cap).zip(&self.part);
-        self.under.extend(all.map(|((c, cap), part)| new(1.0 - c / cap, 1.0, *part)));
-        for p in &mut self.pairs {
-            let (r, part) = (p.bound(&self.root), self.part[p.at + 1]);
-            p.slack = p.room(&self.c, &self.root).map(|room| new(room, r, part));
-        }
+        let all = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
+        self.bundles.iter_mut().for_each(|one| one.start(&all.three(one.at), mu));
     }
 
     /// With the prices of the problem before.
     fn resume(&mut self, mu: f64) {
-        let all = self.c.iter().zip(&self.cap).zip(&self.part);
-        for (slack, ((c, cap), part)) in self.under.iter_mut().zip(all) {
-            *slack = Slack::again(1.0 - c / cap, 1.0, slack.price, mu * part);
-        }
-        for (p, known) in self.pairs.iter_mut().zip(&self.known) {
-            let scale = if p.scale == 0.0 { 1.0 } else { known.scale / p.scale };
-            let (r, room) = (p.bound(&self.root), p.room(&self.c, &self.root));
-            let mu = mu * self.part[p.at + 1];
-            p.slack = core::array::from_fn(|k| {
-                Slack::again(room[k], r, scale * known.slack[k].price, mu)
-            });
+        let all = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
+        for (one, known) in self.bundles.iter_mut().zip(&self.known) {
+            one.resume(known, &all.three(one.at), mu);
         }
     }
 
-    /// Newton's matrix.
-    fn assemble(&mut self) {
+    /// Newton's matrix, and what draws the unknowns. `GO`: along the step to here first, with all
+    /// slacks and prices.
+    fn gather<const GO: bool>(&mut self, mu: f64, reach: Reach) -> Left {
         let n = self.c.len();
         self.band.clear(n);
-        self.step.clear();
-        self.step.resize(n, 0.0);
-        let band = &mut self.band;
-        for p in &self.pairs {
-            let i = p.at;
-            let [a, b, c] = p.g;
-            let dr = p.slope(&self.root);
-            let [low, high] = p.slack;
-            self.step[i + 1] += p.scale * (low.price + high.price);
-            // both sides' slopes are (−a, r′ − b, −c) and (a, r′ + b, c)
-            let (w0, w1) = (low.price * low.over, high.price * high.over);
-            let (w, d) = (w0 + w1, (w1 - w0) * dr);
-            let middle = w * b + d;
-            *band.entry(i, 0) += w * a * a;
-            let (m0, m1) = (dr - b, dr + b);
-            *band.entry(i + 1, 0) += w0 * m0 * m0 + w1 * m1 * m1;
-            *band.entry(i, 1) += a * middle;
-            *band.entry(i + 2, 0) += w * c * c;
-            *band.entry(i + 1, 1) += c * middle;
-            *band.entry(i, 2) += w * a * c;
-        }
-        for i in self.given[0]..n - self.given[1] {
-            let y = self.root[i] * self.root[i];
-            let weight = more(self.weight[i] - self.step[i], 0.1 * self.weight[i]);
-            let mut own = 0.75 * weight * self.root[i] * y * y;
-            if self.cap[i].is_finite() {
-                let slack = &self.under[i];
-                own += slack.price * slack.over / (self.cap[i] * self.cap[i]);
+        self.drawn.clear();
+        self.drawn.resize(n, Drawn::default());
+        let here = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
+        let before = Unknowns { c: &self.c_before, one: &self.before, part: &self.part };
+        let mut left = Left::default();
+        for one in &mut self.bundles {
+            let (at, three) = (one.at, here.three(one.at));
+            if GO {
+                let from = (&before.three(at), window(&self.step, at));
+                one.go(from, &three, (mu, reach), &mut left);
             }
-            *band.entry(i, 0) += own;
+            let Added { matrix, drawn } = one.added(&three);
+            let [first, second, third] = window_mut(&mut self.band.rows, at);
+            first[0][0][0] += matrix[0];
+            first[1][0][0] += matrix[1];
+            first[2][0][0] += matrix[2];
+            second[0][0][0] += matrix[3];
+            second[1][0][0] += matrix[4];
+            third[0][0][0] += matrix[5];
+            for (all, drawn) in window_mut(&mut self.drawn, at).iter_mut().zip(drawn) {
+                all.at_once += drawn.at_once;
+                all.by_mu += drawn.by_mu;
+                all.bend += drawn.bend;
+            }
+        }
+        for i in self.free() {
+            let (Unknown { root, .. }, weight) = (self.unknowns[i], self.weight[i]);
+            let (drawn, y) = (&mut self.drawn[i], root * root);
+            drawn.at_once += 0.5 * weight * root * y;
+            let bend = (weight - drawn.bend).max(0.1 * weight);
+            *self.band.entry(i, 0) += 0.75 * bend * root * y * y;
         }
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
-            band.fix(i, 0);
+            self.band.fix(i, 0);
+            self.drawn[i] = Drawn::default();
         }
+        left
     }
 
-    /// The step towards λ·s = μ, in `step`.
+    /// The step towards λ·s = μ.
     fn aim(&mut self, mu: f64) {
-        let n = self.c.len();
+        self.band.factor();
         self.step.clear();
-        self.step.resize(n, 0.0);
-        for i in self.given[0]..n - self.given[1] {
-            let y = self.root[i] * self.root[i];
-            self.step[i] = 0.5 * self.weight[i] * self.root[i] * y;
-            if self.cap[i].is_finite() {
-                let over = 1.0 / self.cap[i];
-                self.step[i] -=
-                    over * self.under[i].pull(mu * self.part[i], 1.0 - self.c[i] * over);
-            }
-        }
-        for p in &self.pairs {
-            let (room, mu) = (p.room(&self.c, &self.root), mu * self.part[p.at + 1]);
-            let (low, high) = (p.slack[0].pull(mu, room[0]), p.slack[1].pull(mu, room[1]));
-            let (d, dr) = (high - low, p.slope(&self.root));
-            let step = &mut self.step[p.at..p.at + 3];
-            step[0] += p.g[0] * d;
-            step[1] += p.g[1] * d + dr * (low + high);
-            step[2] += p.g[2] * d;
-        }
-        for i in (0..self.given[0]).chain(n - self.given[1]..n) {
-            self.step[i] = 0.0;
-        }
+        self.step.extend(self.drawn.iter().map(|drawn| drawn.at_once + mu * drawn.by_mu));
         self.band.solve_one(self.step.as_chunks_mut::<1>().0);
     }
 
     /// How far the unknowns with their slacks, and the prices, may go.
-    fn reach(&mut self, mu: f64) -> (f64, f64) {
-        let (mut primal, mut dual) = (SHARE, SHARE);
+    fn reach(&self, mu: f64) -> Reach {
+        let all = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
+        let mut least = Least::all();
+        for one in &self.bundles {
+            one.limit(&all.three(one.at), window(&self.step, one.at), mu, &mut least);
+        }
+        let mut reach = least.reach();
         for i in self.free() {
-            if self.cap[i].is_finite() {
-                let over = 1.0 / self.cap[i];
-                let slack = &mut self.under[i];
-                let ds = 1.0 - (self.c[i] + self.step[i]) * over - slack.s;
-                slack.limit(mu * self.part[i], ds, (&mut primal, &mut dual));
+            if self.step[i] * reach.primal < -FALL * self.c[i] {
+                reach.primal = -FALL * self.c[i] / self.step[i];
             }
         }
-        for p in &mut self.pairs {
-            let (room, mu) = (p.room(&self.c, &self.root), mu * self.part[p.at + 1]);
-            let (turn, dr) = (p.sum(&self.step), p.slope(&self.root) * self.step[p.at + 1]);
-            let [low, high] = &mut p.slack;
-            low.limit(mu, dr - turn + room[0] - low.s, (&mut primal, &mut dual));
-            high.limit(mu, dr + turn + room[1] - high.s, (&mut primal, &mut dual));
-        }
-        for i in self.free() {
-            // c stays positive, and 1/√c near its tangent
-            if self.step[i] * primal < -0.8 * self.c[i] {
-                primal = -0.8 * self.c[i] / self.step[i];
-            }
-        }
-        // a full step is a full step
-        let whole = |x: f64| if x >= SHARE { 1.0 } else { x };
-        (whole(primal), whole(dual))
+        reach.whole()
     }
 
     /// Go; the sum of λ·s after it, and the largest miss.
-    fn advance(&mut self, mu: f64, so_far: (f64, f64)) -> (f64, f64) {
-        let free = self.free();
-        for i in free.clone() {
-            self.c[i] += so_far.0 * self.step[i];
+    fn advance(&mut self, mu: f64, reach: Reach) -> (f64, f64) {
+        self.c_before.clone_from(&self.c);
+        core::mem::swap(&mut self.before, &mut self.unknowns);
+        for i in self.free() {
+            self.c[i] += reach.primal * self.step[i];
         }
-        self.roots();
-        let (mut gap, mut worst) = (0.0, 0.0);
-        let mut count = |slack: &Slack, is: f64| {
-            worst = more(worst, slack.s - is);
-            gap += slack.s * slack.price;
-        };
-        for i in free {
-            if self.cap[i].is_finite() {
-                let is = 1.0 - self.c[i] / self.cap[i];
-                self.under[i].go(mu * self.part[i], so_far, is);
-                count(&self.under[i], is);
-            }
-        }
-        for p in &mut self.pairs {
-            let (room, mu) = (p.room(&self.c, &self.root), mu * self.part[p.at + 1]);
-            for (slack, is) in p.slack.iter_mut().zip(room) {
-                slack.go(mu, so_far, is);
-                count(slack, is);
-            }
-        }
-        (gap, worst)
+        self.look();
+        let left = self.gather::<true>(mu, reach);
+        (left.gap(), left.miss())
     }
+}
+
+/// All unknowns, and what follows from them.
+#[derive(Clone, Copy)]
+struct Unknowns<'a> {
+    c: &'a [f64],
+    one: &'a [Unknown],
+    part: &'a [f64],
+}
+
+impl Unknowns<'_> {
+    fn three(&self, at: usize) -> Three<'_> {
+        let part = self.part.get(at + 1).copied().unwrap_or(1.0);
+        Three { c: window(self.c, at), middle: self.one[at + 1], part }
+    }
+}
+
+/// The three from one on.
+fn window<T>(of: &[T], at: usize) -> &[T; 3] {
+    &of[at..].as_chunks::<3>().0[0]
+}
+
+fn window_mut<T>(of: &mut [T], at: usize) -> &mut [T; 3] {
+    &mut of[at..].as_chunks_mut::<3>().0[0]
 }

@@ -22,7 +22,7 @@ use super::State;
 use super::cell::{Cell, Demand, LimitRow};
 use super::fine::{Fine, JERK_SHARE, growth, jerk_along};
 use super::guess::Guess;
-use super::interior::{Chain, FIRST};
+use super::interior::{Chain, FIRST, GAP};
 use super::level::{Level, levels};
 use super::runs::{CellRun, runs};
 use alloc::vec::Vec;
@@ -38,6 +38,11 @@ const WITHIN: f64 = -0.02;
 /// Where a search begins, and where it begins again when that has led nowhere: how far in time the
 /// guess looks, as a share of the grid's step, and [`FIRST`].
 const STARTS: [(f64, f64); 3] = [(1.0, FIRST), (4.0, 0.05), (16.0, 0.01)];
+
+/// How near to the optimum a search comes before its plan is looked at the first time, and the next
+/// one; after these [`GAP`].
+const ROUGH: f64 = 25.0 * GAP;
+const NEARER: f64 = 3.0 * GAP;
 
 /// How often a plan is corrected, and from what share of the limits of acceleration and jerk on.
 const REFINEMENTS: usize = 8;
@@ -94,7 +99,7 @@ impl Smooth {
                 *fine = Fine::new(fine.cell, fine.from, fine.h);
             }
             self.pose(cells, from, START);
-            if self.chain.solve(Some(*first)).is_none() {
+            if self.chain.solve(Some(*first), ROUGH).is_none() {
                 return false;
             }
             self.read(from);
@@ -105,18 +110,20 @@ impl Smooth {
     /// The jerk of the motion at the knots may be a little more than it was in the equations, where
     /// the speed changes much within a cell: there, plan with less.
     fn refine(&mut self, cells: &[&Cell], from: From) -> bool {
+        let mut close = ROUGH;
         for round in 0..REFINEMENTS {
             // a little is corrected twice, much until it is gone
             let most = self.tighten(cells);
-            if most <= TOLERANCE || (round > 1 && most <= ENOUGH) {
+            if close == GAP && (most <= TOLERANCE || (round > 1 && most <= ENOUGH)) {
                 return true;
             }
+            close = if round == 0 && most > ENOUGH { NEARER } else { GAP };
             core::mem::swap(&mut self.spare, &mut self.chain.c);
             self.pose(cells, from, START);
             for i in self.chain.given[0]..self.chain.c.len() - 1 {
                 self.chain.c[i] = self.spare[i];
             }
-            if self.chain.solve(None).is_none() {
+            if self.chain.solve(None, close).is_none() {
                 return false;
             }
             self.read(from);
