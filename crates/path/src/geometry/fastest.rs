@@ -75,15 +75,15 @@ pub(crate) struct Stage {
     steps: usize,
 }
 
-const FIRST: Stage = Stage { mu: 0.05, steps: 8 };
-const SECOND: Stage = Stage { mu: 0.02, steps: 6 };
-const LAST: Stage = Stage { mu: 0.005, steps: 4 };
+const WITHOUT_JERK: [Stage; 2] = [Stage { mu: 0.05, steps: 10 }, Stage { mu: 0.005, steps: 6 }];
+const WITH_JERK: [Stage; 3] =
+    [Stage { mu: 0.05, steps: 8 }, Stage { mu: 0.02, steps: 6 }, Stage { mu: 0.005, steps: 4 }];
 
 impl Stage {
-    /// The first of them, and the finer ones, with more knots from one to the next where spans take
-    /// long: with a limit of jerk more of them, as q‴ does not change between two knots.
-    pub(crate) fn all(limits: &Limits) -> (Self, &'static [Self]) {
-        (FIRST, if limits.has_jerk() { &[SECOND, LAST] } else { &[LAST] })
+    /// One after another, with more knots from one to the next: with a limit of jerk more of them,
+    /// as q‴ does not change between two knots.
+    pub(crate) fn all(limits: &Limits) -> &'static [Self] {
+        if limits.has_jerk() { &WITH_JERK } else { &WITHOUT_JERK }
     }
 }
 

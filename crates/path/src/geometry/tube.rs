@@ -22,7 +22,7 @@ use motion::Point;
 /// r of the header; samples are good up to [`NEAR`].
 const RADIUS: f64 = 0.982;
 /// Rounds at most, and at least.
-const ROUNDS: usize = 32;
+const ROUNDS: usize = 48;
 const LEAST: usize = 12;
 /// How far beyond the solution a round goes, which ends the search sooner.
 const RELAXED: f64 = 1.6;

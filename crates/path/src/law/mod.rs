@@ -108,6 +108,22 @@ pub struct Law {
     smooth: Smooth,
 }
 
+/// Smallest acceleration and smallest jerk of all axes.
+fn slowest(limits: &Limits) -> (f64, f64) {
+    let least = |of: fn(&Bounds) -> &[f64; AXES]| {
+        let all = [&limits.feed, &limits.rapid].into_iter().flat_map(of);
+        all.filter(|x| **x > 0.0).fold(f64::INFINITY, |m, x| m.min(*x))
+    };
+    (least(|bounds| &bounds.accel), least(|bounds| &bounds.jerk))
+}
+
+/// An eighth of the time in which the acceleration is reached, s: within less, hardly any axis can
+/// do something else. Zero without a limit of jerk.
+pub(crate) fn step(limits: &Limits) -> f64 {
+    let (accel, jerk) = slowest(limits);
+    accel / jerk / 8.0
+}
+
 impl Law {
     /// From rest.
     pub fn new(config: Config) -> Self {
@@ -118,16 +134,9 @@ impl Law {
     /// from there. For changes of the feed, and for holding it, at any instant: push the rest of
     /// the path again, with another feed.
     pub fn resuming(config: Config, state: State) -> Self {
-        let both = [&config.limits.feed, &config.limits.rapid];
-        let least = |of: fn(&Bounds) -> &[f64; AXES]| {
-            both.iter()
-                .flat_map(|b| of(b))
-                .filter(|x| **x > 0.0)
-                .fold(f64::INFINITY, |m, x| m.min(*x))
-        };
-        let slowest = (least(|b| &b.accel), least(|b| &b.jerk));
+        let slowest = slowest(&config.limits);
         // over revolutions a period may be longer than the longest step
-        let tau = (slowest.0 / slowest.1 / 8.0).min(LONGEST_STEP).max(config.period);
+        let tau = step(&config.limits).min(LONGEST_STEP).max(config.period);
         Self {
             config,
             pending: VecDeque::new(),

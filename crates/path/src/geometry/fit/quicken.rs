@@ -9,6 +9,7 @@ use crate::geometry::knots::Way;
 use crate::geometry::load::LimitPoint;
 use crate::geometry::sample::Sample;
 use crate::geometry::spline::{Halved, Knots};
+use crate::law::step;
 use alloc::vec::Vec;
 use motion::{Curve, Limits, Point, Polynomial};
 
@@ -17,9 +18,11 @@ use motion::{Curve, Limits, Point, Polynomial};
 const FEWEST: usize = 8;
 /// Knots that are nearer to each other than so many tolerances get none between them.
 const CRUMB: f64 = 2.1;
-/// A span that takes less time gets none either, s: in half of it hardly any axis could do
-/// something else.
+/// A span that takes less than a step of the law gets none either; no step counts as longer than
+/// this, s.
 const BRIEF: f64 = 6e-3;
+/// So many spans at each end count as long: of their control points three are given.
+const ENDS: usize = 4;
 /// How much sharper its sharpest bend may be.
 const SHARPER: f64 = 8.0;
 
@@ -45,19 +48,21 @@ impl Fitter {
         }
         let sharpest = self.sharpest();
         self.keep();
-        let (first, finer) = Stage::all(limits);
-        let mut found = self.search((limits, rests), (first, None));
-        let mut is_good = found && self.is_good(sharpest);
-        for stage in finer {
+        let (mut found, mut is_good) = (true, false);
+        for (number, stage) in Stage::all(limits).iter().enumerate() {
             if !found {
                 break;
             }
             if is_good {
                 self.keep();
             }
-            let old = self.knots.clone();
-            let halved = self.refine(way);
-            found = self.search((limits, rests), (*stage, Some((Knots(&old), &halved))));
+            found = if number == 0 {
+                self.search((limits, rests), (*stage, None))
+            } else {
+                let old = self.knots.clone();
+                let halved = self.refine(way, step(limits).min(BRIEF));
+                self.search((limits, rests), (*stage, Some((Knots(&old), &halved))))
+            };
             is_good = found && self.is_good(sharpest);
         }
         if !is_good {
@@ -123,16 +128,17 @@ impl Fitter {
         }
     }
 
-    /// The same curve with more knots, as long as they are not too near to each other, in time or
-    /// along the way.
-    fn refine(&mut self, way: &Way) -> Halved {
+    /// The same curve with more knots, as long as they are not too near to each other: along the way
+    /// and in time, where a span takes less than `brief`, s.
+    fn refine(&mut self, way: &Way, brief: f64) -> Halved {
         let spans: Vec<Polynomial> = (0..self.spans()).map(|span| self.polynomial(span)).collect();
         let old = core::mem::take(&mut self.knots);
         let (linear, all) = (&self.fastest_linear, &self.fastest_of_all);
         let time = |span| if self.axes <= 3 { linear.time(span) } else { all.time(span) };
         let near = |span: usize| {
             let (a, b) = (old[span], old[span + 1]);
-            time(span) < BRIEF || b - a < CRUMB * serves(way, a, b).tolerance
+            let ends = span < ENDS || span + ENDS >= old.len() - 1;
+            !ends && time(span) < brief || b - a < CRUMB * serves(way, a, b).tolerance
         };
         let halved = Knots(&old).halved(near);
         self.control.clear();
