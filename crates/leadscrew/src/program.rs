@@ -4,7 +4,7 @@ use crate::{Finished, RunOptions};
 use canon::Axis;
 use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, Preflight, Proved};
-use control::job::{Cursor, Operations, ProgramOptions, Session, read_program};
+use control::job::{Cursor, Operations, ProgramOptions, Session, Source, read_program};
 use control::plant::{self, Plant};
 use control::{Loaded, ProgramRun, Refused, config};
 use diag::Diagnostic;
@@ -85,10 +85,16 @@ impl Job {
         let mut free = WithoutJerk::of(&mut self.session, self.plan);
         let mut times = Times::new(&self.session, None);
         let mut planner = preflight::planner(&self.session, self.plan);
-        preflight::plan(&mut self.cursor(), &mut planner, &mut |step| times.step(&step));
-        if let Some(free) = &mut free {
-            free.all(&mut self.cursor());
+        let mut source = self.cursor();
+        while let Some((index, op)) = source.next() {
+            let frame = source.frame();
+            if let Some(free) = &mut free {
+                free.op(index, &op, frame);
+            }
+            planner.written_in(frame);
+            planner.push(index, &op, &mut |step| times.step(&step));
         }
+        planner.finish(&mut |step| times.step(&step));
         times.without_jerk = free.map(WithoutJerk::motion);
         Ok(times)
     }

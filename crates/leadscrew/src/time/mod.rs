@@ -6,11 +6,13 @@ mod estimate;
 mod longest;
 mod peaks;
 mod shares;
+mod without_jerk;
 
 pub use estimate::{Estimate, estimate};
 pub use longest::Timed;
 pub use peaks::{Peak, Peaks};
-pub use shares::{Added, Shares, WithoutJerk};
+pub use shares::{Added, Shares};
+pub use without_jerk::WithoutJerk;
 
 use control::config;
 use control::job::Session;

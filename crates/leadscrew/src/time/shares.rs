@@ -1,10 +1,6 @@
 //! What the planned time is made of.
-use canon::{Op, ProgramFrame};
-use control::config;
-use control::job::{Session, Source, preflight};
-use plan::{Clock, MachineLimits, Planner};
-use plan::{Step, StepKind};
-use units::{CoordinateJerk, Time};
+use plan::{Clock, MachineLimits, Step, StepKind};
+use units::Time;
 
 /// What takes time, in the order of the report.
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,54 +77,5 @@ impl Added {
     /// Time in motion.
     pub fn motion(&self) -> Time {
         self.shares.motion()
-    }
-}
-
-/// The same program planned as if no axis had a limit of jerk, beside what it is planned for.
-pub struct WithoutJerk {
-    planner: Planner,
-    added: Added,
-}
-
-impl WithoutJerk {
-    /// `None`: no axis has such a limit.
-    pub fn of(session: &mut Session, options: plan::Options) -> Option<Self> {
-        let free = CoordinateJerk::new(f64::INFINITY);
-        let limited = session.machine.axes.clone();
-        if limited.iter().flatten().all(|axis| axis.jerk_feed == free && axis.jerk_rapid == free) {
-            return None;
-        }
-        for axis in session.machine.axes.iter_mut().flatten() {
-            (axis.jerk_feed, axis.jerk_rapid) = (free, free);
-        }
-        let planner = preflight::planner(session, options);
-        let added = Added::new(config::planner(&session.machine));
-        session.machine.axes = limited;
-        Some(Self { planner, added })
-    }
-
-    /// One more operation.
-    pub fn op(&mut self, index: u32, op: &Op, frame: ProgramFrame) {
-        let Self { planner, added } = self;
-        planner.written_in(frame);
-        planner.push(index, op, &mut |step| {
-            added.step(&step);
-        });
-    }
-
-    /// All operations of a program.
-    pub fn all(&mut self, source: &mut impl Source) {
-        while let Some((index, op)) = source.next() {
-            self.op(index, &op, source.frame());
-        }
-    }
-
-    /// Time in motion, after the last operation.
-    pub fn motion(mut self) -> Time {
-        let Self { planner, added } = &mut self;
-        planner.finish(&mut |step| {
-            added.step(&step);
-        });
-        added.motion()
     }
 }
