@@ -19,11 +19,11 @@ type Numbered = (u32, Op, ProgramFrame);
 /// The same program planned as if no axis had a limit of jerk, beside what it is planned for.
 pub struct WithoutJerk {
     batch: Vec<Numbered>,
-    place: Place,
+    planned: PlannedIn,
 }
 
 /// Where it is planned.
-enum Place {
+enum PlannedIn {
     Beside(SyncSender<Vec<Numbered>>, JoinHandle<Time>),
     /// There is no thread to be had.
     Here(Box<FreePlan>),
@@ -84,11 +84,11 @@ impl WithoutJerk {
             plan.motion()
         };
         let thread = Builder::new().name("without-jerk".into()).spawn(work);
-        let place = match thread {
-            Ok(thread) => Place::Beside(tell, thread),
-            Err(_) => Place::Here(Box::new(FreePlan::new(session, options))),
+        let planned = match thread {
+            Ok(thread) => PlannedIn::Beside(tell, thread),
+            Err(_) => PlannedIn::Here(Box::new(FreePlan::new(session, options))),
         };
-        Some(Self { batch: Vec::new(), place })
+        Some(Self { batch: Vec::new(), planned })
     }
 
     /// One more operation.
@@ -101,10 +101,10 @@ impl WithoutJerk {
 
     fn hand_over(&mut self) {
         let batch = std::mem::take(&mut self.batch);
-        match &mut self.place {
+        match &mut self.planned {
             // a thread that has ended before has panicked, which is said when it is joined
-            Place::Beside(tell, _) => _ = tell.send(batch),
-            Place::Here(plan) => plan.take(&batch),
+            PlannedIn::Beside(tell, _) => _ = tell.send(batch),
+            PlannedIn::Here(plan) => plan.take(&batch),
         }
     }
 
@@ -118,12 +118,12 @@ impl WithoutJerk {
     /// Time in motion, after the last operation.
     pub fn motion(mut self) -> Time {
         self.hand_over();
-        match self.place {
-            Place::Beside(tell, thread) => {
+        match self.planned {
+            PlannedIn::Beside(tell, thread) => {
                 drop(tell);
                 thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
             }
-            Place::Here(plan) => plan.motion(),
+            PlannedIn::Here(plan) => plan.motion(),
         }
     }
 }

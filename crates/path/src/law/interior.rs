@@ -16,8 +16,8 @@ mod slack;
 use crate::banded::Banded;
 use alloc::vec::Vec;
 pub(super) use bundle::Pair;
-use bundle::{Added, Bundle, Three};
-use slack::{Least, Left, Reach};
+use bundle::{Bundle, Contribution, Three};
+use slack::{Least, Reach, Residual};
 
 /// Newton steps at most.
 const STEPS: usize = 200;
@@ -64,9 +64,10 @@ impl Unknown {
     }
 }
 
-/// What an unknown is drawn by: at once, and with μ; and by how much bounds that fall with it bend.
+/// Of the equations, for an unknown: what does not depend on μ, and what goes with it; and by how much
+/// bounds that fall with it bend.
 #[derive(Clone, Copy, Debug, Default)]
-struct Drawn {
+struct RightSide {
     at_once: f64,
     by_mu: f64,
     bend: f64,
@@ -94,7 +95,7 @@ pub(crate) struct Chain {
     /// Those of the problem before.
     known: Vec<Bundle>,
     band: Banded<1, 3>,
-    drawn: Vec<Drawn>,
+    drawn: Vec<RightSide>,
     step: Vec<f64>,
 }
 
@@ -215,21 +216,21 @@ impl Chain {
 
     /// Newton's matrix, and what draws the unknowns. `GO`: along the step to here first, with all
     /// slacks and prices.
-    fn gather<const GO: bool>(&mut self, mu: f64, reach: Reach) -> Left {
+    fn gather<const GO: bool>(&mut self, mu: f64, reach: Reach) -> Residual {
         let n = self.c.len();
         self.band.clear(n);
         self.drawn.clear();
-        self.drawn.resize(n, Drawn::default());
+        self.drawn.resize(n, RightSide::default());
         let here = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
         let before = Unknowns { c: &self.c_before, one: &self.before, part: &self.part };
-        let mut left = Left::default();
+        let mut left = Residual::default();
         for one in &mut self.bundles {
             let (at, three) = (one.at, here.three(one.at));
             if GO {
                 let from = (&before.three(at), window(&self.step, at));
                 one.go(from, &three, (mu, reach), &mut left);
             }
-            let Added { matrix, drawn } = one.added(&three);
+            let Contribution { matrix, drawn } = one.added(&three);
             let [first, second, third] = window_mut(&mut self.band.rows, at);
             first[0][0][0] += matrix[0];
             first[1][0][0] += matrix[1];
@@ -252,7 +253,7 @@ impl Chain {
         }
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
             self.band.fix(i, 0);
-            self.drawn[i] = Drawn::default();
+            self.drawn[i] = RightSide::default();
         }
         left
     }

@@ -128,8 +128,8 @@ impl Fitter {
         }
     }
 
-    /// The same curve with more knots, as long as they are not too near to each other: along the way
-    /// and in time, where a span takes less than `brief`, s.
+    /// The same curve with more knots, as long as they are not too near to each other: along the
+    /// way, and in time, where a span takes less than `brief`, s.
     fn refine(&mut self, way: &Way, brief: f64) -> Halved {
         let spans: Vec<Polynomial> = (0..self.spans()).map(|span| self.polynomial(span)).collect();
         let old = core::mem::take(&mut self.knots);

@@ -1,6 +1,6 @@
 //! Bounds of the same three unknowns, four pairs side by side: −r ≤ g·c ≤ r.
-use super::slack::{Least, Left, Reach, Slacks};
-use super::{Drawn, Unknown};
+use super::slack::{Least, Reach, Residual, Slacks};
+use super::{RightSide, Unknown};
 use wide::f64x4;
 
 const FOUR: usize = 4;
@@ -57,10 +57,10 @@ type Rooms = [f64x4; 2];
 /// What a bundle adds to the equations of its unknowns: the matrix from its diagonal on, and what
 /// draws them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Added {
+pub(super) struct Contribution {
     /// 00, 01, 02, 11, 12, 22
     pub(super) matrix: [f64; 6],
-    pub(super) drawn: [Drawn; 3],
+    pub(super) drawn: [RightSide; 3],
 }
 
 impl Bundle {
@@ -136,7 +136,7 @@ impl Bundle {
         (before, step): (&Three, &[f64; 3]),
         here: &Three,
         (mu, reach): (f64, Reach),
-        left: &mut Left,
+        left: &mut Residual,
     ) {
         let mu = self.held * (mu * before.part);
         let ([low, high], to) = (self.rooms(here), self.leads(before, step));
@@ -154,7 +154,7 @@ impl Bundle {
         self.high.limit(mu, to[1], least);
     }
 
-    pub(super) fn added(&self, three: &Three) -> Added {
+    pub(super) fn added(&self, three: &Three) -> Contribution {
         let Self { g, scale, low, high, held, .. } = self;
         let (w0, w1) = (low.stiffness(), high.stiffness());
         // both sides' slopes are (−g₀, r′ − g₁, −g₂) and (g₀, r′ + g₁, g₂)
@@ -171,17 +171,17 @@ impl Bundle {
         let (at_once, by_mu) = (pushed - pulled, high_mu - low_mu);
         let both = dr * (pulled + pushed);
         let both_mu = dr * (low_mu + high_mu);
-        let drawn = |at_once: f64x4, by_mu: f64x4| Drawn {
+        let drawn = |at_once: f64x4, by_mu: f64x4| RightSide {
             at_once: at_once.reduce_add(),
             by_mu: three.part * by_mu.reduce_add(),
             bend: 0.0,
         };
         let bend = (*scale * (low.price + high.price)).reduce_add();
-        Added {
+        Contribution {
             matrix: matrix.map(f64x4::reduce_add),
             drawn: [
                 drawn(g[0] * at_once, g[0] * by_mu),
-                Drawn { bend, ..drawn(g[1] * at_once + both, g[1] * by_mu + both_mu) },
+                RightSide { bend, ..drawn(g[1] * at_once + both, g[1] * by_mu + both_mu) },
                 drawn(g[2] * at_once, g[2] * by_mu),
             ],
         }

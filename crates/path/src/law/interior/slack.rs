@@ -53,12 +53,12 @@ impl Least {
 
 /// The sum of λ·s, and by how much a slack is larger than its room at most.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Left {
+pub(super) struct Residual {
     gap: f64x4,
     miss: f64x4,
 }
 
-impl Left {
+impl Residual {
     pub(super) fn gap(self) -> f64 {
         self.gap.reduce_add()
     }
@@ -106,7 +106,7 @@ impl Slacks {
         self.price * (self.s - room) * self.over
     }
 
-    pub(super) fn count(&self, room: f64x4, left: &mut Left) {
+    pub(super) fn count(&self, room: f64x4, left: &mut Residual) {
         left.gap += self.s * self.price;
         left.miss = left.miss.fast_max(self.s - room);
     }
