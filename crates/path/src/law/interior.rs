@@ -64,8 +64,8 @@ impl Unknown {
     }
 }
 
-/// Of the equations, for an unknown: what does not depend on μ, and what goes with it; and by how much
-/// bounds that fall with it bend.
+/// Of the equations, for an unknown: what does not depend on μ, and what goes with it; and by how
+/// much bounds that fall with it bend.
 #[derive(Clone, Copy, Debug, Default)]
 struct RightSide {
     at_once: f64,
