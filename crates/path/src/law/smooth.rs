@@ -112,9 +112,9 @@ impl Smooth {
     fn refine(&mut self, cells: &[&Cell], from: From) -> bool {
         let mut close = ROUGH;
         for round in 0..REFINEMENTS {
-            // a little is corrected twice, much until it is gone
+            // a little is corrected twice near the optimum, much until it is gone
             let most = self.tighten(cells);
-            if close == GAP && (most <= TOLERANCE || (round > 1 && most <= ENOUGH)) {
+            if close == GAP && (most <= TOLERANCE || (round > 2 && most <= ENOUGH)) {
                 return true;
             }
             close = if round == 0 && most > ENOUGH { NEARER } else { GAP };

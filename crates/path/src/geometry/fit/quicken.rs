@@ -9,7 +9,7 @@ use crate::geometry::knots::Way;
 use crate::geometry::load::LimitPoint;
 use crate::geometry::sample::Sample;
 use crate::geometry::spline::{Halved, Knots};
-use crate::law::step;
+use crate::law::{shortest_wiggle, step};
 use alloc::vec::Vec;
 use motion::{Curve, Limits, Point, Polynomial};
 
@@ -18,8 +18,8 @@ use motion::{Curve, Limits, Point, Polynomial};
 const FEWEST: usize = 8;
 /// Knots that are nearer to each other than so many tolerances get none between them.
 const CRUMB: f64 = 2.1;
-/// A span that takes less than a step of the law gets none either; no step counts as longer than
-/// this, s.
+/// A span that takes less than a step of the law, or than a wiggle within the tolerance would, gets
+/// none either; no step counts as longer than this, s.
 const BRIEF: f64 = 6e-3;
 /// So many spans at each end count as long: of their control points three are given.
 const ENDS: usize = 4;
@@ -60,7 +60,7 @@ impl Fitter {
                 self.search((limits, rests), (*stage, None))
             } else {
                 let old = self.knots.clone();
-                let halved = self.refine(way, step(limits).min(BRIEF));
+                let halved = self.refine(way, limits);
                 self.search((limits, rests), (*stage, Some((Knots(&old), &halved))))
             };
             is_good = found && self.is_good(sharpest);
@@ -129,16 +129,19 @@ impl Fitter {
     }
 
     /// The same curve with more knots, as long as they are not too near to each other: along the
-    /// way, and in time, where a span takes less than `brief`, s.
-    fn refine(&mut self, way: &Way, brief: f64) -> Halved {
+    /// way, and in time.
+    fn refine(&mut self, way: &Way, limits: &Limits) -> Halved {
         let spans: Vec<Polynomial> = (0..self.spans()).map(|span| self.polynomial(span)).collect();
         let old = core::mem::take(&mut self.knots);
         let (linear, all) = (&self.fastest_linear, &self.fastest_of_all);
         let time = |span| if self.axes <= 3 { linear.time(span) } else { all.time(span) };
+        let longest = step(limits).min(BRIEF);
         let near = |span: usize| {
             let (a, b) = (old[span], old[span + 1]);
+            let tolerance = serves(way, a, b).tolerance;
             let ends = span < ENDS || span + ENDS >= old.len() - 1;
-            !ends && time(span) < brief || b - a < CRUMB * serves(way, a, b).tolerance
+            let brief = longest.min(shortest_wiggle(tolerance, limits));
+            !ends && time(span) < brief || b - a < CRUMB * tolerance
         };
         let halved = Knots(&old).halved(near);
         self.control.clear();
