@@ -17,7 +17,7 @@ use motion::{Curve, Limits, Point, Polynomial};
 /// must be free.
 const FEWEST: usize = 8;
 /// Knots that are nearer to each other than so many tolerances get none between them.
-const CRUMB: f64 = 2.1;
+const CLOSEST: f64 = 2.1;
 /// A span that takes less than a step of the law, or than a wiggle within the tolerance would, gets
 /// none either; no step counts as longer than this, s.
 const BRIEF: f64 = 6e-3;
@@ -141,7 +141,7 @@ impl Fitter {
             let tolerance = serves(way, a, b).tolerance;
             let ends = span < ENDS || span + ENDS >= old.len() - 1;
             let brief = longest.min(shortest_wiggle(tolerance, limits));
-            !ends && time(span) < brief || b - a < CRUMB * tolerance
+            !ends && time(span) < brief || b - a < CLOSEST * tolerance
         };
         let halved = Knots(&old).halved(near);
         self.control.clear();

@@ -121,9 +121,8 @@ impl Bundle {
 
     /// Begin with the prices of one like it.
     pub(super) fn resume(&mut self, known: &Self, three: &Three, mu: f64) {
-        let same = f64x4::splat(1.0);
-        let (of, was) = (self.scale + self.level * same, known.scale + known.level * same);
-        let scale = was / of;
+        // of each pair one of the two is zero
+        let scale = (known.scale + known.level) / (self.scale + self.level);
         let (r, [low, high]) = (self.bound(three.middle), self.rooms(three));
         let mu = self.held * (mu * three.part);
         self.low = Slacks::again(low, r, scale * known.low.price, mu);
