@@ -124,9 +124,9 @@ pub(crate) fn step(limits: &Limits) -> f64 {
     accel / jerk / 8.0
 }
 
-/// A quarter of the shortest wiggle from one side of a tolerance to the other, s (Favard: within τ
-/// a jerk of J leads J·τ³/12 off at most). Zero without a limit of jerk.
-pub(crate) fn shortest_wiggle(tolerance: f64, limits: &Limits) -> f64 {
+/// A quarter of the shortest oscillation from one side of a tolerance to the other, s (Favard:
+/// within τ a jerk of J leads J·τ³/12 off at most). Zero without a limit of jerk.
+pub(crate) fn shortest_oscillation(tolerance: f64, limits: &Limits) -> f64 {
     libm::cbrt(12.0 * 1.5 * tolerance / slowest(limits).1) / 4.0
 }
 

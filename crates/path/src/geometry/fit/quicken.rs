@@ -9,7 +9,7 @@ use crate::geometry::knots::Way;
 use crate::geometry::load::LimitPoint;
 use crate::geometry::sample::Sample;
 use crate::geometry::spline::{Halved, Knots};
-use crate::law::{shortest_wiggle, step};
+use crate::law::{shortest_oscillation, step};
 use alloc::vec::Vec;
 use motion::{Curve, Limits, Point, Polynomial};
 
@@ -18,8 +18,8 @@ use motion::{Curve, Limits, Point, Polynomial};
 const FEWEST: usize = 8;
 /// Knots that are nearer to each other than so many tolerances get none between them.
 const CLOSEST: f64 = 2.1;
-/// A span that takes less than a step of the law, or than a wiggle within the tolerance would, gets
-/// none either; no step counts as longer than this, s.
+/// A span that takes less than a step of the law, or than an oscillation within the tolerance
+/// would, gets none either; no step counts as longer than this, s.
 const BRIEF: f64 = 6e-3;
 /// So many spans at each end count as long: of their control points three are given.
 const ENDS: usize = 4;
@@ -140,7 +140,7 @@ impl Fitter {
             let (a, b) = (old[span], old[span + 1]);
             let tolerance = serves(way, a, b).tolerance;
             let ends = span < ENDS || span + ENDS >= old.len() - 1;
-            let brief = longest.min(shortest_wiggle(tolerance, limits));
+            let brief = longest.min(shortest_oscillation(tolerance, limits));
             !ends && time(span) < brief || b - a < CLOSEST * tolerance
         };
         let halved = Knots(&old).halved(near);
