@@ -84,7 +84,7 @@ impl Job {
         self.prove(&mut |_| ())?;
         let mut free = WithoutJerk::of(&mut self.session, self.plan);
         let mut times = Times::new(&self.session, None);
-        let mut planner = preflight::planner(&self.session, self.plan);
+        let mut planner = preflight::ahead(&self.session, self.plan);
         let mut source = self.cursor();
         while let Some((index, op)) = source.next() {
             let frame = source.frame();

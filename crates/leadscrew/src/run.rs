@@ -351,7 +351,7 @@ impl Finished {
         let program = Program { name, path, text };
         let job = Job { program, session, material, plan, part: 1, proved: Some(proved) };
         let mut added = Added::new(config::planner(&job.session.machine));
-        let mut planner = preflight::planner(&job.session, plan);
+        let mut planner = preflight::ahead(&job.session, plan);
         preflight::plan(&mut job.cursor(), &mut planner, &mut |step| {
             added.step(&step);
         });

@@ -47,6 +47,7 @@ extern crate alloc;
 
 mod along;
 mod bar;
+mod beside;
 mod boxed;
 mod cams;
 mod chip;
@@ -79,6 +80,7 @@ mod way_out;
 mod words;
 
 pub use bar::Bar;
+pub use beside::SideBySide;
 pub use boxed::{Boxed, SpindleStep, Step, StepKind};
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;

@@ -13,6 +13,7 @@
 //! So rapids wait while a spindle order is open, and cuts are gathered in a [`JoinedRun`] until
 //! something else comes.
 use crate::Step;
+use crate::beside::SideBySide;
 use crate::clock::Clock;
 use crate::ends::Ends;
 use crate::heat::Heat;
@@ -55,6 +56,11 @@ impl Outbox {
         self.run.alone().iter().for_each(|step| clock.count(step, limits));
         self.waiting.iter().for_each(|step| clock.count(step, limits));
         clock.elapsed()
+    }
+
+    /// Moves that go on into one another are joined and timed side by side.
+    pub(crate) fn side_by_side(&mut self, both: SideBySide) {
+        self.run = JoinedRun::side_by_side(both);
     }
 
     /// Whether steps wait.

@@ -284,6 +284,14 @@ impl Planner {
         Self { only_judges: true, ..self }
     }
 
+    /// One that joins moves and times them side by side, of a program that is planned ahead of its
+    /// run: the same steps, later. An operator's wishes cannot be followed then.
+    #[must_use]
+    pub fn side_by_side(mut self, both: crate::SideBySide) -> Self {
+        self.outbox.side_by_side(both);
+        self
+    }
+
     /// One that plans no moves that go on into one another, and keeps a sample of them:
     /// [`take_sample`](Self::take_sample). Its [`duration`](Self::duration) counts none of them.
     #[must_use]

@@ -7,6 +7,7 @@
 //! A move that stays alone between two stops is a [`Move`] with its own profile, as before: it
 //! needs no joining.
 use crate::along::Along;
+use crate::beside::{Beside, SideBySide};
 use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::settings::OperatorSettings;
@@ -109,9 +110,16 @@ pub(crate) struct JoinedRun {
     /// What the operator wants of it.
     pub(crate) settings: OperatorSettings,
     refusal: Option<(u32, LawRefusal)>,
+    /// A program is planned ahead of its run: nothing of it comes back to be planned anew.
+    beside: Option<Beside>,
 }
 
 impl JoinedRun {
+    /// One that joins and times side by side.
+    pub(crate) fn side_by_side(both: SideBySide) -> Self {
+        Self { beside: Some(Beside::new(both)), ..Self::default() }
+    }
+
     pub(crate) const fn is_empty(&self) -> bool {
         self.first.is_none() && self.timing.is_none()
     }
@@ -132,7 +140,8 @@ impl JoinedRun {
         let timed = self.timing.as_ref().and_then(|timing| timing.left().next());
         let piece = timed.as_ref().or_else(|| self.cutter.held()).map(|piece| piece.op);
         let joined = || self.joiner.as_ref().and_then(Joiner::next_op);
-        alone.or(piece).or_else(joined).unwrap_or(u32::MAX)
+        let waits = || self.beside.as_ref().and_then(Beside::next_op);
+        alone.or(piece).or_else(joined).or_else(waits).unwrap_or(u32::MAX)
     }
 
     /// Whether a move can go on from the ones before without a stop.
@@ -159,37 +168,41 @@ impl JoinedRun {
             self.first = Some(order);
             return;
         }
-        self.begin(limits, ends);
-        self.join(order.segment, ends);
-        if let Some(timing) = &mut self.timing {
-            timing.pump(emit);
-        }
+        self.begin(limits, ends, emit);
+        self.join(order.segment, ends, emit);
     }
 
     /// More than one move, or one that is not to be as programmed.
-    fn begin(&mut self, limits: &MachineLimits, ends: &Ends) {
+    fn begin(&mut self, limits: &MachineLimits, ends: &Ends, emit: &mut dyn FnMut(Step)) {
         if self.timing.is_none() {
             self.timing = Some(Timing::new(limits, self.spin, self.settings, None));
         }
         if let Some(first) = self.first.take() {
-            self.join(first.segment, ends);
+            self.join(first.segment, ends, emit);
         }
     }
 
-    fn join(&mut self, segment: Segment, ends: &Ends) {
-        let Self { joiner, timing, settings, refusal, cutter, .. } = self;
+    fn join(&mut self, segment: Segment, ends: &Ends, emit: &mut dyn FnMut(Step)) {
+        let Self { joiner, timing, settings, refusal, cutter, beside, .. } = self;
         let Some(timing) = timing else { return };
         // where every line ends at rest, it ends where it was programmed to
         let tolerance = if settings.stops { 0.0 } else { segment.tolerance };
         let joiner = joiner.get_or_insert_with(|| Joiner::new(timing.limits()));
-        let stops = settings.stops;
-        joiner.push(Segment { tolerance, ..segment }, &mut |piece| {
-            if stops {
-                cutter.push(piece, ends, &mut |piece| timing.push(piece));
-            } else {
-                timing.push(piece);
+        let (stops, segment) = (settings.stops, Segment { tolerance, ..segment });
+        if let Some(beside) = beside.as_mut().filter(|_| !stops) {
+            if beside.push(segment) {
+                beside.turn(joiner, timing, emit);
             }
-        });
+        } else {
+            joiner.push(segment, &mut |piece| {
+                if stops {
+                    cutter.push(piece, ends, &mut |piece| timing.push(piece));
+                } else {
+                    timing.push(piece);
+                }
+            });
+            timing.pump(emit);
+        }
         *refusal = refusal.take().or_else(|| timing.take_refusal());
     }
 
@@ -206,11 +219,15 @@ impl JoinedRun {
                 self.first = None;
                 return;
             }
-            self.begin(limits, ends);
+            self.begin(limits, ends, emit);
         }
         let Some(mut timing) = self.timing.take() else { return };
         let Self { cutter, settings, .. } = self;
-        if let Some(joiner) = &mut self.joiner {
+        if let (Some(joiner), Some(beside), false) =
+            (&mut self.joiner, &mut self.beside, settings.stops)
+        {
+            beside.finish(joiner, &mut timing, emit);
+        } else if let Some(joiner) = &mut self.joiner {
             joiner.finish(&mut |piece| {
                 if settings.stops {
                     cutter.push(piece, ends, &mut |piece| timing.push(piece));
@@ -222,6 +239,6 @@ impl JoinedRun {
         cutter.finish(u32::MAX, ends, &mut |piece| timing.push(piece));
         timing.close(emit);
         let refusal = self.refusal.take().or_else(|| timing.take_refusal());
-        *self = Self { refusal, ..Self::default() };
+        *self = Self { refusal, beside: self.beside.take(), ..Self::default() };
     }
 }

@@ -16,6 +16,7 @@ mod profiles;
 mod refusals;
 mod repacing;
 mod sampling;
+mod side_by_side;
 mod splines;
 mod strokes;
 mod surface_speed;

@@ -24,6 +24,7 @@ use interp::MissingTools;
 use plan::{Options, Planner, Sample, Start};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
+use std::thread::Builder;
 use units::{Length, Time};
 
 /// What is known.
@@ -198,7 +199,7 @@ pub fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diag
 /// the way. Findings are shown to people as they write, who do not wait for it.
 pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> {
     let setup = session.interp_setup();
-    let mut planner = planner(session, options);
+    let mut planner = ahead(session, options);
     for (index, op) in Reading::new(source, &setup, session.auto()) {
         planner.push(index, &op, &mut |_| ());
         if is_looked(index) && session.interruption.came() {
@@ -318,9 +319,9 @@ pub fn add(found: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnosti
     found.sort_by_key(|f| (f.span.file, f.span.start, f.severity != Severity::Error));
 }
 
-/// A planner that also knows the workpiece.
+/// A planner of a whole program, ahead of its run, that also knows the workpiece.
 pub fn judging(session: &Session, source: &[u8], options: Options) -> Planner {
-    let planner = planner(session, options);
+    let planner = ahead(session, options);
     if session.cams.is_wanted() {
         return planner; // cams are ground from blanks of their own
     }
@@ -343,6 +344,25 @@ pub fn planner(session: &Session, options: Options) -> Planner {
     let mut planner = Planner::new(limits, session.tools.clone(), options, start);
     *planner.cams() = session.cams.for_planner();
     if session.machine.turned_bar().is_some() { planner.turning_work() } else { planner }
+}
+
+/// The same for a whole program ahead of its run: shape and time of its paths are planned side by
+/// side.
+pub fn ahead(session: &Session, options: Options) -> Planner {
+    planner(session, options).side_by_side(side_by_side)
+}
+
+/// Run two pieces of work to their ends, the first one in a thread of its own if there is one to be
+/// had.
+fn side_by_side(first: &mut (dyn FnMut() + Send), second: &mut (dyn FnMut() + Send)) {
+    let is_begun = std::thread::scope(|scope| {
+        let begun = Builder::new().name("path-shape".into()).spawn_scoped(scope, &mut *first);
+        second();
+        begun.is_ok()
+    });
+    if !is_begun {
+        first();
+    }
 }
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an

@@ -42,7 +42,7 @@ impl FreePlan {
         for axis in session.machine.axes.iter_mut().flatten() {
             (axis.jerk_feed, axis.jerk_rapid) = (free, free);
         }
-        let planner = preflight::planner(session, options);
+        let planner = preflight::ahead(session, options);
         let added = Added::new(config::planner(&session.machine));
         session.machine.axes = limited;
         Self { planner, added }

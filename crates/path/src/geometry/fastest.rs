@@ -75,7 +75,7 @@ pub(crate) struct Stage {
     steps: usize,
 }
 
-const WITHOUT_JERK: [Stage; 2] = [Stage { mu: 0.05, steps: 10 }, Stage { mu: 0.005, steps: 6 }];
+const WITHOUT_JERK: [Stage; 2] = [Stage { mu: 0.05, steps: 8 }, Stage { mu: 0.005, steps: 4 }];
 const WITH_JERK: [Stage; 3] =
     [Stage { mu: 0.05, steps: 8 }, Stage { mu: 0.02, steps: 6 }, Stage { mu: 0.005, steps: 4 }];
 

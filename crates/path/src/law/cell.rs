@@ -23,7 +23,7 @@ const TURN_PER_CELL: f64 = 0.12;
 const LOAD_PER_CELL: f64 = 0.15;
 /// The same on blends and fitted curves without a limit of jerk: bends change much there, and s̈
 /// does not within a cell.
-const LOAD_PER_BLEND: f64 = 0.02;
+const LOAD_PER_BLEND: f64 = 0.06;
 
 /// So many cells are fine enough for one period, as fast as the bend allows: the control does a
 /// number of them at once.
