@@ -16,8 +16,8 @@ mod slack;
 use crate::banded::Banded;
 use alloc::vec::Vec;
 pub(super) use bundle::Pair;
-use bundle::{Bundle, Contribution, Three};
-use slack::{Least, Reach, Residual};
+use bundle::{Bundle, Contribution, Neighbours};
+use slack::{LongestStep, Reach, Residual};
 
 /// Newton steps at most.
 const STEPS: usize = 200;
@@ -95,7 +95,7 @@ pub(crate) struct Chain {
     /// Those of the problem before.
     known: Vec<Bundle>,
     band: Banded<1, 3>,
-    drawn: Vec<RightSide>,
+    right_side: Vec<RightSide>,
     step: Vec<f64>,
 }
 
@@ -125,7 +125,7 @@ impl Chain {
     pub(crate) fn excess(&mut self) -> f64 {
         self.look();
         let all = Unknowns { c: &self.c, one: &self.unknowns, part: &[] };
-        self.bundles.iter().map(|one| one.excess(&all.three(one.at))).fold(-1.0, f64::max)
+        self.bundles.iter().map(|one| one.excess(&all.neighbours(one.at))).fold(-1.0, f64::max)
     }
 
     /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was
@@ -203,14 +203,14 @@ impl Chain {
 
     fn start(&mut self, mu: f64) {
         let all = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
-        self.bundles.iter_mut().for_each(|one| one.start(&all.three(one.at), mu));
+        self.bundles.iter_mut().for_each(|one| one.start(&all.neighbours(one.at), mu));
     }
 
     /// With the prices of the problem before.
     fn resume(&mut self, mu: f64) {
         let all = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
         for (one, known) in self.bundles.iter_mut().zip(&self.known) {
-            one.resume(known, &all.three(one.at), mu);
+            one.resume(known, &all.neighbours(one.at), mu);
         }
     }
 
@@ -219,18 +219,18 @@ impl Chain {
     fn gather<const GO: bool>(&mut self, mu: f64, reach: Reach) -> Residual {
         let n = self.c.len();
         self.band.clear(n);
-        self.drawn.clear();
-        self.drawn.resize(n, RightSide::default());
+        self.right_side.clear();
+        self.right_side.resize(n, RightSide::default());
         let here = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
         let before = Unknowns { c: &self.c_before, one: &self.before, part: &self.part };
         let mut left = Residual::default();
         for one in &mut self.bundles {
-            let (at, three) = (one.at, here.three(one.at));
+            let (at, near) = (one.at, here.neighbours(one.at));
             if GO {
-                let from = (&before.three(at), window(&self.step, at));
-                one.go(from, &three, (mu, reach), &mut left);
+                let from = (&before.neighbours(at), window(&self.step, at));
+                one.go(from, &near, (mu, reach), &mut left);
             }
-            let Contribution { matrix, drawn } = one.added(&three);
+            let Contribution { matrix, right_side } = one.added(&near);
             let [first, second, third] = window_mut(&mut self.band.rows, at);
             first[0][0][0] += matrix[0];
             first[1][0][0] += matrix[1];
@@ -238,22 +238,23 @@ impl Chain {
             second[0][0][0] += matrix[3];
             second[1][0][0] += matrix[4];
             third[0][0][0] += matrix[5];
-            for (all, drawn) in window_mut(&mut self.drawn, at).iter_mut().zip(drawn) {
-                all.at_once += drawn.at_once;
-                all.by_mu += drawn.by_mu;
-                all.bend += drawn.bend;
+            for (all, right_side) in window_mut(&mut self.right_side, at).iter_mut().zip(right_side)
+            {
+                all.at_once += right_side.at_once;
+                all.by_mu += right_side.by_mu;
+                all.bend += right_side.bend;
             }
         }
         for i in self.free() {
             let (Unknown { root, .. }, weight) = (self.unknowns[i], self.weight[i]);
-            let (drawn, y) = (&mut self.drawn[i], root * root);
-            drawn.at_once += 0.5 * weight * root * y;
-            let bend = (weight - drawn.bend).max(0.1 * weight);
+            let (right_side, y) = (&mut self.right_side[i], root * root);
+            right_side.at_once += 0.5 * weight * root * y;
+            let bend = (weight - right_side.bend).max(0.1 * weight);
             *self.band.entry(i, 0) += 0.75 * bend * root * y * y;
         }
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
             self.band.fix(i, 0);
-            self.drawn[i] = RightSide::default();
+            self.right_side[i] = RightSide::default();
         }
         left
     }
@@ -262,16 +263,18 @@ impl Chain {
     fn aim(&mut self, mu: f64) {
         self.band.factor();
         self.step.clear();
-        self.step.extend(self.drawn.iter().map(|drawn| drawn.at_once + mu * drawn.by_mu));
+        self.step.extend(
+            self.right_side.iter().map(|right_side| right_side.at_once + mu * right_side.by_mu),
+        );
         self.band.solve_one(self.step.as_chunks_mut::<1>().0);
     }
 
     /// How far the unknowns with their slacks, and the prices, may go.
     fn reach(&self, mu: f64) -> Reach {
         let all = Unknowns { c: &self.c, one: &self.unknowns, part: &self.part };
-        let mut least = Least::all();
+        let mut least = LongestStep::all();
         for one in &self.bundles {
-            one.limit(&all.three(one.at), window(&self.step, one.at), mu, &mut least);
+            one.limit(&all.neighbours(one.at), window(&self.step, one.at), mu, &mut least);
         }
         let mut reach = least.reach();
         for i in self.free() {
@@ -304,9 +307,9 @@ struct Unknowns<'a> {
 }
 
 impl Unknowns<'_> {
-    fn three(&self, at: usize) -> Three<'_> {
+    fn neighbours(&self, at: usize) -> Neighbours<'_> {
         let part = self.part.get(at + 1).copied().unwrap_or(1.0);
-        Three { c: window(self.c, at), middle: self.one[at + 1], part }
+        Neighbours { c: window(self.c, at), middle: self.one[at + 1], part }
     }
 }
 

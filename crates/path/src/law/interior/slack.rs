@@ -35,12 +35,12 @@ impl Reach {
 
 /// How far all four may go at most.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Least {
+pub(super) struct LongestStep {
     primal: f64x4,
     dual: f64x4,
 }
 
-impl Least {
+impl LongestStep {
     pub(super) fn all() -> Self {
         Self { primal: f64x4::splat(SHARE), dual: f64x4::splat(SHARE) }
     }
@@ -117,7 +117,7 @@ impl Slacks {
     }
 
     /// A step that leads to so much room by its tangent may go only so far.
-    pub(super) fn limit(&self, mu: f64x4, to: f64x4, least: &mut Least) {
+    pub(super) fn limit(&self, mu: f64x4, to: f64x4, least: &mut LongestStep) {
         let ds = to - self.s;
         let dearer = self.dearer(mu, ds);
         let bound = |least: &mut f64x4, of: f64x4, change: f64x4| {
