@@ -59,6 +59,7 @@ impl Beside {
         emit: &mut dyn FnMut(Step),
     ) {
         let Self { both, moves, pieces, count } = self;
+        let is_first = pieces.is_empty();
         let (mut joined, mut steps) = (Vec::new(), Vec::new());
         let mut join = || {
             for segment in moves.drain(..) {
@@ -71,7 +72,11 @@ impl Beside {
                 timing.pump(&mut |step| steps.push(step));
             }
         };
-        both(&mut join, &mut time);
+        if is_first {
+            join(); // there is nothing to time beside it: most paths are shorter than a turn
+        } else {
+            both(&mut join, &mut time);
+        }
         (*pieces, *count) = (joined, 0);
         steps.into_iter().for_each(emit);
     }

@@ -18,7 +18,7 @@ use units::Time;
 /// Moves of a lead: at least, and at most.
 const LEAD: (usize, usize) = (48, 400);
 /// Length of a lead, in ways that braking to rest takes.
-const BRAKING: f64 = 1.0;
+const BRAKING: f64 = 1.5;
 
 /// A move; lines, of which there are many, are kept as small as can be.
 #[derive(Clone, Debug)]
