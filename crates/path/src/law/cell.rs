@@ -24,6 +24,8 @@ const LOAD_PER_CELL: f64 = 0.15;
 /// The same on blends and fitted curves without a limit of jerk: bends change much there, and s̈
 /// does not within a cell.
 const LOAD_PER_BLEND: f64 = 0.06;
+/// And with one, where s̈ goes along with the bend.
+const LOAD_WITH_JERK: f64 = 0.3;
 
 /// So many cells are fine enough for one period, as fast as the bend allows: the control does a
 /// number of them at once.
@@ -365,9 +367,10 @@ fn cells_for_looks<const N: usize>(
         }
     }
     let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
-    let blend = matches!(piece.curve, crate::Curve::Polynomial(_)) && !bounds.has_jerk();
-    let mut count = (turn / TURN_PER_CELL).max(change.max(twist) / LOAD_PER_CELL);
-    if blend {
+    let blend = matches!(piece.curve, crate::Curve::Polynomial(_));
+    let share = if blend && bounds.has_jerk() { LOAD_WITH_JERK } else { LOAD_PER_CELL };
+    let mut count = (turn / TURN_PER_CELL).max(change / share).max(twist / LOAD_PER_CELL);
+    if blend && !bounds.has_jerk() {
         let periods = (length - from) / (libm::sqrt(slowest) * period);
         count = count.max((change / LOAD_PER_BLEND).min(periods * CELLS_PER_PERIOD));
     }

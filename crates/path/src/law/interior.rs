@@ -33,10 +33,10 @@ const MISS: f64 = 1e-4;
 pub(super) const FIRST: f64 = 0.2;
 const AGAIN: f64 = 0.03;
 
-/// A search that goes no further than this, in so many steps one after another, is over; and so
-/// much of a bound may be exceeded where it is as fast as can be: the motion itself is measured,
-/// and its bounds are made tighter.
-const STUCK: (f64, usize) = (0.01, 6);
+/// A search whose unknowns go no further than this, in so many steps one after another, is over,
+/// however its prices still change; and so much of a bound may be exceeded where it is as fast as
+/// can be: the motion itself is measured, and its bounds are made tighter.
+const STUCK: (f64, usize) = (0.01, 4);
 const NEARLY: f64 = 0.01;
 
 /// A search that has become slower than it began by such a factor has lost its way.
@@ -165,7 +165,7 @@ impl Chain {
             if !(gap.is_finite() && time < slowest) {
                 return None;
             }
-            stuck = if reach.primal.max(reach.dual) < STUCK.0 { stuck + 1 } else { 0 };
+            stuck = if reach.primal < STUCK.0 { stuck + 1 } else { 0 };
             if stuck == STUCK.1 {
                 break;
             }

@@ -18,10 +18,12 @@ use motion::{Curve, Limits, Point, Polynomial};
 const FEWEST: usize = 8;
 /// Knots that are nearer to each other than so many tolerances get none between them.
 const CLOSEST: f64 = 2.1;
-/// A span that takes less than a step of the law, or than an oscillation within the tolerance
-/// would, gets none either; no step counts as longer than this, s.
-const BRIEF: f64 = 6e-3;
-/// So many spans at each end count as long: of their control points three are given.
+/// A span gets none either unless it takes so many times a step of the law, or a quarter of an
+/// oscillation within the tolerance: its halves take less by as much as it takes more.
+const LONG: f64 = core::f64::consts::SQRT_2;
+/// No step counts as longer than this, s.
+const LONGEST_STEP: f64 = 6e-3;
+/// So many spans at each end count as long in any case: of their control points three are given.
 const ENDS: usize = 4;
 /// How much sharper its sharpest bend may be.
 const SHARPER: f64 = 8.0;
@@ -135,13 +137,13 @@ impl Fitter {
         let old = core::mem::take(&mut self.knots);
         let (linear, all) = (&self.fastest_linear, &self.fastest_of_all);
         let time = |span| if self.axes <= 3 { linear.time(span) } else { all.time(span) };
-        let longest = step(limits).min(BRIEF);
+        let longest = step(limits).min(LONGEST_STEP);
         let near = |span: usize| {
             let (a, b) = (old[span], old[span + 1]);
             let tolerance = serves(way, a, b).tolerance;
             let ends = span < ENDS || span + ENDS >= old.len() - 1;
-            let brief = longest.min(shortest_oscillation(tolerance, limits));
-            !ends && time(span) < brief || b - a < CLOSEST * tolerance
+            let enough = LONG * longest.min(shortest_oscillation(tolerance, limits));
+            !ends && time(span) < enough || b - a < CLOSEST * tolerance
         };
         let halved = Knots(&old).halved(near);
         self.control.clear();
