@@ -5,6 +5,7 @@
 
     surface     rows of chords of 0.05 to 0.5 mm over a wavy surface
     trochoids   circles of 3 mm that move along, as chords of 0.36 mm
+    arcs        half circles of 2 and 2.2 mm, each beginning where the one before ends
     corners     lines of 0.2 to 5 mm that turn by multiples of 45 degrees
     mixed       pockets of arcs, outlines of short chords and drops into the work, with rapids between and feeds of all kinds
 """
@@ -34,6 +35,14 @@ def trochoids(_rng: random.Random) -> Iterator[str]:
         for step in range(20_000):
             t = 0.12 * step
             yield f"X{20 + 0.05 * t + 3 * math.cos(t):.4f} Y{30 + 3 * math.sin(t):.4f}"
+
+
+def arcs(_rng: random.Random) -> Iterator[str]:
+    while True:
+        yield "G0 X90 Y30"
+        for step in range(200):
+            x = 90 - 0.4 * step
+            yield from (f"G2 X{x + 4:.4f} I2 J0", f"G3 X{x - 0.4:.4f} I-2.2 J0")
 
 
 def corners(rng: random.Random) -> Iterator[str]:
@@ -71,7 +80,7 @@ def main() -> None:
         sys.exit(__doc__)
     folder, count = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) == 3 else 100_000
     folder.mkdir(parents=True, exist_ok=True)
-    for kind in (surface, trochoids, corners, mixed):
+    for kind in (surface, trochoids, arcs, corners, mixed):
         lines = kind(random.Random(4))
         text = "\n".join([HEAD, *(next(lines) for _ in range(count)), "G0 Z5", "M2", ""])
         (folder / f"{kind.__name__}.ngc").write_text(text)

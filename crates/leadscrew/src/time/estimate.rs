@@ -4,14 +4,17 @@
 //!   rough time of all C, of the stretches that take Δ or longer K, of the n others that were kept cᵢ
 //!   planned time            of these                             k, of those                      tᵢ
 //!
-//!   T = k + r·(C − K),  r: mean of tᵢ/cᵢ         ± q·(C − K)·√((1 − Σcᵢ/(C − K))·s²/n)
+//!   T = k + r·(C − K),  r: of tᵢ/cᵢ, by [`regression`]         ± C − K times what r may be off
 //! ```
 //!
 //! Stretches were kept every Δ of rough time, so each stands for as much of it ("probability
-//! proportional to size"). `s²` is how tᵢ/cᵢ scatter and q Student's quantile for 99 %. Δ is
-//! halved, and more stretches are planned, until the error is small enough.
+//! proportional to size"). Δ is halved, and more stretches are planned, until the error is small
+//! enough.
+mod regression;
+
 use super::Shares;
 use plan::{FeedAndRapid, MachineLimits, Sample, Stretch};
+use regression::{Observed, Population};
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use units::Time;
@@ -20,13 +23,9 @@ use units::Time;
 const FEWEST: usize = 32;
 /// So many stretches are planned at least.
 const FIRST: usize = 9;
-/// How fewer than these scatter is not known.
-const SCATTER: usize = 8;
 /// What a stretch that is planned by itself may take more or less than in the whole path, on
 /// average, as a share.
 const ALONE: f64 = 0.002;
-/// Quantile of the normal distribution: 99 % lie within.
-const NORMAL: f64 = 2.576;
 
 /// A time that was found out from a sample.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +59,9 @@ pub fn estimate(
     while on(step * 2.0).count() >= FIRST {
         step = step * 2.0;
     }
+    if step > sample.step && on(step * 1.5).count() >= FIRST {
+        step = step * 1.5;
+    }
     let mut times = vec![None; sample.kept.len()];
     loop {
         let (new, kept): (Vec<_>, Vec<_>) =
@@ -69,8 +71,8 @@ pub fn estimate(
             times[at] = Some(time);
         }
         let planned: Vec<_> =
-            kept.into_iter().filter_map(|at| Some((sample.kept[at].rough, times[at]?))).collect();
-        let (joined, error) = whole(&planned, step, sample.rough);
+            kept.into_iter().filter_map(|at| Some((&sample.kept[at], times[at]?))).collect();
+        let (joined, error) = whole(&planned, step, sample);
         let mut shares = other;
         shares.feed += joined.feed;
         shares.rapid += joined.rapid;
@@ -82,49 +84,45 @@ pub fn estimate(
         if step <= sample.step {
             return None;
         }
-        step = step / 2.0;
+        // what was kept lies on multiples of its step
+        step = if step >= sample.step * 4.0 { step / 2.0 } else { sample.step };
     }
 }
 
 /// The time of everything, and how far its sum may be off: the equations of the module's header.
-fn whole(planned: &[(Time, FeedAndRapid)], step: Time, all: Time) -> (FeedAndRapid, Time) {
-    let (long, others): (Vec<_>, Vec<_>) =
-        planned.iter().copied().partition(|(rough, _)| *rough >= step);
+fn whole(
+    planned: &[(&Stretch, FeedAndRapid)],
+    step: Time,
+    sample: &Sample,
+) -> (FeedAndRapid, Time) {
     let mut joined = FeedAndRapid::default();
-    let mut rest = all;
-    for (rough, time) in long {
-        joined.feed += time.feed;
-        joined.rapid += time.rapid;
-        rest -= rough;
+    let mut rest = sample.rough;
+    let mut observed = Vec::new();
+    for (stretch, time) in planned {
+        if stretch.rough >= step {
+            joined.feed += time.feed;
+            joined.rapid += time.rapid;
+            rest -= stretch.rough;
+        } else {
+            let [feed, rapid] = [time.feed, time.rapid].map(|time| time / stretch.rough);
+            observed.push(Observed { moves: moves(stretch), rough: stretch.rough, feed, rapid });
+        }
     }
-    let n = others.len() as f64;
-    if others.is_empty() || rest <= Time::ZERO {
+    if observed.is_empty() || rest <= Time::ZERO {
         return (joined, rest.max(Time::ZERO)); // what is left is not known at all
     }
-    let mean = |of: fn(&FeedAndRapid) -> Time| {
-        others.iter().map(|(rough, time)| of(time) / *rough).sum::<f64>() / n
-    };
-    let (feed, rapid) = (mean(|time| time.feed), mean(|time| time.rapid));
-    joined.feed += rest * feed;
-    joined.rapid += rest * rapid;
-    let off = |(rough, time): &(Time, FeedAndRapid)| (time.total() / *rough - feed - rapid).powi(2);
-    if others.len() < SCATTER {
-        return (joined, rest);
-    }
-    let free = n - 1.0;
-    let variance = others.iter().map(off).sum::<f64>() / free;
-    let seen: Time = others.iter().fold(Time::ZERO, |sum, (rough, _)| sum + *rough);
-    let unseen = (1.0 - seen / rest).max(0.0);
-    (joined, rest * (quantile(free) * (unseen * variance / n).sqrt()))
+    let others = sample.kept.iter().filter(|stretch| stretch.rough < step);
+    let each = others.map(|stretch| (moves(stretch), stretch.rough.max(sample.step)));
+    let is_whole = sample.kept.len() == sample.stretches;
+    let found = regression::find(&observed, &Population { each: each.collect(), rest, is_whole });
+    joined.feed += rest * found.feed;
+    joined.rapid += rest * found.rapid;
+    (joined, rest * found.off)
 }
 
-/// Student's quantile, from the normal one (Cornish and Fisher).
-fn quantile(free: f64) -> f64 {
-    let z = NORMAL;
-    z + (z.powi(3) + z) / (4.0 * free)
-        + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * free.powi(2))
-        + (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z)
-            / (384.0 * free.powi(3))
+/// Moves a second of rough time.
+fn moves(stretch: &Stretch) -> f64 {
+    stretch.moves as f64 / stretch.rough.value()
 }
 
 /// Plan each, on all cores.
@@ -153,19 +151,4 @@ fn plan(kept: &[Stretch], batch: &[usize], limits: &MachineLimits) -> Vec<FeedAn
         }
     });
     times
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_those_of_the_tables() {
-        for (free, table) in
-            [(8.0, 3.355), (15.0, 2.947), (31.0, 2.744), (63.0, 2.656), (127.0, 2.615)]
-        {
-            let found = quantile(free);
-            assert!((found - table).abs() < 0.004, "{free}: {found}");
-        }
-    }
 }

@@ -19,6 +19,8 @@ use units::Time;
 const LEAD: (usize, usize) = (48, 400);
 /// Length of a lead, in ways that braking to rest takes.
 const BRAKING: f64 = 1.5;
+/// Of long moves so many are enough, where a lead of them is so many times as long as it has to be.
+const OF_LONG_MOVES: (usize, f64) = (12, 4.0);
 
 /// A move; lines, of which there are many, are kept as small as can be.
 #[derive(Clone, Debug)]
@@ -84,7 +86,8 @@ impl Passed {
 
 /// Whether a lead of so many moves and mm is as long as it has to be.
 fn is_enough(moves: usize, way: f64, lead: f64) -> bool {
-    moves >= LEAD.1 || (moves >= LEAD.0 && way >= lead)
+    let (few, times) = OF_LONG_MOVES;
+    moves >= LEAD.1 || (moves >= LEAD.0 && way >= lead) || (moves >= few && way >= times * lead)
 }
 
 /// The last moves since the path last rested.
@@ -145,6 +148,8 @@ pub struct Stretch {
     begins: Time,
     /// Its rough time.
     pub rough: Time,
+    /// Moves that are counted.
+    pub moves: usize,
     behind: Behind,
     clock: Clock,
 }
@@ -222,6 +227,7 @@ impl Stretch {
             Behind::Open => {
                 let (first, _) = self.counted.unwrap_or((passed.op, passed.op));
                 self.counted = Some((first, passed.op));
+                self.moves += 1;
             }
             Behind::Lead { moves, way } => {
                 *moves += 1;
