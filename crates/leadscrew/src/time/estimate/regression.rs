@@ -1,15 +1,15 @@
 //! What a second of rough time takes, of stretches of which some were planned.
 //!
 //! ```text
-//!   tᵢ/cᵢ │          ●  ╱          x: moves a second of rough time, which is known of all that were kept
+//!   tᵢ/cᵢ │          ●  ╱          x: moves a second of rough time, known of all that were kept
 //!         │     ●   ╱ ●
-//!         │   ● ╱ ●                r at the x of all of them, by the line, or the mean where that says less
-//!         └───────────── x
+//!         │   ● ╱ ●                r at the x of all of them, by the line; by the mean where
+//!         └───────────── x         the line foretells no better
 //! ```
 //!
 //! How far off: Student's quantile for 99 % times the scatter around the line, as far as x is from
-//! the middle of what was planned (the regression estimator: Cochran, *Sampling Techniques*, ch. 7);
-//! half of what is like nothing that was planned.
+//! the middle of what was planned (Cochran, *Sampling Techniques*, ch. 7, the regression
+//! estimator); half of what is like nothing that was planned.
 use units::Time;
 
 /// How fewer than these scatter is not known.
@@ -67,7 +67,7 @@ pub(super) fn find(observed: &[Observed], all: &Population) -> Ratio {
     let seen: Time = observed.iter().fold(Time::ZERO, |sum, one| sum + one.rough);
     let unseen = (1.0 - seen / all.rest).max(0.0);
     let points = |of: fn(&Observed) -> f64| observed.iter().map(move |one| (one.moves, of(one)));
-    let total = Line::through(points(Observed::total));
+    let total = Regression::through(points(Observed::total));
     let unlike = UNLIKE * like.others * (feed + rapid);
     let is_line = total.press <= BETTER * total.press_of_mean;
     if !is_line {
@@ -77,7 +77,7 @@ pub(super) fn find(observed: &[Observed], all: &Population) -> Ratio {
     }
     // those that are like nothing that was planned take what the mean says
     let at = |of: fn(&Observed) -> f64| {
-        Line::through(points(of)).slope * (like.moves - total.middle) * (1.0 - like.others)
+        Regression::through(points(of)).slope * (like.moves - total.middle) * (1.0 - like.others)
     };
     let free = total.count - 2.0;
     // where there are few, some lead the line more than the others
@@ -125,7 +125,7 @@ impl Like {
 
 /// The straight line of least squares.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+struct Regression {
     count: f64,
     /// Mean of x, and the sum of squares around it.
     middle: f64,
@@ -140,7 +140,7 @@ struct Line {
     press_of_mean: f64,
 }
 
-impl Line {
+impl Regression {
     fn through(points: impl Iterator<Item = (f64, f64)> + Clone) -> Self {
         let count = points.clone().count() as f64;
         let mean = |of: fn((f64, f64)) -> f64| points.clone().map(of).sum::<f64>() / count;
