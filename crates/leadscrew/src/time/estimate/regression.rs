@@ -66,8 +66,11 @@ pub(super) fn find(observed: &[Observed], all: &Population) -> Ratio {
     let like = Like::of(observed, all);
     let seen: Time = observed.iter().fold(Time::ZERO, |sum, one| sum + one.rough);
     let unseen = (1.0 - seen / all.rest).max(0.0);
-    let points = |of: fn(&Observed) -> f64| observed.iter().map(move |one| (one.moves, of(one)));
-    let total = Regression::through(points(Observed::total));
+    let line = |of: fn(&Observed) -> f64| {
+        let points: Vec<_> = observed.iter().map(|one| (one.moves, of(one))).collect();
+        Regression::through(&points)
+    };
+    let total = line(Observed::total);
     let unlike = UNLIKE * like.others * (feed + rapid);
     let is_line = total.press <= BETTER * total.press_of_mean;
     if !is_line {
@@ -77,7 +80,7 @@ pub(super) fn find(observed: &[Observed], all: &Population) -> Ratio {
     }
     // those that are like nothing that was planned take what the mean says
     let at = |of: fn(&Observed) -> f64| {
-        Regression::through(points(of)).slope * (like.moves - total.middle) * (1.0 - like.others)
+        line(of).slope * (like.moves - total.middle) * (1.0 - like.others)
     };
     let free = total.count - 2.0;
     // where there are few, some lead the line more than the others
@@ -141,12 +144,12 @@ struct Regression {
 }
 
 impl Regression {
-    fn through(points: impl Iterator<Item = (f64, f64)> + Clone) -> Self {
-        let count = points.clone().count() as f64;
-        let mean = |of: fn((f64, f64)) -> f64| points.clone().map(of).sum::<f64>() / count;
+    fn through(points: &[(f64, f64)]) -> Self {
+        let count = points.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
         let (middle, level) = (mean(|point| point.0), mean(|point| point.1));
         let sum = |of: &dyn Fn(f64, f64) -> f64| {
-            points.clone().map(|(x, y)| of(x - middle, y - level)).sum::<f64>()
+            points.iter().map(|(x, y)| of(x - middle, y - level)).sum::<f64>()
         };
         let spread = sum(&|x, _| x * x);
         let slope = if spread > 0.0 { sum(&|x, y| x * y) / spread } else { 0.0 };
