@@ -77,13 +77,19 @@ def after(request: str, **fields: object) -> float:
     return until(request, moved) - begun
 
 
+def stop() -> None:
+    ask("stop")
+    until("stopped", lambda status: status["execution"] in ("STOPPED", "PROGRAM_STOPPED", "PROGRAM_COMPLETED"))
+    stands()
+
+
 def measured(program: str) -> str:
     begun = time.monotonic()
     ask("load", program=program)
     loaded = time.monotonic() - begun
     # what it was proved for changes: it is proved anew while nothing is asked for
     ask("touch_off", axis="Z", at_mm=11.0 + begun % 1.0)
-    time.sleep(1.0 + 1.3 * loaded)
+    time.sleep(1.0 + 2.0 * loaded)
     start = after("start")
     time.sleep(0.5)
     ask("feed_hold")
@@ -92,13 +98,10 @@ def measured(program: str) -> str:
     ask("feed_override", percent=0)
     stands()
     overridden = after("feed_override", percent=100)
-    ask("stop")
-    until("stopped", lambda status: status["execution"] in ("STOPPED", "PROGRAM_STOPPED", "PROGRAM_COMPLETED"))
-    stands()
-    time.sleep(1.0 + 1.3 * loaded)
+    stop()
+    time.sleep(1.0 + 2.0 * loaded)
     again = after("start")
-    ask("stop")
-    stands()
+    stop()
     times = (start, resumed, overridden, again)
     return f"| {program} | {loaded:.2f} | " + " | ".join(f"{t:.3f}" for t in times) + " |"
 
