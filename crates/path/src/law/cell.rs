@@ -24,7 +24,7 @@ const LOAD_PER_CELL: f64 = 0.15;
 /// The same on blends and fitted curves without a limit of jerk: bends change much there, and s̈
 /// does not within a cell.
 const LOAD_PER_BLEND: f64 = 0.06;
-/// And with one, where s̈ goes along with the bend.
+/// And with one: the law bounds both ends of what it lays there, and measures the motion.
 const LOAD_WITH_JERK: f64 = 0.3;
 
 /// So many cells are fine enough for one period, as fast as the bend allows: the control does a

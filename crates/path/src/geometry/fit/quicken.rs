@@ -22,7 +22,7 @@ const CLOSEST: f64 = 2.1;
 /// oscillation within the tolerance: its halves take less by as much as it takes more.
 const LONG: f64 = core::f64::consts::SQRT_2;
 /// No step counts as longer than this, s.
-const LONGEST_STEP: f64 = 6e-3;
+const LONGEST_COUNTED_STEP: f64 = 6e-3;
 /// So many spans at each end count as long in any case: of their control points three are given.
 const ENDS: usize = 4;
 /// How much sharper its sharpest bend may be.
@@ -137,7 +137,7 @@ impl Fitter {
         let old = core::mem::take(&mut self.knots);
         let (linear, all) = (&self.fastest_linear, &self.fastest_of_all);
         let time = |span| if self.axes <= 3 { linear.time(span) } else { all.time(span) };
-        let longest = step(limits).min(LONGEST_STEP);
+        let longest = step(limits).min(LONGEST_COUNTED_STEP);
         let near = |span: usize| {
             let (a, b) = (old[span], old[span + 1]);
             let tolerance = serves(way, a, b).tolerance;
