@@ -137,6 +137,8 @@ class Programmed:
         lines = []
         for op in operations:
             if op["op"] == "path-mode":
+                if op["mode"] == "blend" and op["tolerance_mm"] is None:
+                    raise SystemExit("G64 without P leaves nothing to hold a path against: write G64 P0.01")
                 p = op["tolerance_mm"] * within if op["mode"] == "blend" else 0.0
             if "to_mm" not in op:
                 continue
@@ -238,8 +240,10 @@ def main() -> int:
             found = wrong_with(text, said, machine, limits, Programmed(leadscrew.canon("part.ngc", **options), args.within))
             ran += 1
             for why in found:
-                print(f"{name}, seed {args.seed}, run {run}, {source}: {why}\n    operator: {said}")
+                print(f"{name}, seed {args.seed}, run {run}, {source}: {why}\n    operator: {said}", flush=True)
             failed += bool(found)
+            if sys.stderr.isatty():
+                print(f"\r{ran} runs, {failed} of them wrong", end="", file=sys.stderr)
     print(f"{ran} runs, {ran - failed} of them within limits, within P, and at their end")
     return 1 if failed else 0
 

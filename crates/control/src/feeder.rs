@@ -12,6 +12,13 @@ use kernel::Answered;
 use plan::Planner;
 use plan::{Step, StepKind};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use units::Time;
+
+/// Where what waits lasts longer than this, so many operations are planned in a period, and the
+/// rest in the next ones: a thread that also answers people is not held up by the filling of a
+/// queue.
+const LASTS: Time = Time::s(0.5);
+const AT_ONCE: usize = 16;
 
 /// From a program's operations to the steps that the kernel executes.
 pub struct Feeder {
@@ -87,13 +94,14 @@ impl Feeder {
         });
     }
 
-    /// Keep the kernel's queue full, as far as the program goes.
+    /// Keep the kernel's queue full, as far as the program goes; see [`AT_ONCE`].
     pub(super) fn fill(
         &mut self,
         kernel: &mut KernelHandle,
         services: &mut Services,
         observers: &mut Observing,
     ) {
+        let mut planned = 0;
         while !kernel.is_full() && (self.refused.is_empty() || !self.queue.is_empty()) {
             if let Some(step) = self.queue.pop_front() {
                 if kernel.push(&step).is_err() {
@@ -106,6 +114,10 @@ impl Feeder {
                 self.forget_done(kernel);
                 continue;
             }
+            if planned >= AT_ONCE && self.ahead.time() > LASTS {
+                return;
+            }
+            planned += 1;
             let next = match self.waiting.take() {
                 Some(waiting) => Some(waiting),
                 None => self.ops.next().inspect(|(index, op)| services.announced(*index, op)),

@@ -38,25 +38,36 @@ pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
 
 /// mm in a unit of the program: what it says first.
 pub(super) fn unit_of(text: &str) -> f64 {
-    let upper = text.to_ascii_uppercase();
-    let first = |code: &str| {
-        let followed = |at: usize| {
-            upper[at + code.len()..].starts_with(|c: char| c.is_ascii_digit() || c == '.')
-        };
-        upper.match_indices(code).map(|(at, _)| at).find(|at| !followed(*at))
+    let text = text.as_bytes();
+    let says = |at: usize| match text.get(at + 1..) {
+        // G20.1 and G200 are other codes
+        Some([b'2', _, next, ..]) if next.is_ascii_digit() || *next == b'.' => None,
+        Some([b'2', b'0', ..]) => Some(units::MM_PER_INCH),
+        Some([b'2', b'1', ..]) => Some(1.0),
+        _ => None,
     };
-    match (first("G20"), first("G21")) {
-        (Some(inch), metric) if metric.is_none_or(|metric| inch < metric) => 25.4,
-        _ => 1.0,
-    }
+    memchr::memchr2_iter(b'G', b'g', text).find_map(says).unwrap_or(1.0)
 }
 
-/// What stands in brackets, and behind a semicolon.
+/// What stands in brackets, and behind a semicolon; of a line, the brackets first.
 pub(super) fn comments(text: &str) -> impl Iterator<Item = &str> {
-    text.lines().flat_map(|line| {
+    lines_with_comments(text).flat_map(|line| {
         let behind = line.split_once(';').map(|(_, comment)| comment);
         let inside = line.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
         inside.chain(behind)
+    })
+}
+
+/// Of a long program, few.
+fn lines_with_comments(text: &str) -> impl Iterator<Item = &str> {
+    let mut read = 0;
+    std::iter::from_fn(move || {
+        let sign = read + memchr::memchr2(b'(', b';', &text.as_bytes()[read..])?;
+        let begin = text[read..sign].rfind('\n').map_or(read, |end| read + end + 1);
+        let end = text[sign..].find('\n').map_or(text.len(), |end| sign + end);
+        read = end;
+        let line = &text[begin..end];
+        Some(line.strip_suffix('\r').unwrap_or(line))
     })
 }
 
@@ -211,11 +222,25 @@ mod tests {
     }
 
     #[test]
+    fn the_first_of_g20_and_g21_is_the_unit_of_a_program() {
+        for (text, mm) in [
+            ("", 1.0),
+            ("G20", 25.4),
+            ("g21\nG20", 1.0),
+            ("G90 g20 G21", 25.4),
+            ("G20.1 G200 G2 X1\nG21\nG20", 1.0),
+            ("G2", 1.0),
+        ] {
+            assert_eq!(unit_of(text), mm, "{text:?}");
+        }
+    }
+
+    #[test]
     fn any_text_is_read_to_its_end() {
         let mut random = 7_u64;
         let pieces = [
-            "(", ")", "T", "TOOL", "3", "D=", "1/0", "\"", "MM", "ü", ";", "\n", "-", ".", "G20",
-            " ",
+            "(", ")", "T", "TOOL", "3", "D=", "1/0", "\"", "MM", "ü", ";", "\n", "\r\n", "-", ".",
+            "G20", " ",
         ];
         for _ in 0..2000 {
             let mut text = String::new();
@@ -226,6 +251,8 @@ mod tests {
             for tool in tools(text.as_bytes()) {
                 assert!(tool.number > 0 && tool.diameter.value().is_finite(), "{text}");
             }
+            let line_by_line = text.lines().flat_map(|line| comments(line));
+            assert!(comments(&text).eq(line_by_line), "{text:?}");
         }
     }
 }

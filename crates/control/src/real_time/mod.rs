@@ -14,8 +14,8 @@
 //! Every arrow is a ring of fixed size for one writer and one reader; the servo thread waits for
 //! none of them, takes no lock, and its control part takes no memory between the start and the end
 //! of a program. What it cannot hand on is counted. The first tick comes when the feeder has filled
-//! its ring, and from then on a program whose course asks nothing of the other thread is executed
-//! as in lock-step, to the last bit.
+//! its ring, or has half a second of motion in it, and from then on a program whose course asks
+//! nothing of the other thread is executed as in lock-step, to the last bit.
 mod bridge;
 mod clock;
 mod kernel_link;

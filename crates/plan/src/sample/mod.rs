@@ -25,12 +25,14 @@ pub use stretch::Stretch;
 use crate::clock::Clock;
 use crate::run::OrderedMove;
 use alloc::vec::Vec;
+use motion::Path;
 use rough::Rough;
 use stretch::{Before, Passed};
 use units::Time;
 
-/// Moves of a stretch.
+/// Moves of a stretch; a curve counts as so many lines.
 const MOVES: usize = 200;
+const CURVE: usize = 4;
 /// Stretches that are kept at most.
 const KEPT: usize = 512;
 /// Δ to begin with, s.
@@ -63,8 +65,9 @@ pub struct Sample {
     pub step: Time,
     /// Those that were kept, in the order of the program.
     pub kept: Vec<Stretch>,
-    /// What is under way of the path.
+    /// What is under way of the path, and what its moves count.
     under_way: Rough,
+    count: usize,
     /// The stretch that is under way, and others whose lead behind is too short yet.
     open: Vec<Stretch>,
     before: Before,
@@ -81,6 +84,7 @@ impl Default for Sample {
             step: Time::s(STEP),
             kept: Vec::new(),
             under_way: Rough::default(),
+            count: 0,
             open: Vec::new(),
             before: Before::default(),
             is_under_way: false,
@@ -103,7 +107,7 @@ impl Sample {
     /// The next move of a path; `clock` knows how fast the spindle turns.
     pub(crate) fn push(&mut self, order: &OrderedMove, clock: &Clock) {
         (self.is_under_way, self.spin) = (true, order.spin());
-        let is_long = self.under_way.len() >= MOVES;
+        let is_long = self.count >= MOVES;
         if is_long && self.open.last().is_some_and(|open| !open.counts(order.segment.op)) {
             self.end_stretch();
         }
@@ -111,6 +115,7 @@ impl Sample {
             self.open.push(Stretch::new(self.before.lead(), *clock));
         }
         self.under_way.push(order);
+        self.count += if matches!(order.path, Path::Line { .. }) { 1 } else { CURVE };
         let passed = Passed::of(order);
         self.open.iter_mut().for_each(|open| open.push(&passed));
         self.before.push(passed);
@@ -141,6 +146,7 @@ impl Sample {
         };
         let begins = self.rough;
         let rough = self.under_way.take();
+        self.count = 0;
         self.rough += rough;
         self.stretches += 1;
         stretch.end(begins, rough);

@@ -9,6 +9,7 @@ use crate::settings::OperatorSettings;
 use crate::{Step, StepKind};
 use alloc::boxed::Box;
 use alloc::collections::VecDeque;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use canon::Position;
 use motion::Path;
@@ -22,12 +23,13 @@ const BRAKING: f64 = 1.5;
 /// Of long moves so many are enough, where a lead of them is so many times as long as it has to be.
 const OF_LONG_MOVES: (usize, f64) = (12, 4.0);
 
-/// A move; lines, of which there are many, are kept as small as can be.
+/// A move; lines, of which there are many, are kept as small as can be, others once for all
+/// stretches that have them.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant)] // nearly all are lines
 enum Moved {
     Line { from: Position, to: Position, bound: Along, alone: Alone, words: Words },
-    Other(Box<OrderedMove>),
+    Other(Arc<OrderedMove>),
 }
 
 /// What a segment is besides its curve.
@@ -43,7 +45,7 @@ struct Words {
 
 impl Moved {
     fn of(order: &OrderedMove) -> Self {
-        let Path::Line { from, to } = order.path else { return Self::Other(Box::new(*order)) };
+        let Path::Line { from, to } = order.path else { return Self::Other(Arc::new(*order)) };
         let Segment { feed, rapid, tolerance, merge, op, line, .. } = order.segment;
         let words = Words { feed, rapid, tolerance, merge, op, line };
         Self::Line { from, to, bound: order.bound, alone: order.alone, words }
@@ -157,7 +159,8 @@ pub struct Stretch {
 impl Stretch {
     /// One that begins behind these moves.
     pub(super) fn new<'a>(lead: impl Iterator<Item = &'a Passed>, clock: Clock) -> Self {
-        let items = lead.map(|passed| Item::Move(passed.moved.clone())).collect();
+        let mut items: Vec<_> = lead.map(|passed| Item::Move(passed.moved.clone())).collect();
+        items.reserve(super::MOVES + items.len()); // the lead behind is about as long
         Self { items, clock, ..Self::default() }
     }
 
