@@ -251,7 +251,7 @@ mod tests {
             for tool in tools(text.as_bytes()) {
                 assert!(tool.number > 0 && tool.diameter.value().is_finite(), "{text}");
             }
-            let line_by_line = text.lines().flat_map(|line| comments(line));
+            let line_by_line = text.lines().flat_map(comments);
             assert!(comments(&text).eq(line_by_line), "{text:?}");
         }
     }
