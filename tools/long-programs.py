@@ -76,7 +76,7 @@ def mixed(rng: random.Random) -> Iterator[str]:
 
 
 def main() -> None:
-    if len(sys.argv) not in (2, 3):
+    if len(sys.argv) not in (2, 3) or sys.argv[1].startswith("-") or not sys.argv[-1].isdigit() and len(sys.argv) == 3:
         sys.exit(__doc__)
     folder, count = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) == 3 else 100_000
     folder.mkdir(parents=True, exist_ok=True)

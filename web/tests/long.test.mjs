@@ -89,3 +89,21 @@ test('a program of 100,000 lines is opened, edited and checked while the plate i
   const ms = (value) => `${Math.round(value)} ms`;
   console.log(`opened ${ms(opened_ms)}, checked ${ms(checked_ms)}, found what was typed ${ms(found_ms)}, page busy at most ${ms(await page.evaluate(() => window.longest_ms))}, status answered p50 ${ms(answers_ms[answers_ms.length >> 1])} worst ${ms(answers_ms.at(-1))}`);
 });
+
+test('it is loaded and started before its time is known', async () => {
+  await page.reload();
+  await pick('surface.ngc');
+  await press(page, 'Load');
+  await until('it is loaded', async () => (await server.status()).program?.name === 'surface.ngc');
+  const before = (await server.status()).program;
+  assert.deepEqual([before.planned_s, before.left_s], [null, null]);
+  await page.evaluate(() => { location.hash = '#machine'; });
+  await page.locator('.program .time').getByText('… planned').waitFor();
+  await press(page, 'Start');
+  await until('it runs', async () => (await server.status()).execution === 'ACTIVE');
+  await until('its time is known while it runs', async () => (await server.status()).program.left_s > 60, 300_000);
+  await page.locator('.program .time').getByText(/^\d.* left$/).waitFor();
+  await press(page, 'Stop');
+  await until('it is stopped', async () => (await server.status()).execution !== 'ACTIVE');
+  assert.deepEqual(page.faults, []);
+});

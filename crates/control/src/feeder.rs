@@ -42,8 +42,8 @@ pub struct Feeder {
     pub(super) limiting: BTreeMap<u32, String>,
     /// Indices of the operations that tap.
     taps: BTreeSet<u32>,
-    /// What is wrong with a program that is interpreted while it runs: nothing of it is planned
-    /// from there on.
+    /// What is wrong with a program that is interpreted while it runs, and what cannot be planned:
+    /// nothing is from there on.
     refused: Vec<Diagnostic>,
 }
 
@@ -157,11 +157,18 @@ impl Feeder {
         self.ahead.keep(kernel.steps(), self.is_at_end && self.queue.is_empty());
     }
 
-    /// What a program orders after an answer of the machine is seen here for the first time.
+    /// What a program orders after an answer of the machine is seen here for the first time, and of
+    /// a long program what only planning finds. What was planned before it ends at rest.
     fn check(&mut self) {
-        if self.ops.is_live() && self.refused.is_empty() {
-            let found = self.planner.take_findings().into_iter().chain(self.ops.findings());
-            self.refused.extend(found.filter(Diagnostic::is_error));
+        if !self.refused.is_empty() {
+            return;
+        }
+        self.refused.extend(self.planner.take_findings().into_iter().filter(Diagnostic::is_error));
+        if self.ops.is_live() {
+            self.refused.extend(self.ops.findings().into_iter().filter(Diagnostic::is_error));
+        }
+        if !self.refused.is_empty() {
+            self.planner.finish(&mut |step| self.queue.push_back(step));
         }
     }
 

@@ -45,7 +45,7 @@ pub use observers::Observers;
 pub use operation::{Control, ControlOptions};
 pub use outcome::{EndedRun, Outcome};
 pub use plant::Plant;
-pub use real_time::{RealTimeFigures, RealTimeOptions};
+pub use real_time::{RealTimeFigures, RealTimeOptions, run_last};
 pub use refused::Refused;
 pub use run::{Loaded, ProgramRun, Running};
 pub use services::Services;

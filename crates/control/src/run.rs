@@ -37,7 +37,7 @@ pub struct ProgramRun {
     pub observes_beside: bool,
     /// Asked every period: whether the run is to end at once.
     pub is_interrupted: fn() -> bool,
-    planned: Time,
+    planned: Option<Time>,
 }
 
 /// What a run cannot do without.
@@ -50,8 +50,8 @@ pub struct Loaded<'a> {
     pub restart: Option<&'a Restart>,
     /// What the planner is told.
     pub options: plan::Options,
-    /// How long it is planned to take.
-    pub planned: Time,
+    /// How long it is planned to take, if that is known.
+    pub planned: Option<Time>,
 }
 
 impl ProgramRun {
@@ -106,8 +106,7 @@ impl ProgramRun {
         let Self { mut executor, feeder, services, observers, observes_beside, planned, .. } = self;
         let begun = executor.machine.feedback().time;
         let stall = Some(StallGuard::new(planned, begun));
-        let parts = (feeder, services, observers);
-        let running = Running::with(parts, planned, stall, &mut executor);
+        let running = Running::with((feeder, services, observers), stall, &mut executor);
         (Running { observes_beside, ..running }, executor)
     }
 }
@@ -119,7 +118,6 @@ pub struct Running {
     observers: Observing,
     observes_beside: bool,
     is_attended: bool,
-    planned: Time,
     begun: Time,
     now: Time,
     stall: Option<StallGuard>,
@@ -145,11 +143,11 @@ impl Running {
         first: u32,
         executor: &mut Executor,
     ) -> Self {
-        let Loaded { session, operations, restart, options, planned } = *loaded;
+        let Loaded { session, operations, restart, options, .. } = *loaded;
         let ops = operations.for_run(restart, first);
         let feeder = Feeder::new(ops, planner(session, options));
         let parts = (feeder, Services::new(session), Observers::new(session, workpiece));
-        Self::with(parts, planned, None, executor)
+        Self::with(parts, None, executor)
     }
 
     /// What the kernel has said since the last time; without an operator nothing is kept.
@@ -159,7 +157,6 @@ impl Running {
 
     fn with(
         (feeder, services, observers): (Feeder, Services, Observers),
-        planned: Time,
         stall: Option<StallGuard>,
         executor: &mut Executor,
     ) -> Self {
@@ -175,7 +172,6 @@ impl Running {
             observers: Observing::Here(observers),
             observes_beside: false,
             is_attended: stall.is_none(),
-            planned,
             begun,
             now: begun,
             stall,
@@ -200,9 +196,9 @@ impl Running {
         self.feeder.follow_overrides(kernel);
     }
 
-    /// How long it is planned to take, and since when it runs.
-    pub const fn planned(&self) -> (Time, Time) {
-        (self.planned, self.begun)
+    /// Since when it runs.
+    pub const fn begun(&self) -> Time {
+        self.begun
     }
 
     /// How long what is planned and waits will take.

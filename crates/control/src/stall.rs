@@ -14,16 +14,16 @@ const SLOWEST: f64 = 100.0;
 /// See the module's header.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StallGuard {
-    planned: Time,
+    planned: Option<Time>,
     stands: Time,
     moved: Time,
     last: [Coordinate; AXES],
 }
 
 impl StallGuard {
-    /// With a run that begins now and was planned to take so long.
-    pub(crate) fn new(planned: Time, now: Time) -> Self {
-        let stands = STANDS_AT_LEAST.max(planned * STANDS);
+    /// With a run that begins now and was planned to take so long, if that is known.
+    pub(crate) fn new(planned: Option<Time>, now: Time) -> Self {
+        let stands = STANDS_AT_LEAST.max(planned.unwrap_or(Time::ZERO) * STANDS);
         Self { planned, stands, moved: now, last: [Coordinate::ZERO; AXES] }
     }
 
@@ -54,9 +54,8 @@ impl StallGuard {
             return Some(format!("given up after {stands:.0} s in which no axis moved{why}"));
         }
         let whole = self.stands * SLOWEST;
-        (now - begun >= whole).then(|| {
-            let (took, planned) = ((now - begun).value(), self.planned.value());
-            format!("given up after {took:.0} s, where {planned:.0} s were planned")
-        })
+        let planned = self.planned.filter(|_| now - begun >= whole)?.value();
+        let took = (now - begun).value();
+        Some(format!("given up after {took:.0} s, where {planned:.0} s were planned"))
     }
 }

@@ -1,7 +1,7 @@
 //! A long program is interpreted and planned in another thread while the control goes on.
 #![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
-use control::job::ProgramOptions;
+use control::job::{Interruption, ProgramOptions};
 use control::operation::{Begun, Execution, Proving, Request, ToolField};
 use control::{Control, ControlOptions};
 use units::Coordinate;
@@ -166,4 +166,87 @@ fn what_needs_no_proof_is_answered_at_once() {
     assert!(matches!(control.begin(&Request::FeedOverride(0.5)), Begun::Answered(Ok(_))));
     assert!(matches!(control.begin(&Request::Resume), Begun::Answered(Err(_))));
     assert!(matches!(control.begin(&Request::Start), Begun::Answered(Err(_))));
+}
+
+/// More lines than are planned while people wait; each takes a tenth of a second at F600.
+fn long(lines: usize) -> String {
+    let moves = "X1\nX0\n".repeat(lines / 2);
+    format!("G21 G90 G54 G94 G61\nG1 F600\n{moves}M2\n")
+}
+
+/// Loaded as a control that stays on does it.
+fn loaded_apart(control: &mut Control, text: &str) -> (Vec<String>, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("part.ngc");
+    std::fs::write(&path, text).unwrap();
+    let proven = proving(control, &Request::Load(path)).prove();
+    (control.complete(proven).unwrap().notes, folder)
+}
+
+/// Planned, and left.
+fn times(control: &Control) -> (Option<f64>, Option<f64>) {
+    let program = control.status().program.unwrap();
+    (program.planned_s, program.left_s)
+}
+
+#[test]
+fn a_long_program_is_started_before_its_time_is_known() {
+    let mut control = homed();
+    let (notes, _folder) = loaded_apart(&mut control, &long(1200));
+    assert!(notes[0].ends_with("operations, its time is being planned"), "{notes:?}");
+    assert_eq!(times(&control), (None, None));
+    let timing = control.timing().expect("its time is not known");
+    assert!(is_answered(&mut control, &Request::Start));
+    for _ in 0..3000 {
+        control.period();
+    }
+    assert_eq!(times(&control), (None, None));
+    assert!(control.untimed().is_some(), "a program that is under way is timed too");
+    control.timed(timing.plan());
+    assert!(control.untimed().is_none());
+    let (Some(planned), Some(left)) = times(&control) else { panic!("{:?}", control.status()) };
+    // each line at 10 mm/s, with a ramp up and down
+    assert!((120.0..140.0).contains(&planned), "{planned} s");
+    let elapsed = control.status().program.unwrap().elapsed_s;
+    assert!((planned - left - elapsed).abs() < 0.2, "{left} s of {planned} s");
+}
+
+#[test]
+fn a_long_program_that_is_refused_is_refused_when_it_is_loaded() {
+    let mut control = homed();
+    let text = long(1200).replace("M2", "G1 X9999\nM2");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("part.ngc");
+    std::fs::write(&path, text).unwrap();
+    let proven = proving(&mut control, &Request::Load(path)).prove();
+    let refused = control.complete(proven).unwrap_err().to_string();
+    assert!(refused.contains("travel"), "{refused}");
+    assert!(control.untimed().is_none());
+}
+
+#[test]
+fn the_time_of_a_program_is_its_own() {
+    let mut control = homed();
+    let (_, first) = loaded_apart(&mut control, &long(1200));
+    let timing = control.timing().expect("its time is not known");
+    let broken_off = control.timing().expect("as before").unless(Interruption::by(|| true));
+    control.timed(broken_off.plan());
+    assert_eq!(times(&control), (None, None));
+    let (_, _second) = loaded_apart(&mut control, &long(2400));
+    drop(first);
+    control.timed(timing.plan());
+    assert_eq!(times(&control), (None, None), "that was the time of another one");
+    let timing = control.timing().expect("its time is not known");
+    control.timed(timing.plan());
+    let (planned, left) = times(&control);
+    assert!(planned.is_some_and(|planned| planned > 240.0), "{planned:?}");
+    assert_eq!(planned, left);
+}
+
+#[test]
+fn the_time_of_a_short_program_is_known_at_once() {
+    let mut control = homed();
+    let (notes, _folder) = loaded_apart(&mut control, &long(100));
+    assert!(notes[0].contains("planned 1"), "{notes:?}");
+    assert!(control.untimed().is_none() && control.timing().is_none());
 }

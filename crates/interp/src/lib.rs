@@ -60,6 +60,7 @@ pub use explain::catalogue::{CodeInfo, codes, describe, describe_in, dialect_cod
 pub use explain::{Finding, example_setup, explain, findings};
 pub use fault::unknown::Unknown;
 pub use geometry::frame::{Frame, Point};
+pub use interpreter::codes_in_force::CodesInForce;
 pub use interpreter::contents::Contents;
 pub use interpreter::snapshot::{Snapshot, Standing};
 pub use interpreter::{Interpreter, Progress};

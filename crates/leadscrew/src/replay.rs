@@ -56,7 +56,7 @@ impl Replay {
         let session = &job.session;
         let machine = Plant::simulated_with_seed(link::simulated(job, with.seed)?, with.seed);
         let operations = Arc::new(job.operations().that_cut_before(skip));
-        let planned = job.proved.as_ref().map_or(Time::ZERO, |proved| proved.known.planned);
+        let planned = job.proved.as_ref().and_then(|proved| proved.known.planned);
         let loaded =
             Loaded { session, operations: &operations, restart: None, options: job.plan, planned };
         let mut run = ProgramRun::new(&loaded, machine, with.judge.clone());

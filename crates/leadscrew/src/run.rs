@@ -213,7 +213,8 @@ impl Run {
 
     /// How long it is planned to take.
     pub fn planned(&self) -> Time {
-        self.job.proved.as_ref().map_or(Time::ZERO, |proved| proved.known.planned)
+        let planned = self.job.proved.as_ref().and_then(|proved| proved.known.planned);
+        planned.unwrap_or(Time::ZERO)
     }
 
     /// What the workpiece is judged by.
@@ -271,7 +272,8 @@ impl Run {
         run.is_interrupted = self.is_interrupted;
         run.observes_beside = std::thread::available_parallelism().is_ok_and(|n| n.get() > 1);
         run.services.record_writer = record_writer;
-        run.services.stops = Stops::new(options.recover, told, session, seed, planned);
+        let whole = planned.unwrap_or(Time::ZERO);
+        run.services.stops = Stops::new(options.recover, told, session, seed, whole);
         if let Some(Replay { work, alarm, .. }) = replay {
             run.observers.judge = verify::Judge::new(judge).on(work);
             run.services.stops.happened.extend(alarm.map(|alarm| {
@@ -286,7 +288,7 @@ impl Run {
         run.observers.others = observers;
         run.observers.timings = Timings::new(options.timings);
         let outcome = run.run(progress)?;
-        Ok(Finished { motion: self.motion, job, outcome, seed, tolerances, memory })
+        Ok(Finished { motion: Some(self.motion), job, outcome, seed, tolerances, memory })
     }
 }
 
@@ -316,6 +318,10 @@ pub fn material(named: Option<&str>, usual: StockMaterial) -> Result<StockMateri
     })
 }
 
+/// A program that a control has executed is planned again for its report, with and without its
+/// limits of jerk, if it has no more operations than this: that takes a minute or two at most.
+const MOST_PLANNED: usize = 20_000;
+
 /// A run that has come to its end, or to an alarm.
 pub struct Finished {
     /// The program and what it met.
@@ -327,7 +333,8 @@ pub struct Finished {
     /// What the workpiece was judged by.
     pub tolerances: verify::Tolerances,
     memory: Option<Memory>,
-    motion: Time,
+    /// Planned time in motion; `None`: a long program is not planned for its report.
+    motion: Option<Time>,
 }
 
 /// How a run ended.
@@ -350,13 +357,15 @@ impl Finished {
         let plan = session.plan_options(material);
         let program = Program { name, path, text };
         let job = Job { program, session, material, plan, part: 1, proved: Some(proved) };
-        let mut added = Added::new(config::planner(&job.session.machine));
-        let mut planner = preflight::ahead(&job.session, plan);
-        preflight::plan(&mut job.cursor(), &mut planner, &mut |step| {
-            added.step(&step);
+        let motion = (job.operations().all().len() <= MOST_PLANNED).then(|| {
+            let mut added = Added::new(config::planner(&job.session.machine));
+            let mut planner = preflight::ahead(&job.session, plan);
+            preflight::plan(&mut job.cursor(), &mut planner, &mut |step| {
+                added.step(&step);
+            });
+            added.motion()
         });
         let tolerances = config::tolerances(follows);
-        let motion = added.motion();
         (Self { job, outcome, seed, tolerances, memory: None, motion }, folder)
     }
 
@@ -389,12 +398,14 @@ impl Finished {
 
     /// The page that a process engineer pins to the job: HTML in one file.
     pub fn report(&mut self) -> String {
-        let mut free = WithoutJerk::of(&mut self.job.session, self.job.plan);
-        if let Some(free) = &mut free {
-            free.all(&mut self.job.cursor());
-        }
-        let without_jerk = free.map(WithoutJerk::motion);
-        run_outputs::report(self, report::Motion { planned: self.motion, without_jerk })
+        let motion = self.motion.map(|planned| {
+            let mut free = WithoutJerk::of(&mut self.job.session, self.job.plan);
+            if let Some(free) = &mut free {
+                free.all(&mut self.job.cursor());
+            }
+            report::Motion { planned, without_jerk: free.map(WithoutJerk::motion) }
+        });
+        run_outputs::report(self, motion)
     }
 
     /// What is known of the program from before anything moved.

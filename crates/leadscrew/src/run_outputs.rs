@@ -138,7 +138,7 @@ fn beyond(nearest: &Slice, next: &Slice, z: units::Length) -> Slice {
 }
 
 /// The page that a process engineer pins to the job.
-pub(crate) fn report(finished: &Finished, motion: report::Motion) -> String {
+pub(crate) fn report(finished: &Finished, motion: Option<report::Motion>) -> String {
     let Finished { job, outcome, .. } = finished;
     let machine = &job.session.machine;
     let spindle = machine.spindles.first();
@@ -165,7 +165,7 @@ pub(crate) fn report(finished: &Finished, motion: report::Motion) -> String {
         },
         limiting: outcome.limiting.clone(),
         stops: outcome.stops.clone(),
-        motion: Some(motion),
+        motion,
         listing: job.program.text.clone(),
     };
     report::html(&run, &outcome.recorder, &outcome.features)

@@ -38,6 +38,8 @@ pub(crate) struct Timing {
     /// Not yet handed on: phases of the piece `done`.
     follow: Option<Follow>,
     refusal: Option<(u32, LawRefusal)>,
+    /// The path ends before what was refused.
+    is_refused: bool,
     /// Phases shorter than this together are handed on as one.
     shortest: f64,
 }
@@ -66,6 +68,7 @@ impl Timing {
             done: 0,
             follow: None,
             refusal: None,
+            is_refused: false,
             shortest: SHORTEST_PHASE * config.period,
         }
     }
@@ -82,6 +85,9 @@ impl Timing {
 
     /// Go on along a piece; its feed is as programmed.
     pub(crate) fn push(&mut self, piece: Piece) {
+        if self.is_refused {
+            return;
+        }
         let mut piece = Piece { feed: piece.feed * self.pace.share, ..piece };
         if self.stops && self.last.is_some_and(|last| last != piece.line) && self.braking <= 0.0 {
             piece.entry = Entry::Rest;
@@ -90,7 +96,7 @@ impl Timing {
         self.braking -= piece.length();
         match self.law.push(piece) {
             Ok(()) => self.pieces.push_back(piece),
-            Err(why) => self.refusal = Some((piece.line, why)),
+            Err(why) => (self.refusal, self.is_refused) = (Some((piece.line, why)), true),
         }
     }
 
@@ -178,4 +184,65 @@ fn braking(config: &Config, v: f64) -> f64 {
 pub(crate) fn step(follow: Follow) -> Step {
     let Piece { op, line, .. } = follow.piece;
     Step { op, line, kind: StepKind::Follow(follow.into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AxisLimits, Joining, Tapping, ToolChange};
+    use alloc::vec::Vec;
+    use motion::{Curve, Line};
+    use units::{CoordinateAccel, CoordinateJerk, CoordinateSpeed, Length, Time};
+
+    fn limits() -> MachineLimits {
+        let axis = AxisLimits {
+            travel: None,
+            rapid_speed: CoordinateSpeed::new(500.0),
+            feed_speed: CoordinateSpeed::new(500.0),
+            accel: CoordinateAccel::new(1e4),
+            rapid_jerk: CoordinateJerk::new(1e6),
+            feed_jerk: CoordinateJerk::new(1e6),
+        };
+        let mut axes = [None; 9];
+        axes[0] = Some(axis);
+        MachineLimits {
+            axes,
+            spindles: Vec::new(),
+            tool_change: ToolChange { z: None, x: None, y: None, pockets: 0, time: Time::ZERO },
+            settling: Time::ZERO,
+            tapping: Tapping::along_z(0.9),
+            joining: Joining { tolerance: Length::ZERO, ..Joining::EXACT },
+            signals: None,
+        }
+    }
+
+    /// Along X from one place to another, mm.
+    fn along_x([from, to]: [f64; 2], feed: f64, line: u32) -> Piece {
+        let at = |x| core::array::from_fn(|axis| if axis == 0 { x } else { 0.0 });
+        let length = to - from;
+        let curve = Curve::Line(Line { from: at(from), to: at(to), length });
+        let entry = Entry::Smooth;
+        Piece { curve, begin: 0.0, length, feed, rapid: false, entry, op: line, line }
+    }
+
+    #[test]
+    fn a_path_ends_at_rest_before_what_is_refused() {
+        let mut timing = Timing::new(&limits(), None, OperatorSettings::default(), None);
+        let mut steps = Vec::new();
+        for (line, ends) in (1..).zip([[0.0, 30.0], [30.0, 60.0], [60.0, 90.0]]) {
+            timing.push(along_x(ends, if line == 2 { 0.0 } else { 100.0 }, line));
+            timing.pump(&mut |step| steps.push(step));
+        }
+        assert_eq!(timing.take_refusal(), Some((2, LawRefusal::Feed(0.0))));
+        timing.push(along_x([90.0, 99.0], 100.0, 4));
+        timing.close(&mut |step| steps.push(step));
+        let last = steps.last().expect("the first line is run");
+        assert!(steps.iter().all(|step| step.line == 1), "{steps:?}");
+        let StepKind::Follow(follow) = &last.kind else { panic!("{last:?}") };
+        let phase = follow.phases[usize::from(follow.count) - 1];
+        let t = phase.duration;
+        let end = phase.s + t * (phase.v + t * (phase.a / 2.0 + t * phase.j / 6.0));
+        assert!((end - 30.0).abs() < 1e-6, "{end}");
+        assert!((phase.v + t * (phase.a + t * phase.j / 2.0)).abs() < 1e-3, "{phase:?}");
+    }
 }

@@ -254,17 +254,17 @@ name: string,
  */
 line: number, 
 /**
- * How long it is planned to take, s.
+ * How long it is planned to take, s; `None`: a long program whose time is still being planned.
  */
-planned_s: number, 
+planned_s: number | null, 
 /**
  * For how long it has been under way, s.
  */
 elapsed_s: number, 
 /**
- * Planned time, at overrides of 100 %, of what is still to be done, s.
+ * Planned time, at overrides of 100 %, of what is still to be done, s; `None`: as above.
  */
-left_s: number, 
+left_s: number | null, 
 /**
  * How long what is planned, and waits to be executed, will take, s; what has no planned time
  * counts nothing.

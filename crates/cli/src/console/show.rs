@@ -70,11 +70,11 @@ pub(super) fn status(status: &Status, as_json: bool) -> String {
         let _ = writeln!(text, "  {}", status.codes.join(" "));
     }
     if let Some(program) = &status.program {
-        let _ = writeln!(
-            text,
-            "  {}: {:.1} s of {:.1} s planned",
-            program.name, program.elapsed_s, program.planned_s
+        let planned = program.planned_s.map_or_else(
+            || ", its time is being planned".to_owned(),
+            |planned| format!(" of {planned:.1} s planned"),
         );
+        let _ = writeln!(text, "  {}: {:.1} s{planned}", program.name, program.elapsed_s);
     }
     let features = status.features;
     let _ = writeln!(

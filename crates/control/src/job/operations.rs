@@ -12,7 +12,7 @@ use crate::polygon::cuts;
 use crate::polygon::oscillation::Auto;
 use canon::{Answer, Op, OpKind, ProgramFrame, Tool};
 use diag::Diagnostic;
-use interp::{OpsRest, Parameters, ToolEntry};
+use interp::{CodesInForce, OpsRest, Parameters, ToolEntry};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -107,7 +107,7 @@ pub struct Operations {
     /// Each frame, with the operation from which on it holds.
     frames: Vec<(usize, ProgramFrame)>,
     /// Codes in force, with the operation from which on they are; only on a control that is on.
-    codes: Vec<(usize, Vec<String>)>,
+    codes: Vec<(usize, CodesInForce)>,
     findings: Vec<Diagnostic>,
     /// Tools that the program calls and the table lacks.
     stand_ins: Vec<Tool>,
@@ -154,7 +154,7 @@ impl Operations {
         let again = rest.clone();
         let mut read = interp::Ops::of_piece(source, setup, rest, is_typed);
         let (mut ops, mut frames) = (Vec::new(), Vec::<(usize, ProgramFrame)>::new());
-        let mut codes: Vec<(usize, Vec<String>)> = Vec::new();
+        let mut codes: Vec<(usize, CodesInForce)> = Vec::new();
         while let Some(op) = read.next() {
             let frame = read.frame();
             if frames.last().is_none_or(|(_, last)| *last != frame) {
@@ -192,10 +192,10 @@ impl Operations {
 
     /// The codes in force at the operation with this number, counted from 0. None are known of a
     /// program that asks the machine something: what it executes shows only then.
-    pub fn codes_at(&self, op: usize) -> &[String] {
+    pub fn codes_at(&self, op: usize) -> Vec<String> {
         let next = self.codes.partition_point(|(from, _)| *from <= op);
         let known = next.checked_sub(1).filter(|_| self.live.is_none());
-        known.map_or(&[], |at| &self.codes[at].1)
+        known.map_or_else(Vec::new, |at| self.codes[at].1.written())
     }
 
     /// What a text leaves in the control when it is given up at the operation with this number,

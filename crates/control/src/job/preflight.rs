@@ -31,8 +31,8 @@ use units::{Length, Time};
 pub struct Preflight {
     /// Findings, in the order of the program.
     pub findings: Vec<Diagnostic>,
-    /// Planned time from start to end.
-    pub planned: Time,
+    /// Planned time from start to end; `None`: it was judged, and not planned.
+    pub planned: Option<Time>,
 }
 
 impl Preflight {
@@ -78,11 +78,27 @@ pub fn prove(
     options: Options,
     look: &mut impl FnMut(plan::Step),
 ) -> Proved {
+    prove_up_to(session, (source, usize::MAX), options, look)
+}
+
+/// The same of a program of up to so many operations; a longer one is judged, and not planned:
+/// there is no look at its cuts then.
+pub fn prove_up_to(
+    session: &mut Session,
+    (source, most): (&[u8], usize),
+    options: Options,
+    look: &mut impl FnMut(plan::Step),
+) -> Proved {
     let (operations, assumed) = interpret(session, source);
     let mut planner = judging(session, source, options);
+    let is_planned = operations.all().len() <= most;
+    if !is_planned {
+        planner = planner.only_judging();
+    }
     let mut cursor = Cursor::new(Arc::clone(&operations), None);
     let known = read(session, source, &mut cursor, &mut planner, assumed, look);
-    Proved { operations, known }
+    let planned = known.planned.filter(|_| is_planned);
+    Proved { operations, known: Preflight { planned, ..known } }
 }
 
 /// The same of a program that will not run, with a look at every step and every operation: nothing
@@ -174,11 +190,25 @@ pub fn wrong_from(
 
 /// Plan operations from the first to the last.
 pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnMut(plan::Step)) {
+    plan_unless(&Interruption::default(), source, planner, look);
+}
+
+/// The same; whether it was not broken off on the way.
+pub fn plan_unless(
+    interruption: &Interruption,
+    source: &mut impl Source,
+    planner: &mut Planner,
+    look: &mut impl FnMut(plan::Step),
+) -> bool {
     while let Some((index, op)) = source.next() {
         planner.written_in(source.frame());
         planner.push(index, &op, look);
+        if is_looked(index) && interruption.came() {
+            return false;
+        }
     }
     planner.finish(look);
+    true
 }
 
 /// What is wrong with a program, without the time it takes.
@@ -200,14 +230,9 @@ pub fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diag
 pub fn time(session: &Session, source: &[u8], options: Options) -> Option<Time> {
     let setup = session.interp_setup();
     let mut planner = ahead(session, options);
-    for (index, op) in Reading::new(source, &setup, session.auto()) {
-        planner.push(index, &op, &mut |_| ());
-        if is_looked(index) && session.interruption.came() {
-            return None;
-        }
-    }
-    planner.finish(&mut |_| ());
-    Some(planner.duration())
+    let mut reading = Reading::new(source, &setup, session.auto());
+    plan_unless(&session.interruption, &mut reading, &mut planner, &mut |_| ())
+        .then(|| planner.duration())
 }
 
 /// The same for a long program: what was found since is told, with the furthest byte executed.
@@ -294,7 +319,7 @@ fn read(
         table.see(session, &op);
         milled.see(session, &op);
         if is_looked(index) && session.interruption.came() {
-            return Preflight { findings: vec![Interruption::finding()], planned: Time::ZERO };
+            return Preflight { findings: vec![Interruption::finding()], planned: None };
         }
     }
     planner.finish(look);
@@ -309,7 +334,7 @@ fn read(
     if session.is_subprogram || session.before.is_typed {
         findings.retain(|finding| finding.code != NO_END);
     }
-    Preflight { findings, planned: planner.duration() }
+    Preflight { findings, planned: Some(planner.duration()) }
 }
 
 /// Add what is not there yet, and put all in the order of the program: by place, errors first.

@@ -233,7 +233,7 @@ impl Control {
             | Request::Start
             | Request::ManualDataInput(_) => match self.begin(request) {
                 Begun::Answered(answer) => answer,
-                Begun::Proving(proving) => self.complete(proving.prove()),
+                Begun::Proving(proving) => self.complete(proving.planned().prove()),
             },
             Request::FeedHold => self.hold(),
             Request::Resume => self.resume(),

@@ -18,6 +18,7 @@
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
 //! | `proving`, `proof` | texts interpreted and planned apart from the control, which goes on meanwhile; what for |
+//! | `timing` | the time of a long program, planned after it is known to be fit |
 //! | `under_way` | a program that is loaded, and one that is under way; what ties a tool to the work |
 //! | `kept`, `keeping` | the state folder; what outlives the control goes there and comes back |
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
@@ -51,6 +52,7 @@ mod signals;
 mod state;
 mod status;
 mod timeline;
+mod timing;
 mod tool_path;
 mod under_way;
 
@@ -68,5 +70,6 @@ pub use status::{
     AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
     Switches, WaitingStatus, said_of,
 };
+pub use timing::{Timed, Timing};
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};
 pub use under_way::LoadedProgram;

@@ -43,11 +43,12 @@ impl Control {
     pub(super) fn load(&mut self, fit: Fit, basis: Basis) -> Result<Accepted, Refusal> {
         let Fit { path, name, text, proved, .. } = &fit;
         let planned = proved.known.planned;
-        let mut notes = vec![format!(
-            "{name}: {} operations, planned {:.1} s",
-            proved.operations.all().len(),
-            planned.value()
-        )];
+        let count = proved.operations.all().len();
+        let time = planned.map_or_else(
+            || "its time is being planned".into(),
+            |time| format!("planned {:.1} s", time.value()),
+        );
+        let mut notes = vec![format!("{name}: {count} operations, {time}")];
         notes.extend(notes_of(&proved.known.findings));
         self.last_program = Some(LastProgram {
             path: name.clone(),

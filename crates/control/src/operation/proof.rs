@@ -26,7 +26,8 @@ pub(super) struct Fit {
     pub(super) text: Vec<u8>,
     pub(super) session: Session,
     pub(super) proved: Proved,
-    pub(super) timeline: Timeline,
+    /// `None`: it is fit, and was not planned yet.
+    pub(super) timeline: Option<Timeline>,
 }
 
 impl Fit {
@@ -61,6 +62,16 @@ impl Proof {
     /// Whether it holds.
     pub(super) fn is_on(&self, basis: &Basis) -> bool {
         self.basis == *basis
+    }
+
+    /// The text, if it is fit and was not planned yet.
+    pub(super) fn untimed(&self) -> Option<&Fit> {
+        self.fit.as_deref().filter(|fit| fit.timeline.is_none())
+    }
+
+    /// The same, to be told how long it takes.
+    pub(super) fn untimed_mut(&mut self) -> Option<&mut Fit> {
+        self.fit.as_deref_mut().filter(|fit| fit.timeline.is_none())
     }
 
     /// The text, if it is fit and that is so now.

@@ -11,7 +11,7 @@
 use super::control::Control;
 use super::proof::{Basis, Fit, Proof, ProofMark};
 use super::request::{Accepted, Refusal, Request};
-use super::timeline::Timeline;
+use super::timeline::Noting;
 use super::under_way::Loaded;
 use crate::job::preflight;
 use crate::job::{Before, Interruption, ProgramOptions, Session, read_program};
@@ -36,7 +36,13 @@ pub struct Proving {
     before: Before,
     basis: Basis,
     interruption: Interruption,
+    /// A program of up to so many operations is planned, a longer one is judged alone.
+    planned_up_to: usize,
 }
+
+/// Planned while people wait: three seconds at most, where all of them are arcs under a limit of
+/// jerk.
+const PLANNED_AT_ONCE: usize = 1000;
 
 /// What a program would meet that is read now: an editor shows what it makes of one that is
 /// written.
@@ -80,9 +86,16 @@ impl Proving {
         Self { interruption, ..self }
     }
 
-    /// Interpret and plan it.
+    /// It is planned as well, however long it is.
+    #[must_use]
+    pub fn planned(self) -> Self {
+        Self { planned_up_to: usize::MAX, ..self }
+    }
+
+    /// Interpret and judge it, and plan it if it is short or that was asked for.
     pub fn prove(self) -> Proven {
-        let Self { request, options, path, name, text, before, basis, interruption } = self;
+        let Self { request, options, path, name, text, before, basis, interruption, .. } = self;
+        let most = self.planned_up_to;
         let of = path.clone();
         let proved = (|| {
             let mut session = Session::load(&options, &path, &text)?;
@@ -91,15 +104,15 @@ impl Proving {
             session.interruption = interruption;
             let plan = session.plan_options(session.machine.setup.stock.material);
             let limits = config::planner(&session.machine);
-            let (mut clock, mut timeline) = (plan::Clock::default(), Timeline::default());
-            let proved = preflight::prove(&mut session, &text, plan, &mut |step| {
-                clock.count(&step, &limits);
-                timeline.note(step.op, clock.elapsed());
+            let mut noting = Noting::new(limits);
+            let proved = preflight::prove_up_to(&mut session, (&text, most), plan, &mut |step| {
+                noting.step(&step);
             });
             if proved.known.is_refused() {
                 let (drawn, findings) = (session.drawn.clone(), proved.known.findings);
                 return Err(Refused::program(name.clone(), text.clone(), drawn, findings).into());
             }
+            let timeline = proved.known.planned.map(|_| noting.timeline);
             Ok((session, proved, timeline))
         })();
         let result = proved.map(|(session, proved, timeline)| Fit {
@@ -178,6 +191,7 @@ impl Control {
             before: Before { rest: self.data.rest.clone(), is_typed },
             basis: self.basis(),
             interruption: Interruption::default(),
+            planned_up_to: PLANNED_AT_ONCE,
         }))
     }
 
@@ -212,6 +226,9 @@ impl Control {
             loaded.path == path && fit.as_ref().is_none_or(is_text)
         };
         if let Some(loaded) = self.loaded.as_mut().filter(is_of) {
+            if let Some(planned) = fit.as_ref().and_then(|fit| fit.proved.known.planned) {
+                loaded.planned = Some(planned);
+            }
             loaded.proof = Some(Proof::of(basis, fit));
         }
     }

@@ -2,7 +2,7 @@
 use super::control::Control;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Need, Power};
-use units::Length;
+use units::{Length, Time};
 use verify::{Feature, Verdict};
 
 /// An axis.
@@ -99,12 +99,12 @@ pub struct ProgramStatus {
     pub name: String,
     /// The line that is executed; 0 is none.
     pub line: u32,
-    /// How long it is planned to take, s.
-    pub planned_s: f64,
+    /// How long it is planned to take, s; `None`: a long program whose time is still being planned.
+    pub planned_s: Option<f64>,
     /// For how long it has been under way, s.
     pub elapsed_s: f64,
-    /// Planned time, at overrides of 100 %, of what is still to be done, s.
-    pub left_s: f64,
+    /// Planned time, at overrides of 100 %, of what is still to be done, s; `None`: as above.
+    pub left_s: Option<f64>,
     /// How long what is planned, and waits to be executed, will take, s; what has no planned time
     /// counts nothing.
     pub ahead_s: f64,
@@ -235,7 +235,7 @@ impl Control {
 
     fn codes(&self) -> Vec<String> {
         match (&self.under_way, &self.data.rest) {
-            (Some(under_way), _) => under_way.codes().to_vec(),
+            (Some(under_way), _) => under_way.codes(),
             (None, Some(rest)) => rest.standing().codes,
             (None, None) => Vec::new(),
         }
@@ -290,18 +290,17 @@ impl Control {
 
     fn program_status(&self, line: u32) -> Option<ProgramStatus> {
         if let Some(under_way) = &self.under_way {
-            let (planned, begun) = under_way.running.planned();
             return Some(ProgramStatus {
                 name: under_way.name.clone(),
                 line,
-                planned_s: planned.value(),
-                elapsed_s: (self.now() - begun).value(),
-                left_s: under_way.left(self.now()).value(),
+                planned_s: under_way.timeline.as_ref().map(|timeline| timeline.planned().value()),
+                elapsed_s: (self.now() - under_way.running.begun()).value(),
+                left_s: under_way.left(self.now()).map(Time::value),
                 ahead_s: under_way.running.ahead().value(),
             });
         }
         let loaded = self.loaded.as_ref()?;
-        let planned_s = loaded.planned.value();
+        let planned_s = loaded.planned.map(Time::value);
         Some(ProgramStatus {
             name: loaded.name.clone(),
             line: 0,

@@ -6,6 +6,7 @@
 //!                             ▲
 //!                             └ since it began, at most as long as it is planned to take
 //! ```
+use plan::{Clock, MachineLimits, Step};
 use units::Time;
 
 /// Ends of operations that take time, in their order.
@@ -23,14 +24,39 @@ impl Timeline {
         }
     }
 
+    /// From start to end.
+    pub(super) fn planned(&self) -> Time {
+        self.ends.last().map_or(Time::ZERO, |(_, end)| *end)
+    }
+
     /// What is left when this operation has been executed for so long.
     pub(super) fn left(&self, op: u32, since: Time) -> Time {
         let next = self.ends.partition_point(|(known, _)| *known < op);
         let begins = next.checked_sub(1).map_or(Time::ZERO, |before| self.ends[before].1);
         let own_end = self.ends.get(next).filter(|(known, _)| *known == op).map(|(_, end)| *end);
-        let planned = self.ends.last().map_or(Time::ZERO, |(_, end)| *end);
+        let planned = self.planned();
         let done = own_end.map_or(Time::ZERO, |end| since.min(end - begins));
         (planned - begins - done).max(Time::ZERO)
+    }
+}
+
+/// Makes the timeline of steps as they are planned.
+pub(super) struct Noting {
+    limits: MachineLimits,
+    clock: Clock,
+    pub(super) timeline: Timeline,
+}
+
+impl Noting {
+    /// On a machine with these limits.
+    pub(super) fn new(limits: MachineLimits) -> Self {
+        Self { limits, clock: Clock::default(), timeline: Timeline::default() }
+    }
+
+    /// The next step.
+    pub(super) fn step(&mut self, step: &Step) {
+        self.clock.count(step, &self.limits);
+        self.timeline.note(step.op, self.clock.elapsed());
     }
 }
 

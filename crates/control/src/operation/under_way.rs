@@ -24,8 +24,8 @@ pub(super) struct Loaded {
     pub(super) reads_files: bool,
     /// Where the next start begins, if not at the beginning.
     pub(super) from: Option<restart::From>,
-    /// Planned time from start to end.
-    pub(super) planned: Time,
+    /// Planned time from start to end; `None`: not known yet.
+    pub(super) planned: Option<Time>,
     /// What a picture of it shows.
     pub(super) shown: Arc<LoadedProgram>,
 }
@@ -51,7 +51,8 @@ pub(super) struct UnderWay {
     pub(super) proved: Proved,
     /// What is recorded of it.
     pub(super) folder: Option<Folder>,
-    pub(super) timeline: Timeline,
+    /// `None`: not known yet.
+    pub(super) timeline: Option<Timeline>,
     /// The operation that is executed, and since when.
     pub(super) executed: (u32, Time),
     /// Number of its first operation, and how many of its own were left out before it.
@@ -77,15 +78,15 @@ impl UnderWay {
         }
     }
 
-    /// Planned time of what is left of it.
-    pub(super) fn left(&self, now: Time) -> Time {
+    /// Planned time of what is left of it, if it is known.
+    pub(super) fn left(&self, now: Time) -> Option<Time> {
         let (op, since) = self.executed;
         let own = u32::try_from(self.own(op)).unwrap_or(u32::MAX);
-        self.timeline.left(own, now - since)
+        self.timeline.as_ref().map(|timeline| timeline.left(own, now - since))
     }
 
     /// Codes in force.
-    pub(super) fn codes(&self) -> &[String] {
+    pub(super) fn codes(&self) -> Vec<String> {
         self.proved.operations.codes_at(self.own(self.executed.0))
     }
 

@@ -28,6 +28,7 @@ pub(crate) use kernel_link::KernelLink;
 pub(crate) use machine_link::MachineLink;
 pub use metrics::RealTimeFigures;
 pub(crate) use metrics::ServoMetrics;
+pub use scheduling::run_last;
 pub(crate) use servo::{ServoThread, prepare};
 
 /// Steps on their way to the kernel, beside those in its own queue.

@@ -1,10 +1,10 @@
 //! What the operating system is asked for the servo thread: to be run first, and to have its memory
-//! at hand.
+//! at hand; and for threads that can wait: to be run last.
 use rustix::mm::{MlockAllFlags, mlockall};
 use std::hint::black_box;
 use thread_priority::{
-    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
-    set_thread_priority_and_policy, thread_native_id,
+    NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue,
+    ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
 };
 
 /// Stack that is touched before the first period, bytes.
@@ -35,6 +35,13 @@ fn run_first(priority: u8) -> Result<(), String> {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy)
         .map_err(|e| e.to_string())
+}
+
+/// The calling thread is run where no other one wants the core: what it does can wait.
+pub fn run_last() {
+    let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    // one that is not is run like the others
+    let _ = set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Min, policy);
 }
 
 #[inline(never)]

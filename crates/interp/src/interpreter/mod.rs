@@ -5,6 +5,7 @@
 //!   snapshot   stops an interpretation, and goes on later
 //!   contents   what was read of a text, handed on
 //! ```
+pub(crate) mod codes_in_force;
 pub(crate) mod contents;
 pub(crate) mod rounds;
 pub(crate) mod snapshot;

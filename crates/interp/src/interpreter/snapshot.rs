@@ -12,11 +12,10 @@
 //! are the same and in the same order.
 use crate::{
     front_end::FrontEnd,
-    interpreter::{Interpreter, rounds::Rounds},
+    interpreter::{Interpreter, codes_in_force::CodesInForce, rounds::Rounds},
     program::{Program, outline::At},
     setup::Setup,
     state::executor::Executor,
-    words::names,
 };
 use canon::Position;
 use diag::{Diagnostic, Span};
@@ -196,7 +195,7 @@ impl Standing {
         let mut machine = modes.frame.to_machine(&modes.at);
         crate::geometry::frame::scale(&mut machine, modes.units.in_mm());
         Self {
-            codes: in_force(executor),
+            codes: CodesInForce::of(executor).written(),
             program: modes.at,
             machine: crate::resolve::position(&machine),
             units: modes.units,
@@ -207,43 +206,4 @@ impl Standing {
             call_level: modes.call_level,
         }
     }
-}
-
-/// One code of each group, as the interpreter answers programs that ask.
-fn in_force(executor: &Executor) -> Vec<String> {
-    let value = |name: &str| names::system(&executor.modes, name).unwrap_or(0.0);
-    let is = |name: &str| value(name) != 0.0;
-    let numbered = |name: &str| format!("G{}", crate::codes::spelling::written(value(name) as u16));
-    let either = |name: &str, yes: &str, no: &str| (if is(name) { yes } else { no }).to_owned();
-    let mut codes = vec![
-        numbered("_motion_mode"),
-        numbered("_plane"),
-        either("_metric", "G21", "G20"),
-        either("_incremental", "G91", "G90"),
-        if is("_inverse_time") { "G93".to_owned() } else { either("_units_per_rev", "G95", "G94") },
-        numbered("_coord_system"),
-        either("_tool_offset", "G43", "G49"),
-        numbered("_ccomp"),
-        match executor.modes.corners {
-            crate::Corners::ExactPath => "G61".to_owned(),
-            crate::Corners::ExactStop => "G61.1".to_owned(),
-            crate::Corners::Continuous(0.0) => "G64".to_owned(),
-            crate::Corners::Continuous(tolerance) => format!("G64 P{tolerance}"),
-        },
-        either("_retract_r_plane", "G99", "G98"),
-    ];
-    let unusual = [
-        ("_ijk_absolute_mode", "G90.1"),
-        ("_lathe_diameter_mode", "G7"),
-        ("_spindle_css_mode", "G96"),
-    ];
-    codes.extend(unusual.iter().filter(|(name, _)| is(name)).map(|(_, code)| (*code).to_owned()));
-    codes.push(if is("_spindle_on") { either("_spindle_cw", "M3", "M4") } else { "M5".to_owned() });
-    let coolant = [("_mist", "M7"), ("_flood", "M8")];
-    let on: Vec<_> = coolant.iter().filter(|(name, _)| is(name)).collect();
-    codes.extend(on.iter().map(|(_, code)| (*code).to_owned()));
-    if on.is_empty() {
-        codes.push("M9".to_owned());
-    }
-    codes
 }

@@ -92,8 +92,8 @@ impl<'s> Ops<'s> {
 
     /// The codes in force after the block that the operation that came last stands in, one of each
     /// group.
-    pub fn codes(&self) -> Vec<String> {
-        crate::interpreter::snapshot::Standing::of(&self.interpreter.program.executor).codes
+    pub fn codes(&self) -> crate::CodesInForce {
+        crate::CodesInForce::of(&self.interpreter.program.executor)
     }
 
     /// The numbered parameters as the program has set them.

@@ -9,6 +9,7 @@ use crate::wire::{AlarmBody, FeatureBody, RunBody, RunDetailBody};
 use control::clock::unix_ms;
 use control::operation::EndedProgram;
 use control::operation::hosted::{Client, ProgramRecording};
+use control::run_last;
 use leadscrew::Finished;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, OnceLock};
@@ -78,6 +79,7 @@ fn write_all(
     told: &OnceLock<Client>,
     ended: &Receiver<EndedProgram>,
 ) {
+    run_last();
     for mut program in ended {
         program.name = shown(&program.name);
         let name = program.name.clone();

@@ -4,12 +4,13 @@ use super::picture::Picture;
 use super::recording::{Recording, SignalRows};
 use super::refusal::RefusalData;
 use super::renewal::{self, Renewal};
+use super::timing::{self, UnderTiming};
 use super::{HostOptions, RequestAnswer, Shared, held};
 use crate::Refused;
 use crate::clock::now;
 use crate::operation::{
     Accepted, Begun, Control, ControlOptions, EndedProgram, Event, Proven, Proving, Refusal,
-    Request, Signals,
+    Request, Signals, Timed,
 };
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
@@ -41,6 +42,8 @@ pub(super) enum Job {
     Proven(Box<Proven>, Answered),
     /// The program that is loaded is proved again, or was broken off.
     Renewed(Box<Proven>),
+    /// The time of a long program is planned, or that was broken off.
+    Timed(Box<Timed>),
     /// Something of a front end in the same process.
     Work(Box<dyn FnOnce(&mut Control) + Send>),
     /// The last one.
@@ -74,7 +77,8 @@ pub(super) fn run(
 ) {
     let (texts, unproved) = sync_channel(MOST_TEXTS);
     let prover = std::thread::Builder::new().name("proving".into());
-    if let Err(e) = prover.spawn(move || prove(&unproved, &jobs)) {
+    let proved = jobs.clone();
+    if let Err(e) = prover.spawn(move || prove(&unproved, &proved)) {
         // who started it is gone
         let _ = up.send(Err(Refused::because(format!("cannot start a thread: {e}"))));
         return;
@@ -98,7 +102,7 @@ pub(super) fn run(
         signals,
     });
     if up.send(Ok(Arc::clone(&shared))).is_ok() {
-        let mut lead = Lead::new(control, texts, shared, host);
+        let mut lead = Lead::new(control, (texts, jobs), shared, host);
         lead.until_end(asked);
         lead.come_to_rest();
     }
@@ -110,6 +114,10 @@ struct Lead {
     texts: SyncSender<Text>,
     /// The one that is on its way.
     renewal: Option<Renewal>,
+    /// What it tells itself from other threads.
+    jobs: SyncSender<Job>,
+    /// The program whose time is being planned.
+    timing: Option<UnderTiming>,
     /// When something was asked for last.
     asked: Instant,
     shared: Arc<Shared>,
@@ -130,7 +138,7 @@ struct Lead {
 impl Lead {
     fn new(
         control: Control,
-        texts: SyncSender<Text>,
+        (texts, jobs): (SyncSender<Text>, SyncSender<Job>),
         shared: Arc<Shared>,
         host: HostOptions,
     ) -> Self {
@@ -141,6 +149,8 @@ impl Lead {
             control,
             texts,
             renewal: None,
+            jobs,
+            timing: None,
             asked: start,
             shared,
             host,
@@ -168,6 +178,7 @@ impl Lead {
             if now() >= self.due {
                 self.publish();
                 self.renew();
+                self.time();
             }
         }
     }
@@ -197,6 +208,11 @@ impl Lead {
                         self.answer(Job::Request(request, answer));
                     }
                 }
+                true
+            }
+            Job::Timed(timed) => {
+                self.control.timed(*timed);
+                self.has_changed = true;
                 true
             }
             Job::Work(work) => {
@@ -236,6 +252,14 @@ impl Lead {
                 self.renewal = Some(renewal);
             }
         }
+    }
+
+    /// How long a long program takes is planned, while it waits or is under way.
+    fn time(&mut self) {
+        let jobs = self.jobs.clone();
+        timing::keep(&mut self.timing, &self.control, move |timed| {
+            let _ = jobs.send(Job::Timed(Box::new(timed))); // the control has ended
+        });
     }
 
     fn tell(&mut self, answered: Result<Accepted, Refusal>, answer: Answered) {

@@ -20,6 +20,7 @@ mod picture;
 mod recording;
 mod refusal;
 mod renewal;
+mod timing;
 
 pub use journal::{Journal, Journaled, MOST_EVENTS};
 pub use picture::{Picture, WorkOffset};

@@ -127,3 +127,19 @@ fn what_is_loaded_is_proved_again_while_nothing_is_asked_for_and_then_starts_at_
     });
     client.request(Request::Start).expect("it is proved for this start");
 }
+
+#[test]
+fn the_time_of_a_long_program_is_planned_while_it_waits_for_its_start() {
+    let hosted = hosted();
+    let client = hosted.client();
+    ready(&client);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("part.ngc");
+    let moves = "X1\nX0\n".repeat(600);
+    std::fs::write(&path, format!("G21 G90 G54 G94\nG1 F6000\n{moves}M2\n")).expect("a program");
+    let answer = client.request(Request::Load(path)).expect("it is good");
+    assert!(answer.notes[0].contains("its time is being planned"), "{answer:?}");
+    until(&client, "its time is known", |picture| {
+        picture.status.program.as_ref().is_some_and(|program| program.planned_s > Some(12.0))
+    });
+}
