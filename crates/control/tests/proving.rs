@@ -250,3 +250,20 @@ fn the_time_of_a_short_program_is_known_at_once() {
     assert!(notes[0].contains("planned 1"), "{notes:?}");
     assert!(control.untimed().is_none() && control.timing().is_none());
 }
+
+#[test]
+fn the_time_of_what_is_typed_is_not_that_of_the_program_that_is_loaded() {
+    let mut control = homed();
+    let (_, _folder) = loaded_apart(&mut control, &long(100));
+    let (planned, _) = times(&control);
+    let typed = "X1\nX0\n".repeat(600);
+    let typed = Request::ManualDataInput(format!("G90 G1 F6000\n{typed}"));
+    let proven = proving(&mut control, &typed).prove();
+    control.complete(proven).unwrap();
+    let timing = control.timing().expect("it is long");
+    control.timed(timing.plan());
+    while control.execution().is_under_way() {
+        control.period();
+    }
+    assert_eq!(times(&control).0, planned);
+}

@@ -100,7 +100,7 @@ impl Control {
         } else {
             return;
         }
-        if let Some(loaded) = &mut self.loaded {
+        if let Some(loaded) = self.loaded.as_mut().filter(|_| !operations.is_typed()) {
             loaded.planned = planned;
         }
         for finding in wrong {
