@@ -1,9 +1,9 @@
 //! Everything that can be known before anything moves.
 //!
-//! The whole program is interpreted and planned once without moving: all findings of interpreter
-//! and planner, what is legal but hurts, and what is to be said of the tool table come out at once,
-//! with the planned time; tools that the table lacks get their stand-ins here if the user allows
-//! them.
+//! The whole program is interpreted and planned once without moving (a long one that a control
+//! loads is judged alone, which finds the same): all findings of interpreter and planner, what is
+//! legal but hurts, and what is to be said of the tool table come out at once, with the planned
+//! time; tools that the table lacks get their stand-ins here if the user allows them.
 //!
 //! ```text
 //!   check ─┐                      ┌─ interpreter   what blocks mean

@@ -17,7 +17,7 @@
 //! | `manual` | jog, handwheel, spindle by hand |
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
-//! | `proving`, `proof` | texts interpreted and planned apart from the control, which goes on meanwhile; what for |
+//! | `proving`, `proof` | texts interpreted and judged apart from the control, which goes on meanwhile; what for |
 //! | `timing` | the time of a long program, planned after it is known to be fit |
 //! | `under_way` | a program that is loaded, and one that is under way; what ties a tool to the work |
 //! | `kept`, `keeping` | the state folder; what outlives the control goes there and comes back |

@@ -1,4 +1,4 @@
-//! A text that was interpreted and planned, and what for: as long as that is so it may be executed
+//! A text that was interpreted and judged, and what for: as long as that is so it may be executed
 //! without being proved again.
 use super::timeline::Timeline;
 use crate::job::Session;

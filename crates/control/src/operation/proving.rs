@@ -1,5 +1,6 @@
-//! Texts are interpreted and planned before anything moves, which takes long for long ones: apart
-//! from the control, so that it may be done in another thread while the control goes on.
+//! Texts are interpreted and judged before anything moves, short ones planned as well, which takes
+//! seconds: apart from the control, so that it may be done in another thread while the control goes
+//! on. How long a long one takes is planned later (`timing`).
 //!
 //! ```text
 //!   Control::begin ──► Begun::Answered

@@ -46,7 +46,7 @@ fn begin(control: &Control, tell: impl FnOnce(Timed) + Send + 'static) -> Option
     let stopped = Arc::clone(&is_stopped);
     let timing = control.timing()?.unless(Interruption::by(move || stopped.load(Relaxed)));
     let thread = Builder::new().name("timing".into());
-    // a program whose time nobody plans is executed all the same
+    // without a thread the time stays unknown; the program is executed all the same
     let _ = thread.spawn(move || {
         run_last();
         tell(timing.plan());
