@@ -17,6 +17,15 @@ pub fn of<T: Display>(quick: T, full: T) -> T {
     }
 }
 
+/// Returns the first `quick` of a list, or all of it if `LEADSCREW_TESTS` is `full`, and prints how
+/// many these are.
+///
+/// # Panics
+/// If `LEADSCREW_TESTS` has another value.
+pub fn first_of<T>(quick: usize, all: &[T]) -> &[T] {
+    &all[..of(quick.min(all.len()), all.len())]
+}
+
 /// Returns whether a night's size is asked for.
 ///
 /// # Panics

@@ -8,9 +8,8 @@ use std::io::{BufRead, BufReader, Write as _};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
+use test_support::size;
 
-/// Without another order.
-const USUAL_KILLS: u64 = 12;
 /// A control is killed within this of its start: it homes and cuts several threads meanwhile.
 const LONGEST_LIFE_MS: u64 = 1200;
 const PART: &str = "G21 G90 G54 G17 G94\nT3 M6\nG43 H3\nS1000 M3\nG0 X0 Y0 Z20\n\
@@ -103,7 +102,7 @@ fn kept(folder: &Path) -> Count {
 #[test]
 fn a_control_that_is_killed_keeps_the_offsets_tools_and_counts_that_it_has_acknowledged() {
     let kills = std::env::var("STATE_KILLS").ok().and_then(|n| n.parse().ok());
-    let kills: u64 = kills.unwrap_or(USUAL_KILLS);
+    let kills: u64 = kills.unwrap_or_else(|| size::of(6, 100));
     let home = tempfile::tempdir().unwrap();
     std::fs::write(home.path().join("part.ngc"), PART).unwrap();
     let (mut before, mut acknowledged) = (Count::default(), Count::default());
