@@ -1,7 +1,7 @@
 //! `spec/codes.md` has every G and M code with a program of its own, and what that program means.
 //!
-//! `UPDATE_SPEC=1 cargo test -p cli --test all codes::` writes the page anew; the programs in its fourth
-//! column are written by hand and kept.
+//! `UPDATE_SPEC=1 cargo test -p cli --test all codes::` writes the page anew; the programs in its
+//! fourth column are written by hand and kept.
 use std::{collections::HashMap, fs, path::Path};
 
 /// What every program begins with; not shown.

@@ -1,7 +1,7 @@
 //! The pages in `spec/` run: what they show is what the program does.
 //!
-//! `UPDATE_SPEC=1 cargo test -p cli --test all spec::` writes the pages anew, and the pictures of the
-//! steps: a page that shows `../docs/pictures/spec-NAME.svg` gets it from its own first log.
+//! `UPDATE_SPEC=1 cargo test -p cli --test all spec::` writes the pages anew, and the pictures of
+//! the steps: a page that shows `../docs/pictures/spec-NAME.svg` gets it from its own first log.
 use crate::spec_pictures;
 use std::{
     fs,

@@ -5,9 +5,9 @@ use crate::folder::Folder;
 use crate::metrics::metering::Metering;
 use crate::monitoring::Monitoring;
 use crate::mqtt::Publisher;
-use crate::patience::Patience;
 use crate::rights::Rights;
 use crate::runs::Runs;
+use crate::timeouts::ClientTimeouts;
 use crate::tokens::Tokens;
 use crate::wire::RequestBody;
 use control::job::ProgramOptions;
@@ -52,7 +52,7 @@ pub(crate) struct App {
     pub(crate) sockets: Arc<Semaphore>,
     /// Names by which clients may call this server, with its port.
     pub(crate) hosts: Vec<String>,
-    pub(crate) patience: Patience,
+    pub(crate) timeouts: ClientTimeouts,
     /// By which sessions and tokens end.
     pub(crate) clock: Clock,
     rights: Mutex<Rights>,
@@ -68,7 +68,7 @@ impl App {
         (tokens, watching): (Option<Tokens>, Watching),
         pictures: watch::Receiver<u64>,
         hosts: Vec<String>,
-        (patience, clock): (Patience, Clock),
+        (timeouts, clock): (ClientTimeouts, Clock),
     ) -> Self {
         Self {
             client,
@@ -81,7 +81,7 @@ impl App {
             pictures,
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
             hosts,
-            patience,
+            timeouts,
             clock,
             rights: Mutex::default(),
             fields: Mutex::default(),

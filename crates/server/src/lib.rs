@@ -8,7 +8,7 @@
 //!
 //! | file | is |
 //! |---|---|
-//! | `listen` | addresses, connections, their limits; `patience` how long a client is waited for |
+//! | `listen` | addresses, connections, their limits; `timeouts` how long a client is waited for |
 //! | `guard` | who may ask at all: Host, Origin, session, token; headers of every answer |
 //! | `rights` | sessions, and which of them commands; `clock` by which they end |
 //! | `tokens`, `tls` | the file of tokens; the certificate |
@@ -38,12 +38,12 @@ mod monitoring;
 mod mqtt;
 mod mtconnect;
 mod page;
-mod patience;
 mod rights;
 mod routes;
 mod runs;
 mod scope;
 mod socket;
+mod timeouts;
 mod tls;
 mod tokens;
 pub mod types;
@@ -52,10 +52,10 @@ mod wire;
 pub use ::mtconnect::MOST_OBSERVATIONS;
 pub use clock::Clock;
 pub use listen::{Refused, Server, ServerOptions};
-pub use mqtt::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix, Waits};
-pub use patience::Patience;
+pub use mqtt::{BrokerAddress, BrokerLogin, BrokerTimeouts, PublishOptions, TopicPrefix};
 pub use rights::Role;
 pub use routes::openapi;
 pub use runs::KeptRuns;
+pub use timeouts::ClientTimeouts;
 pub use tls::Certificate;
 pub use tokens::{NewToken, Tokens};

@@ -10,8 +10,8 @@ use crate::monitoring::Monitoring;
 use crate::mqtt::{PublishOptions, Publisher};
 use crate::mtconnect;
 use crate::page::Page;
-use crate::patience::Patience;
 use crate::runs::{KeptRuns, Recorder, Runs};
+use crate::timeouts::ClientTimeouts;
 use crate::tls::{Certificate, Tls};
 use crate::tokens::Tokens;
 use crate::{guard, routes};
@@ -76,7 +76,7 @@ pub struct ServerOptions {
     /// Metrics are answered at `/metrics`.
     pub metrics: bool,
     /// How long a client is waited for.
-    pub patience: Patience,
+    pub timeouts: ClientTimeouts,
     /// By which sessions and tokens end.
     pub clock: Clock,
 }
@@ -139,8 +139,8 @@ impl Server {
             options.metrics.then(|| Arc::new(Metering::new(&client, publisher.is_some())));
         let watching = Watching { monitoring, metering, publisher };
         let open = (tokens, watching);
-        let patience = options.patience;
-        let timing = (patience, options.clock);
+        let timeouts = options.timeouts;
+        let timing = (timeouts, options.clock);
         let app = App::new(hosted.client(), (folder, runs, program), open, pictures, hosts, timing);
         let app = Arc::new(app);
         if let Some(monitoring) = &app.watching.monitoring {
@@ -154,7 +154,7 @@ impl Server {
         }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
-        runtime.spawn(accept(listener, acceptor, router(app), patience));
+        runtime.spawn(accept(listener, acceptor, router(app), timeouts));
         Ok(Self {
             address,
             fingerprint,
@@ -275,7 +275,7 @@ async fn accept(
     listener: TcpListener,
     tls: Option<TlsAcceptor>,
     router: Router,
-    patience: Patience,
+    timeouts: ClientTimeouts,
 ) {
     let connections = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     loop {
@@ -290,13 +290,13 @@ async fn accept(
                 tokio::spawn(async move {
                     let _ = stream.set_nodelay(true); // it is only slower without
                     match tls {
-                        None => talk(stream, router, patience).await,
+                        None => talk(stream, router, timeouts).await,
                         Some(tls) => {
                             let agreed = tls.accept(stream);
                             if let Ok(Ok(stream)) =
-                                tokio::time::timeout(patience.header, agreed).await
+                                tokio::time::timeout(timeouts.header, agreed).await
                             {
-                                talk(stream, router, patience).await;
+                                talk(stream, router, timeouts).await;
                             }
                         }
                     }
@@ -319,13 +319,13 @@ async fn refuse(mut stream: TcpStream) {
 async fn talk(
     stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
     router: Router,
-    patience: Patience,
+    timeouts: ClientTimeouts,
 ) {
     let mut stream = TimeoutStream::new(stream);
-    stream.set_write_timeout(Some(patience.answer));
+    stream.set_write_timeout(Some(timeouts.answer));
     let connection = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
-        .header_read_timeout(patience.header)
+        .header_read_timeout(timeouts.header)
         .max_buf_size(LARGEST_HEADER)
         .serve_connection(TokioIo::new(Box::pin(stream)), TowerToHyperService::new(router))
         .with_upgrades();

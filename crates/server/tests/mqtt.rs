@@ -3,7 +3,7 @@
 
 use crate::common::{How, Served};
 use serde_json::{Value, json};
-use server::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix, Waits};
+use server::{BrokerAddress, BrokerLogin, BrokerTimeouts, PublishOptions, TopicPrefix};
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
@@ -113,9 +113,9 @@ fn attend(mut stream: TcpStream, conduct: Conduct, heard: &Mutex<Heard>) -> std:
     Ok(())
 }
 
-/// Waits that are over at once.
-fn short() -> Waits {
-    Waits {
+/// Timeouts that are over at once.
+fn short() -> BrokerTimeouts {
+    BrokerTimeouts {
         retry: Duration::from_millis(5),
         longest_retry: Duration::from_millis(20),
         acknowledgement: Duration::from_secs(2),
@@ -126,7 +126,7 @@ fn short() -> Waits {
 fn publishing(
     broker: BrokerAddress,
     login: Option<BrokerLogin>,
-    waits: Waits,
+    timeouts: BrokerTimeouts,
     how: How,
 ) -> (Served, Arc<Mutex<Vec<String>>>) {
     let told = Arc::new(Mutex::new(Vec::new()));
@@ -136,7 +136,7 @@ fn publishing(
         login,
         authorities: None,
         topic: TopicPrefix::parse("shop").unwrap(),
-        waits,
+        timeouts,
         told: Box::new(move |sentence| tells.lock().unwrap().push(sentence.to_owned())),
     });
     (Served::of(How { publish, ..how }), told)
@@ -227,7 +227,7 @@ fn what_is_no_longer_kept_is_said_to_be_lost_and_the_last_values_come_all_the_sa
     // refused at first: by then more was observed than a buffer of 60 keeps
     let (address, heard) = broker(vec![Conduct::Refuses(0x88), Conduct::Takes]);
     let how = How { mtconnect: Some(60), ..How::default() };
-    let (served, told) = publishing(address, None, Waits::default(), how);
+    let (served, told) = publishing(address, None, BrokerTimeouts::default(), how);
     served.until("a connection", |_| metric(&served, "connected") == 1);
     served.until("all of it", |_| metric(&served, "observations_waiting") == 0);
     let lost = metric(&served, "observations_lost_total");

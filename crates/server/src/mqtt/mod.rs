@@ -43,9 +43,9 @@ use topics::{Carries, Topics};
 /// A connection that has lasted for so long was a good one.
 const GOOD: Duration = Duration::from_secs(10);
 
-/// Waits for a broker; [`Waits::default`] has those of a shop.
+/// Longest waits for a broker; [`BrokerTimeouts::default`] has those of a shop.
 #[derive(Clone, Copy, Debug)]
-pub struct Waits {
+pub struct BrokerTimeouts {
     /// After a connection has ended, the first attempt comes after this time.
     pub retry: Duration,
     /// Each next attempt comes after twice as long, at most this.
@@ -54,7 +54,7 @@ pub struct Waits {
     pub acknowledgement: Duration,
 }
 
-impl Default for Waits {
+impl Default for BrokerTimeouts {
     fn default() -> Self {
         Self {
             retry: Duration::from_millis(250),
@@ -76,7 +76,7 @@ pub struct PublishOptions {
     /// With what topics begin.
     pub topic: TopicPrefix,
     /// How long the broker is waited for.
-    pub waits: Waits,
+    pub timeouts: BrokerTimeouts,
     /// Told, in a sentence, when there is a connection, when there is none, and what was lost.
     pub told: Box<dyn Fn(&str) + Send + Sync>,
 }
@@ -86,7 +86,7 @@ pub(crate) struct Publisher {
     link: Link,
     login: Option<BrokerLogin>,
     topics: Topics,
-    waits: Waits,
+    timeouts: BrokerTimeouts,
     client_id: String,
     monitoring: Arc<Monitoring>,
     told: Box<dyn Fn(&str) + Send + Sync>,
@@ -141,7 +141,7 @@ impl Publisher {
         options: PublishOptions,
         monitoring: Arc<Monitoring>,
     ) -> Result<Self, String> {
-        let PublishOptions { broker, login, authorities, topic, waits, told } = options;
+        let PublishOptions { broker, login, authorities, topic, timeouts, told } = options;
         let link = Link::of(broker, authorities.as_deref())?;
         let agent = monitoring.agent();
         let topics = Topics::of(&topic, agent.uuid());
@@ -153,7 +153,7 @@ impl Publisher {
         let (document, item) = (AtomicU64::new(1), AtomicU64::new(1));
         let figures = Figures { document, item, ..Figures::default() };
         let said = Mutex::default();
-        Ok(Self { link, login, topics, waits, client_id, monitoring, told, said, figures })
+        Ok(Self { link, login, topics, timeouts, client_id, monitoring, told, said, figures })
     }
 
     /// How it goes.
@@ -171,17 +171,17 @@ impl Publisher {
 
     /// Connection after connection, for ever.
     pub(crate) async fn run(self: Arc<Self>) {
-        let mut wait = self.waits.retry;
+        let mut wait = self.timeouts.retry;
         loop {
             let begun = now();
             let why = session::run(&self).await;
             self.figures.is_connected.store(false, Relaxed);
             self.tell(format!("MQTT: {why}; observations wait, and it is tried again"));
             if now() - begun > GOOD {
-                wait = self.waits.retry;
+                wait = self.timeouts.retry;
             }
             tokio::time::sleep(wait).await;
-            wait = (wait * 2).min(self.waits.longest_retry);
+            wait = (wait * 2).min(self.timeouts.longest_retry);
         }
     }
 

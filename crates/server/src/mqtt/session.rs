@@ -89,11 +89,11 @@ pub(super) async fn run(publisher: &Publisher) -> String {
                 }
             }
             _ = tick.tick() => {
-                if now() - acknowledged_at > publisher.waits.acknowledgement {
+                if now() - acknowledged_at > publisher.timeouts.acknowledgement {
                     return format!(
                         "{} has acknowledged nothing for {} s",
                         publisher.link.address,
-                        publisher.waits.acknowledgement.as_secs_f64()
+                        publisher.timeouts.acknowledgement.as_secs_f64()
                     );
                 }
                 fill(publisher, &mut sending.outbox, false);

@@ -51,7 +51,7 @@ async fn write(
     overwrites: bool,
 ) -> Result<Response, ApiError> {
     app.rights().may_command(&who.session, false, app.clock.now())?;
-    let text = bytes(body, LARGEST_PROGRAM, app.patience.body).await?;
+    let text = bytes(body, LARGEST_PROGRAM, app.timeouts.body).await?;
     let saved = SavedBody { path: path.clone(), bytes: text.len() as u64 };
     let written: Result<(), FolderError> =
         on_disk(&app, move |app| app.folder.write(&path, &text, overwrites)).await?;

@@ -13,7 +13,7 @@ use axum::response::Response;
 use std::sync::Arc;
 
 pub(super) async fn open(State(app): State<Arc<App>>, body: Body) -> Result<Response, ApiError> {
-    let SessionOrder { name, token } = object(body, app.patience.body).await?;
+    let SessionOrder { name, token } = object(body, app.timeouts.body).await?;
     let (role, left) = match &app.tokens {
         None => (Role::Operator, None),
         Some(tokens) => {
@@ -41,7 +41,7 @@ pub(super) async fn order(
     Extension(who): Extension<Who>,
     body: Body,
 ) -> Result<Response, ApiError> {
-    let order = object(body, app.patience.body).await?;
+    let order = object(body, app.timeouts.body).await?;
     let mut rights = app.rights();
     rights.order(&who.session, order, app.clock.now())?;
     Ok(json(&rights.shown(app.clock.now())))

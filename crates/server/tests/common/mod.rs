@@ -5,7 +5,7 @@ use control::RealTimeOptions;
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
 use serde_json::{Value, json};
-use server::{Certificate, Clock, KeptRuns, Patience, PublishOptions, Server, ServerOptions};
+use server::{Certificate, ClientTimeouts, Clock, KeptRuns, PublishOptions, Server, ServerOptions};
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ pub struct How {
     pub mtconnect: Option<usize>,
     pub metrics: bool,
     pub publish: Option<PublishOptions>,
-    pub patience: Patience,
+    pub timeouts: ClientTimeouts,
     pub clock: Clock,
 }
 
@@ -62,7 +62,7 @@ impl Default for How {
             mtconnect: Some(server::MOST_OBSERVATIONS),
             metrics: true,
             publish: None,
-            patience: Patience::default(),
+            timeouts: ClientTimeouts::default(),
             clock: Clock::default(),
         }
     }
@@ -123,7 +123,7 @@ impl Served {
             mtconnect: how.mtconnect,
             metrics: how.metrics,
             publish: how.publish,
-            patience: how.patience,
+            timeouts: how.timeouts,
             clock: how.clock,
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
@@ -160,8 +160,8 @@ impl Served {
 
     /// Waits for a client no longer than this for anything.
     pub fn waiting_at_most(longest: Duration) -> Self {
-        let patience = Patience { header: longest, body: longest, answer: longest };
-        Self::of(How { patience, ..How::default() })
+        let timeouts = ClientTimeouts { header: longest, body: longest, answer: longest };
+        Self::of(How { timeouts, ..How::default() })
     }
 
     /// A request as it is written, outside the API.

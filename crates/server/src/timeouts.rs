@@ -1,9 +1,9 @@
 //! How long the server waits for a client.
 use std::time::Duration;
 
-/// Longest waits for a client; [`Patience::default`] has those of a shop.
+/// Longest waits for a client; [`ClientTimeouts::default`] has those of a shop.
 #[derive(Clone, Copy, Debug)]
-pub struct Patience {
+pub struct ClientTimeouts {
     /// A header comes within this time; also the longest silence between two requests.
     pub header: Duration,
     /// A body comes within this time.
@@ -12,7 +12,7 @@ pub struct Patience {
     pub answer: Duration,
 }
 
-impl Default for Patience {
+impl Default for ClientTimeouts {
     fn default() -> Self {
         let ten = Duration::from_secs(10);
         Self { header: ten, body: ten, answer: ten }
