@@ -35,6 +35,7 @@ mod programs;
 mod random_taps;
 mod recovery;
 mod rotary;
+mod served;
 mod shifted;
 mod standing;
 mod surface_speed;

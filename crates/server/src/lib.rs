@@ -1,17 +1,17 @@
 //! A control over the network: HTTP and WebSocket under `/api/v1`, and the page.
 //!
 //! ```text
-//!   listener ─► connection (limits, timeouts) ─► guard (Host, Origin, session) ─► routes ─┬─► control::operation::hosted::Client
+//!   listener ─► connection (limits, timeouts) ─► guard (Host, Origin) ─► routes (access) ─┬─► control::operation::hosted::Client
 //!                                                                                         ├─► folder of programs
 //!                                                                                         └─► page
 //! ```
 //!
 //! | file | is |
 //! |---|---|
-//! | `listen` | addresses, connections, their limits |
+//! | `listen` | addresses, and what is served there; `connections` those that are open, their limits |
 //! | `guard` | who may ask at all: Host, Origin, session, token; headers of every answer |
-//! | `rights` | sessions, and which of them commands |
-//! | `tokens`, `tls` | the file of tokens; the certificate |
+//! | `rights` | sessions, to whom they belong, which of them commands |
+//! | `tokens`, `tls`, `secret` | the file of tokens; the certificate; files that are their owner's alone |
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
 //! | `mtconnect` | the `MTConnect` agent's addresses and streams |
@@ -28,6 +28,7 @@
 
 mod answer;
 mod app;
+mod connections;
 mod folder;
 mod guard;
 mod language;
@@ -41,6 +42,7 @@ mod rights;
 mod routes;
 mod runs;
 mod scope;
+mod secret;
 mod socket;
 mod tls;
 mod tokens;
@@ -51,7 +53,7 @@ pub use ::mtconnect::MOST_OBSERVATIONS;
 pub use listen::{Refused, Server, ServerOptions};
 pub use mqtt::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix};
 pub use rights::Role;
-pub use routes::openapi;
+pub use routes::{Access, Address, addresses, openapi};
 pub use runs::KeptRuns;
 pub use tls::Certificate;
 pub use tokens::{NewToken, Tokens};

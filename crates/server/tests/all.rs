@@ -19,6 +19,7 @@ mod metrics;
 mod mqtt;
 mod mtconnect;
 mod recovery;
+mod rights;
 mod rotary;
 mod runs;
 mod tls;

@@ -187,7 +187,7 @@ fn broken_off(served: &Served, path: &str, headers: &[(&str, &str)]) -> String {
 fn slow_clients_are_given_up_and_hold_up_no_other() {
     let served = Served::at_pace(1.0);
     let address = served.server.address();
-    let large = vec![b' '; 15 << 20];
+    let large = vec![b';'; 15 << 20];
     assert_eq!(served.put("/programs/large.ngc", &large).0, 200);
     let opened = |text: &str| {
         let mut stream = TcpStream::connect(address).unwrap();

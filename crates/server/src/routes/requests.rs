@@ -1,7 +1,7 @@
 //! What the control is asked for.
 use crate::answer::{ApiError, json, object};
 use crate::app::App;
-use crate::guard::Who;
+use crate::rights::Who;
 use crate::wire::AcceptedBody;
 use axum::Extension;
 use axum::body::Body;
@@ -14,6 +14,6 @@ pub(super) async fn request(
     Extension(who): Extension<Who>,
     body: Body,
 ) -> Result<Response, ApiError> {
-    let accepted = app.request(&who.session, object(body).await?).await?;
+    let accepted = app.request(who.session, object(body).await?).await?;
     Ok(json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text))))
 }
