@@ -6,7 +6,7 @@
 //!                   │                    └──► of an operator
 //!                   └─ gives way first, the one that has been silent for longest
 //! ```
-use crate::rights::Role;
+use crate::role::Role;
 use axum::body::{Body, Bytes, HttpBody};
 use control::clock::now;
 use hyper::body::{Frame, SizeHint};
@@ -118,19 +118,19 @@ impl Drop for UnderWay {
 }
 
 /// The body of an answer, which is under way until it has been taken.
-pub(crate) struct Answer {
+pub(crate) struct AnsweredBody {
     body: Body,
     /// Ends with it.
     _under_way: UnderWay,
 }
 
-impl Answer {
+impl AnsweredBody {
     pub(crate) const fn new(body: Body, under_way: UnderWay) -> Self {
         Self { body, _under_way: under_way }
     }
 }
 
-impl HttpBody for Answer {
+impl HttpBody for AnsweredBody {
     type Data = Bytes;
     type Error = axum::Error;
 
@@ -159,7 +159,7 @@ pub(crate) struct Places {
 
 /// A place, as long as it is kept.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct TakenPlace {
     _all: OwnedSemaphorePermit,
     _of_viewers: Option<OwnedSemaphorePermit>,
 }
@@ -171,13 +171,13 @@ impl Places {
     }
 
     /// One of them, if there is one for this role.
-    pub(crate) fn take(&self, role: Role) -> Option<Place> {
+    pub(crate) fn take(&self, role: Role) -> Option<TakenPlace> {
         let of_viewers = match role {
             Role::Operator => None,
             Role::Viewer => Some(Arc::clone(&self.viewers).try_acquire_owned().ok()?),
         };
         let all = Arc::clone(&self.all).try_acquire_owned().ok()?;
-        Some(Place { _all: all, _of_viewers: of_viewers })
+        Some(TakenPlace { _all: all, _of_viewers: of_viewers })
     }
 }
 

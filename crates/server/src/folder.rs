@@ -39,10 +39,8 @@ pub(crate) enum FolderError {
 
 impl core::fmt::Display for FolderError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let (Self::NotAPath(text)
-        | Self::Missing(text)
-        | Self::Exists(text, _)
-        | Self::Disk(text)) = self;
+        let (Self::NotAPath(text) | Self::Missing(text) | Self::Exists(text, _) | Self::Disk(text)) =
+            self;
         f.write_str(text)
     }
 }
@@ -60,7 +58,7 @@ pub(crate) enum Replaces {
 
 /// A program, and which version of it this is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Program {
+pub(crate) struct ProgramText {
     pub(crate) text: Vec<u8>,
     pub(crate) version: String,
 }
@@ -139,13 +137,7 @@ impl Folder {
             .map_err(|e| format!("cannot open the folder of programs {}: {e}", path.display()))?;
         if root.is_dir() {
             let (own, closed) = (Vec::new(), Vec::new());
-            return Ok(Self {
-                root,
-                named: path.to_owned(),
-                own,
-                closed,
-                writing: Arc::default(),
-            });
+            return Ok(Self { root, named: path.to_owned(), own, closed, writing: Arc::default() });
         }
         Err(format!("{} is no folder: --programs takes one", path.display()))
     }
@@ -265,7 +257,7 @@ impl Folder {
     ///
     /// # Errors
     /// It is not there, too large, no program, or cannot be read.
-    pub(crate) fn read(&self, path: &str) -> Result<Program, FolderError> {
+    pub(crate) fn read(&self, path: &str) -> Result<ProgramText, FolderError> {
         Self::read_at(&self.find(path)?, path)
     }
 
@@ -273,7 +265,7 @@ impl Folder {
     ///
     /// # Errors
     /// None was.
-    pub(crate) fn read_before(&self, path: &str) -> Result<Program, FolderError> {
+    pub(crate) fn read_before(&self, path: &str) -> Result<ProgramText, FolderError> {
         let before = before(&self.find(path)?).filter(|before| before.is_file());
         let missing = || {
             let path = short(path);
@@ -282,14 +274,14 @@ impl Folder {
         Self::read_at(&before.ok_or_else(missing)?, path)
     }
 
-    fn read_at(full: &Path, path: &str) -> Result<Program, FolderError> {
+    fn read_at(full: &Path, path: &str) -> Result<ProgramText, FolderError> {
         let most = LARGEST_PROGRAM as u64;
         let text = store::read_bytes(full, "a program that is shown", most)
             .map_err(|e| FolderError::Disk(format!("cannot read \"{}\": {e}", short(path))))?;
         match program_files::check_text(&text) {
             // who has made an empty file can see that it is empty
             Err(why) if !text.is_empty() => Err(no_program(path, why)),
-            _ => Ok(Program { version: version(&text), text }),
+            _ => Ok(ProgramText { version: version(&text), text }),
         }
     }
 
@@ -443,8 +435,8 @@ fn before(target: &Path) -> Option<PathBuf> {
 
 /// Whether a file has just this text.
 fn is_same(target: &Path, text: &[u8]) -> bool {
-    let is_as_long = target.metadata().is_ok_and(|about| about.len() == text.len() as u64);
-    is_as_long && std::fs::read(target).is_ok_and(|there| there == text)
+    store::read_bytes(target, "a program that is replaced", text.len() as u64)
+        .is_ok_and(|there| there == text)
 }
 
 /// Whether what is there may be replaced.
@@ -568,7 +560,7 @@ mod tests {
         let folder = Folder::open(dir.path()).expect("opened");
         let write = |text: &[u8], replaces| folder.write("a.ngc", text, &replaces);
         let of = |versions: &[&String]| {
-            Replaces::Version(versions.iter().map(ToString::to_string).collect())
+            Replaces::Version(versions.iter().map(|&version| version.clone()).collect())
         };
         let first = write(b"G0 X1\n", Replaces::Nothing).expect("new");
         assert!(folder.read_before("a.ngc").is_err(), "there was none");
@@ -629,7 +621,9 @@ mod tests {
         std::os::unix::fs::symlink(at("shop/out"), at("elsewhere/link")).expect("linked");
         std::os::unix::fs::symlink(at("shop/out/lathe"), at("shop/parts/link")).expect("linked");
         let open = || Folder::open(&at("shop")).expect("opened");
-        let state = |folder: Folder, place: &str| folder.without_folder("the state folder", Some(&at(place)));
+        let state = |folder: Folder, place: &str| {
+            folder.without_folder("the state folder", Some(&at(place)))
+        };
         let tokens = |folder: Folder, place: &str| {
             folder.without_folder_of("the file of tokens", Some(&at(place)))
         };

@@ -4,11 +4,12 @@
 //! A page of another site can make a browser send requests to 127.0.0.1, and a name of that site
 //! can be made to lead there (DNS rebinding). So the `Host` must be a name of this server, and an
 //! `Origin`, which every browser sends with what changes something, must be the same.
+use crate::access::{Access, Admission};
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::connections::Connection;
-use crate::rights::{Denied, Role, Shown};
-use crate::routes::{Access, Admission};
+use crate::rights::{Denied, Shown};
+use crate::role::Role;
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;

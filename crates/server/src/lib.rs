@@ -9,9 +9,10 @@
 //! | file | is |
 //! |---|---|
 //! | `listen` | addresses, and what is served there; `connections` those that are open, their limits |
-//! | `guard` | who may ask at all: Host, Origin, session, token; headers of every answer |
+//! | `guard`, `access` | who may ask at all: Host, Origin, session, token; headers of every answer |
 //! | `rights` | sessions, to whom they belong, which of them commands |
-//! | `tokens`, `tls`, `secret` | the file of tokens; the certificate; files that are their owner's alone |
+//! | `tokens`, `revoking` | the file of tokens, which is read anew when it has changed; `role` what they allow |
+//! | `tls`, `secret` | the certificate; files that are their owner's alone |
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
 //! | `mtconnect` | the `MTConnect` agent's addresses and streams |
@@ -26,6 +27,7 @@
 //! Nothing here waits for a client while the control waits, and every queue has an end.
 #![forbid(unsafe_code)]
 
+mod access;
 mod answer;
 mod app;
 mod connections;
@@ -38,7 +40,9 @@ mod monitoring;
 mod mqtt;
 mod mtconnect;
 mod page;
+mod revoking;
 mod rights;
+mod role;
 mod routes;
 mod runs;
 mod scope;
@@ -50,10 +54,11 @@ pub mod types;
 mod wire;
 
 pub use ::mtconnect::MOST_OBSERVATIONS;
+pub use access::{Access, Address};
 pub use listen::{Refused, Server, ServerOptions};
 pub use mqtt::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix};
-pub use rights::Role;
-pub use routes::{Access, Address, addresses, openapi};
+pub use role::Role;
+pub use routes::{addresses, openapi};
 pub use runs::KeptRuns;
 pub use tls::Certificate;
 pub use tokens::{NewToken, Tokens};

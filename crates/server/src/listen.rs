@@ -4,7 +4,7 @@
 //! there are so many at once, and for one more the one gives way that has been silent for longest;
 //! where none is silent it is answered 503.
 use crate::app::{App, Watching};
-use crate::connections::{Answer, Connection, Connections};
+use crate::connections::{AnsweredBody, Connection, Connections};
 use crate::folder::Folder;
 use crate::metrics::{self, metering::Metering};
 use crate::monitoring::Monitoring;
@@ -13,8 +13,8 @@ use crate::mtconnect;
 use crate::page::Page;
 use crate::runs::{KeptRuns, Recorder, Runs};
 use crate::tls::{Certificate, Tls};
-use crate::tokens::{self, Tokens};
-use crate::{guard, routes};
+use crate::tokens::Tokens;
+use crate::{guard, revoking, routes};
 use axum::Router;
 use axum::extract::Request;
 use axum::http::StatusCode;
@@ -45,6 +45,8 @@ const ANSWER_TAKEN: Duration = Duration::from_secs(10);
 const LARGEST_HEADER: usize = 16 << 10;
 /// Threads that answer: they only wait and copy.
 const THREADS: usize = 2;
+/// One that has waited for a disk is kept for the next time: longer than a control is on.
+const KEPT: Duration = Duration::from_hours(20 * 365 * 24);
 /// Nothing else can be done about a full queue of connections.
 const REFUSED_CONNECTION: &[u8] =
     b"HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/json\r\n\
@@ -134,10 +136,13 @@ impl Server {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(THREADS)
             .max_blocking_threads(THREADS)
+            .thread_keep_alive(KEPT)
             .thread_name("server")
             .enable_all()
             .build()
             .map_err(|e| Refused(format!("cannot start threads: {e}")))?;
+        // where the system refuses another thread, what waits for a disk has this one
+        let _ = runtime.block_on(runtime.spawn_blocking(|| ()));
         let listener = runtime
             .block_on(TcpListener::bind(address))
             .map_err(|e| Refused(format!("cannot listen on {address}: {e}")))?;
@@ -154,7 +159,8 @@ impl Server {
             options.metrics.then(|| Arc::new(Metering::new(&client, publisher.is_some())));
         let watching = Watching { monitoring, metering, publisher };
         let open = (tokens, watching);
-        let app = App::new(hosted.client(), (folder, runs, program), open, pictures, (scheme, hosts));
+        let app =
+            App::new(hosted.client(), (folder, runs, program), open, pictures, (scheme, hosts));
         let app = Arc::new(app);
         if let Some(monitoring) = &app.watching.monitoring {
             runtime.spawn(mtconnect::feed(Arc::clone(&app), Arc::clone(monitoring), pace));
@@ -166,7 +172,7 @@ impl Server {
             runtime.spawn(Arc::clone(publisher).run());
         }
         if let Some(path) = token_file {
-            runtime.spawn(tokens::watch(Arc::clone(&app), path));
+            runtime.spawn(revoking::watch(Arc::clone(&app), path));
         }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
@@ -275,10 +281,7 @@ fn router(app: Arc<App>) -> Router {
     };
     let guarding = Arc::clone(&app);
     let guard = move |request, next| guard::guard(Arc::clone(&guarding), request, next);
-    routes::router(&app)
-        .fallback(rest)
-        .layer(axum::middleware::from_fn(guard))
-        .with_state(app)
+    routes::router(&app).fallback(rest).layer(axum::middleware::from_fn(guard)).with_state(app)
 }
 
 /// Connection after connection.
@@ -343,7 +346,7 @@ async fn talk(
         let answer = router.call(request);
         async move {
             let response = answer.await?;
-            Ok::<_, Infallible>(response.map(|body| Answer::new(body, under_way)))
+            Ok::<_, Infallible>(response.map(|body| AnsweredBody::new(body, under_way)))
         }
     });
     let connection = hyper::server::conn::http1::Builder::new()

@@ -11,17 +11,17 @@
 //! A device may stand before the request: `/mtconnect/tapping-center/current`. Nothing is kept for
 //! a client that streams but the number of its next observation: one that reads too slowly is told
 //! that it is out of range, and its stream ends.
+use crate::access::Watched;
 use crate::app::App;
 use crate::guard::{self, Watcher};
 use crate::monitoring::{MOST_STREAMS, Monitoring};
 use crate::rights::Denied;
-use crate::routes::Route;
 use ::mtconnect::{
     AssetQuery, CurrentQuery, Element, ErrorCode, JsonForm, Observable, ProbeQuery, QueryError,
     SampleQuery,
 };
-use axum::body::{Body, Bytes, HttpBody};
 use axum::Extension;
+use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
@@ -79,11 +79,10 @@ fn observe(app: &App, monitoring: &Monitoring, after: u64, pace: f64) -> u64 {
 pub(crate) const ROOT: &str = "/mtconnect";
 
 /// Its addresses.
-pub(crate) fn routes() -> Vec<Route> {
-    let root =
-        |state: State<Arc<App>>, watcher: Extension<Watcher>, request: Request| async move {
-            answer(state, watcher, "", &request)
-        };
+pub(crate) fn routes() -> Vec<Watched> {
+    let root = |state: State<Arc<App>>, watcher: Extension<Watcher>, request: Request| async move {
+        answer(state, watcher, "", &request)
+    };
     let below = |state: State<Arc<App>>,
                  watcher: Extension<Watcher>,
                  path: Result<Path<String>, PathRejection>,
@@ -93,9 +92,9 @@ pub(crate) fn routes() -> Vec<Route> {
         answer(state, watcher, path, &request)
     };
     vec![
-        Route::of_watchers(ROOT, refused, any(root)),
-        Route::of_watchers("/mtconnect/", refused, any(root)),
-        Route::of_watchers("/mtconnect/{*path}", refused, any(below)),
+        Watched { path: ROOT, refused, handler: any(root) },
+        Watched { path: "/mtconnect/", refused, handler: any(root) },
+        Watched { path: "/mtconnect/{*path}", refused, handler: any(below) },
     ]
 }
 

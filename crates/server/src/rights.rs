@@ -7,12 +7,13 @@
 //! ```
 //!
 //! A session is found by its secret, which the server has drawn, or by the credential of who asks
-//! (a token, or that he is on this computer), which has one session of its own. Within the server it
-//! is a [`SessionId`], a number that no client can write. A name is for people to read: none is
+//! (a token, or that he is on this computer), which has one session of its own. Within the server
+//! it is a [`SessionId`], a number that no client can write. A name is for people to read: none is
 //! looked up. What a session may do is looked up at its credential each time, so that it ends when
 //! the token is taken out of the file, and when its time is over.
 //!
 //! What stops the machine is allowed to every session of the role operator.
+use crate::role::Role;
 use crate::tokens::{Known, NoToken, Tokens, hash, random};
 use crate::wire::{OperatorBody, OperatorOrder};
 use std::collections::HashMap;
@@ -35,25 +36,6 @@ const LOCAL: &str = "local";
 /// What helps where a token has expired.
 pub(crate) const NEW_TOKEN: &str =
     "make another one with leadscrew serve --new-token FILE, in the file that the server uses";
-
-/// What a session may do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// See.
-    Viewer,
-    /// See and command.
-    Operator,
-}
-
-impl Role {
-    /// As files and answers have it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Viewer => "viewer",
-            Self::Operator => "operator",
-        }
-    }
-}
 
 /// Why something is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -98,7 +80,9 @@ impl core::fmt::Display for Denied {
                 "there are {MOST_SESSIONS} sessions already, or {MOST_VIEWERS} of viewers"
             ),
             Self::NoSecret(why) => f.write_str(why),
-            Self::Name => write!(f, "a session has a name of 1 to {LONGEST_NAME} letters, digits and signs"),
+            Self::Name => {
+                write!(f, "a session has a name of 1 to {LONGEST_NAME} letters, digits and signs")
+            }
         }
     }
 }
@@ -117,9 +101,7 @@ impl Denied {
     pub(crate) const fn remedy(&self) -> Option<&'static str> {
         match self {
             Self::Unknown => Some("open a session with POST /api/v1/session"),
-            Self::NoToken => {
-                Some("send it as Authorization: Bearer, or open a session with it")
-            }
+            Self::NoToken => Some("send it as Authorization: Bearer, or open a session with it"),
             Self::Expired | Self::Revoked => Some(NEW_TOKEN),
             Self::AnothersSession => Some("open a session with this token"),
             Self::Held(_) => Some("ask for the right to command"),
@@ -278,13 +260,7 @@ impl Rights {
         Ok(self.add(None, &name, shown, now))
     }
 
-    fn add(
-        &mut self,
-        secret: Option<String>,
-        name: &str,
-        shown: Shown,
-        now: Instant,
-    ) -> SessionId {
+    fn add(&mut self, secret: Option<String>, name: &str, shown: Shown, now: Instant) -> SessionId {
         let id = SessionId(self.count);
         self.count += 1;
         let name = self.free_name(name, &shown.credential, secret.is_some());
@@ -314,7 +290,12 @@ impl Rights {
     ///
     /// # Errors
     /// There are too many, or its name is none.
-    pub(crate) fn open(&mut self, name: &str, shown: Shown, now: Instant) -> Result<Opened, Denied> {
+    pub(crate) fn open(
+        &mut self,
+        name: &str,
+        shown: Shown,
+        now: Instant,
+    ) -> Result<Opened, Denied> {
         let name = name.trim();
         let is_read = |c: char| c.is_alphanumeric() || c.is_ascii_graphic() || c == ' ';
         if name.is_empty() || name.chars().count() > LONGEST_NAME || !name.chars().all(is_read) {

@@ -1,9 +1,9 @@
 //! WebSocket: a whole status, then what changes; events and features; requests and their answers.
 //!
 //! A client that does not read is not waited for: while a frame of it is on its way no other one is
-//! made, and the next delta is against what it had last. What the systems between take on its behalf
-//! is no reading: it is asked for a sign ([`ASKED`]), which comes when it has read so far, and after
-//! [`SENT`] without one it is gone.
+//! made, and the next delta is against what it had last. What the systems between take on its
+//! behalf is no reading: it is asked for a sign ([`ASKED`]), which comes when it has read so far,
+//! and after [`SENT`] without one it is gone.
 use crate::answer::ApiError;
 use crate::app::{App, Fields};
 use crate::guard;

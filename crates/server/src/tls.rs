@@ -49,9 +49,8 @@ impl Tls {
 type Pair = (Vec<CertificateDer<'static>>, PrivateKeyDer<'static>);
 
 fn chain_of(path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
-    let wrong = |e: &dyn core::fmt::Display| {
-        format!("cannot read the certificate {}: {e}", path.display())
-    };
+    let wrong =
+        |e: &dyn core::fmt::Display| format!("cannot read the certificate {}: {e}", path.display());
     let text = store::read_bytes(path, "a certificate", LARGEST_PEM).map_err(|e| wrong(&e))?;
     let all: Result<_, _> = CertificateDer::pem_slice_iter(&text).collect();
     all.map_err(|e| wrong(&e))

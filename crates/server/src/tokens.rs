@@ -1,15 +1,13 @@
 //! The file of tokens: who may ask from elsewhere. A token is shown once; the file has its hash.
 //!
 //! A token is 32 bytes of the system's randomness, so that a plain SHA-256 of it tells nothing.
-use crate::app::App;
-use crate::rights::Role;
+use crate::role::Role;
 use crate::secret;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use std::path::Path;
+use std::time::Duration;
 
 /// Largest file.
 const LARGEST: u64 = 64 << 10;
@@ -189,37 +187,6 @@ impl Tokens {
     pub(crate) fn is_of_another(&self, name: &str, sha256: &str) -> bool {
         self.tokens.iter().any(|token| token.name == name && token.sha256 != sha256)
     }
-}
-
-/// Reads the file anew when it has changed. While there is none that can be read nobody is admitted:
-/// who takes the file away, or breaks it, shuts the server.
-pub(crate) async fn watch(app: Arc<App>, path: PathBuf) {
-    let mut known = stamp(&path);
-    loop {
-        tokio::time::sleep(LOOKED_AT).await;
-        let now = stamp(&path);
-        if now == known {
-            continue;
-        }
-        known = now;
-        let (place, app) = (path.clone(), Arc::clone(&app));
-        let read = tokio::task::spawn_blocking(move || Tokens::read(&place)).await;
-        let tokens = read.unwrap_or_else(|e| Err(e.to_string())).unwrap_or_else(|why| {
-            app.client.notice(format!("no token is valid now: {why}"));
-            Tokens::default()
-        });
-        app.rights().replace(tokens);
-    }
-}
-
-/// By what a file is seen to have changed: time, length, and which file it is.
-fn stamp(path: &Path) -> Option<(SystemTime, u64, u64)> {
-    let about = std::fs::metadata(path).ok()?;
-    #[cfg(unix)]
-    let number = std::os::unix::fs::MetadataExt::ino(&about);
-    #[cfg(not(unix))]
-    let number = 0;
-    Some((about.modified().ok()?, about.len(), number))
 }
 
 /// Whole or not at all; such a file is readable by its owner alone.

@@ -113,9 +113,16 @@ impl Shop {
 
 /// What a proxy, or who passes for one, says of who asks.
 fn proxied() -> Headers {
-    ["x-forwarded-for", "x-forwarded-user", "x-real-ip", "forwarded", "x-remote-user", "remote-user"]
-        .map(|name| (name, "127.0.0.1".to_owned()))
-        .into()
+    [
+        "x-forwarded-for",
+        "x-forwarded-user",
+        "x-real-ip",
+        "forwarded",
+        "x-remote-user",
+        "remote-user",
+    ]
+    .map(|name| (name, "127.0.0.1".to_owned()))
+    .into()
 }
 
 /// An address that can be asked for.
@@ -204,10 +211,12 @@ fn a_session_in_an_address_is_held_to_the_same_and_is_read_nowhere_else() {
         for (who, headers, kind) in &shop.clients {
             let [("x-leadscrew-session", secret)] = headers.as_slice() else { continue };
             let secret = secret.replace(' ', "%20");
-            let (status, answer) =
-                shop.served.raw("GET", &format!("{}?session={secret}", example(&address.path)), &[]);
-            let is_let_in =
-                address.access == Access::Anyone || (takes && *kind != Kind::Nobody);
+            let (status, answer) = shop.served.raw(
+                "GET",
+                &format!("{}?session={secret}", example(&address.path)),
+                &[],
+            );
+            let is_let_in = address.access == Access::Anyone || (takes && *kind != Kind::Nobody);
             assert_eq!(status != 401, is_let_in, "{path} by {who}: {status} {answer}");
         }
     }

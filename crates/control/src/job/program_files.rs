@@ -1,5 +1,5 @@
-//! Which files are programs: by their name and by what is in them. Whatever else lies in a folder of
-//! programs (keys, tokens, what a control keeps) is none, and is neither shown nor read as one.
+//! Which files are programs: by their name and by what is in them. Whatever else lies in a folder
+//! of programs (keys, tokens, what a control keeps) is none, and is neither shown nor read as one.
 use std::path::Path;
 
 /// Endings of files that are programs.
@@ -64,12 +64,26 @@ mod tests {
     #[test]
     fn keys_tokens_and_what_is_kept_have_no_name_of_a_program() {
         for none in [
-            "key.pem", "tokens.toml", "parameters.var", "lock", "mqtt-login", "tools.tbl", ".ngc",
-            "ngc", "id_rsa", "O", "O12a", "a.ngc.previous", "a.ngc~", "a.txt",
+            "key.pem",
+            "tokens.toml",
+            "parameters.var",
+            "lock",
+            "mqtt-login",
+            "tools.tbl",
+            ".ngc",
+            "ngc",
+            "id_rsa",
+            "O",
+            "O12a",
+            "a.ngc.previous",
+            "a.ngc~",
+            "a.txt",
         ] {
             assert!(!has_name_of_one(Path::new(none)), "{none}");
         }
-        for program in ["a.ngc", "PART.NC", "O0001", "o7", "a.b.tap", "folder/x.mpf", "a.gc", "O12.txt"] {
+        for program in
+            ["a.ngc", "PART.NC", "O0001", "o7", "a.b.tap", "folder/x.mpf", "a.gc", "O12.txt"]
+        {
             assert!(has_name_of_one(Path::new(program)), "{program}");
         }
     }

@@ -262,12 +262,6 @@ impl Control {
         }
     }
 
-    /// Whether the numbers of a request are in their ranges, and what it needs is met.
-    pub(super) fn admits(&self, request: &Request) -> Result<(), Refusal> {
-        ranges::check(request, &self.base.machine)?;
-        request.needs().iter().try_for_each(|need| self.meets(need).map_err(Refusal::State))
-    }
-
     /// An order that changes a setting, which is kept.
     fn set(&mut self, order: kernel::Order) -> Result<Accepted, Refusal> {
         let accepted = self.order(order)?;

@@ -12,8 +12,9 @@
 //! | speed of a spindle | − its fastest | + its fastest |
 //! | angle of a spindle | −360° | 360° |
 //! | overrides | as the file says | |
+use super::control::Control;
 use super::offsets::{SYSTEMS, name, parameter};
-use super::request::{Jog, Request};
+use super::request::{Jog, Refusal, Request};
 use crate::Refused;
 use crate::job::restart::From;
 use canon::Axis;
@@ -28,6 +29,17 @@ const MOST_USES: u32 = 10_000_000;
 const LEVELS: RangeInclusive<f64> = 1.0..=9.0;
 /// What a tool's length adds to a touch off, mm.
 const LONGEST_TOOL: f64 = super::offsets::LONGEST;
+
+impl Control {
+    /// Refuses a request with a number out of its range, or whose needs are not met.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub(super) fn admits(&self, request: &Request) -> Result<(), Refusal> {
+        check(request, &self.base.machine)?;
+        request.needs().iter().try_for_each(|need| self.meets(need).map_err(Refusal::State))
+    }
+}
 
 /// Refuses a request that has a number out of its range.
 ///
@@ -98,31 +110,28 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
     }
 }
 
-/// Refuses parameters with a work offset that no request could have set.
-///
-/// # Errors
-/// There is one; the sentence names it and its range.
-pub(super) fn check_parameters(
+/// Work offsets that no request could have set: their parameters, and a sentence of each.
+pub(super) fn out_of_range(
     parameters: &interp::Parameters,
     machine: &MachineFile,
-) -> Result<(), Refused> {
+) -> Vec<(usize, Refused)> {
+    let mut found = Vec::new();
     for file in machine.axes.iter().flatten() {
         for system in 1..=SYSTEMS {
             let number = parameter(system, file.letter);
             let value = parameters.get(number).unwrap_or(0.0);
-            let what = format!(
-                "parameter {number}, the zero of {} along {},",
-                name(system),
-                file.letter.letter()
-            );
-            within(&what, value, zero(file), file.letter.kind().unit())?;
+            let (name, letter) = (name(system), file.letter.letter());
+            let what = format!("parameter {number}, the zero of {name} along {letter},");
+            if let Err(why) = within(&what, value, zero(file), file.letter.kind().unit()) {
+                found.push((number, why));
+            }
         }
     }
-    Ok(())
+    found
 }
 
-/// The same of what a control finds when it begins: it does not begin with a work offset that it
-/// could not have set.
+/// Refuses what a control finds when it begins if a work offset is in it that it could not have
+/// set.
 ///
 /// # Errors
 /// There is one; the sentence names it, its range and the file.
@@ -131,16 +140,15 @@ pub(super) fn check_kept(
     machine: &MachineFile,
     state: Option<&Path>,
 ) -> Result<(), Refused> {
-    check_parameters(parameters, machine).map_err(|why| match state {
-        None => why,
-        Some(folder) => {
-            let file = folder.join("parameters.var");
-            let file = file.display();
-            Refused::because(format!(
-                "{file}: {why}: write the right one, and the word edited for the checksum in its first line"
-            ))
-        }
-    })
+    let Some((_, why)) = out_of_range(parameters, machine).into_iter().next() else {
+        return Ok(());
+    };
+    let Some(folder) = state else { return Err(why) };
+    let file = folder.join("parameters.var");
+    let file = file.display();
+    Err(Refused::because(format!(
+        "{file}: {why}: write the right one, and the word edited for the checksum in its first line"
+    )))
 }
 
 /// Where the zero of a work offset may be: a fixture stands in the travel or near it.
@@ -193,17 +201,14 @@ fn percent(what: &str, share: f64, range: RangeInclusive<f64>) -> Result<(), Ref
     within(what, share * 100.0, range.start() * 100.0..=range.end() * 100.0, " percent")
 }
 
-fn within(
-    what: &str,
-    value: f64,
-    range: RangeInclusive<f64>,
-    unit: &str,
-) -> Result<(), Refused> {
+fn within(what: &str, value: f64, range: RangeInclusive<f64>, unit: &str) -> Result<(), Refused> {
     if range.contains(&value) {
         return Ok(());
     }
     let (from, to) = (range.start(), range.end());
-    Err(Refused::because(format!("{what} goes from {from:.3}{unit} to {to:.3}{unit}, found {value:e}{unit}")))
+    Err(Refused::because(format!(
+        "{what} goes from {from:.3}{unit} to {to:.3}{unit}, found {value:e}{unit}"
+    )))
 }
 
 #[cfg(test)]
@@ -253,7 +258,8 @@ mod tests {
         for file in machine.axes.iter().flatten() {
             let axis = file.letter;
             let (zero, travel) = (zero(file), (file.travel.from.value(), file.travel.to.value()));
-            let set = |n: f64| check(&Request::SetWorkOffset(1, axis, Coordinate::new(n)), &machine);
+            let set =
+                |n: f64| check(&Request::SetWorkOffset(1, axis, Coordinate::new(n)), &machine);
             let go = |n: f64| check(&Request::Jog(axis, Jog::To(Coordinate::new(n))), &machine);
             for (works, fails) in [
                 (set(*zero.start()), set(zero.start() - 1e-6)),
@@ -289,9 +295,12 @@ mod tests {
     fn kept_parameters_are_held_to_the_same() {
         let machine = machine();
         let mut parameters = interp::Parameters::default();
-        assert!(check_parameters(&parameters, &machine).is_ok());
+        assert!(check_kept(&parameters, &machine, None).is_ok());
         assert!(parameters.set(parameter(9, Axis::Y), 1e9));
-        let why = check_parameters(&parameters, &machine).expect_err("it is nowhere").to_string();
-        assert!(why.contains("5382") && why.contains("G59.3 along Y") && why.contains("1e9"), "{why}");
+        let why = check_kept(&parameters, &machine, Some(Path::new("out"))).expect_err("nowhere");
+        let why = why.to_string();
+        for part in ["out/parameters.var", "5382", "G59.3 along Y", "1e9"] {
+            assert!(why.contains(part), "{why}");
+        }
     }
 }

@@ -13,10 +13,10 @@ mod publishing;
 mod registry;
 mod text;
 
+use crate::access::Watched;
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::guard;
-use crate::routes::Route;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -53,8 +53,8 @@ fn count(app: &App, metering: &Metering, after: u64) -> u64 {
 pub(crate) const ROOT: &str = "/metrics";
 
 /// Its address.
-pub(crate) fn routes() -> Vec<Route> {
-    vec![Route::of_watchers(ROOT, guard::refused, any(answer))]
+pub(crate) fn routes() -> Vec<Watched> {
+    vec![Watched { path: ROOT, refused: guard::refused, handler: any(answer) }]
 }
 
 async fn answer(State(app): State<Arc<App>>, request: Request) -> Response {

@@ -9,9 +9,9 @@ mod shows;
 
 pub use openapi::openapi;
 
+use crate::access::{Access, Address, Admission, Watched};
 use crate::answer::ApiError;
 use crate::app::App;
-use crate::rights::Denied;
 use crate::wire::{
     AcceptedBody, AlarmBody, EventsBody, FeatureBody, FolderBody, MachineBody, OffsetBody,
     OperatorBody, OperatorOrder, ProgramBody, RequestBody, RunDetailBody, RunTraceBody, RunsBody,
@@ -20,49 +20,14 @@ use crate::wire::{
 use crate::{guard, metrics, mtconnect};
 use Access::{Anyone, Operator, Viewer};
 use axum::Router;
-use axum::http::{HeaderMap, StatusCode};
-use axum::response::Response;
+use axum::http::StatusCode;
 use axum::routing::{MethodRouter, get, post, put};
 use control::operation::Status;
 use openapi::Shape;
 use std::sync::Arc;
 
-/// Who may use an address.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Access {
-    /// Everyone who reaches the server: it shows nothing of the machine.
-    Anyone,
-    /// Who has a token of any role, where tokens are asked for; a session is none.
-    Watcher,
-    /// Every session, every token.
-    Viewer,
-    /// Sessions and tokens of the role operator.
-    Operator,
-}
-
-/// An address as it is written for those who ask who may use what.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Address {
-    /// `get`, `put`, `post`; `any`: each of them.
-    pub method: &'static str,
-    /// As axum writes it, with its parameters in braces.
-    pub path: String,
-    /// Who may use it.
-    pub access: Access,
-}
-
-/// How who asks is admitted.
-#[derive(Clone, Copy)]
-pub(crate) struct Admission {
-    pub(crate) access: Access,
-    /// A browser opens it in a window of its own, or as a socket, and says who asks in the address.
-    pub(crate) is_opened_in_a_window: bool,
-    /// In which form he is refused.
-    pub(crate) refused: fn(&App, &HeaderMap, Denied) -> Response,
-}
-
 /// An address, and what it does.
-pub(crate) struct Route {
+struct Route {
     method: &'static str,
     /// Below its base, as axum writes it.
     path: &'static str,
@@ -75,12 +40,10 @@ pub(crate) struct Route {
 
 impl Route {
     /// An address that is not of the API: programs that watch know it.
-    pub(crate) const fn of_watchers(
-        path: &'static str,
-        refused: fn(&App, &HeaderMap, Denied) -> Response,
-        handler: MethodRouter<Arc<App>>,
-    ) -> Self {
-        let admission = Admission { access: Access::Watcher, is_opened_in_a_window: false, refused };
+    fn of_watchers(watched: Watched) -> Self {
+        let Watched { path, refused, handler } = watched;
+        let admission =
+            Admission { access: Access::Watcher, is_opened_in_a_window: false, refused };
         let (body, answer) = (Shape::Nothing, Shape::Any);
         Self { method: "any", path, summary: "", admission, body, answer, handler }
     }
@@ -165,7 +128,13 @@ fn of_programs() -> Vec<Route> {
             [no, Shape::of::<FolderBody>()],
             get(programs::list),
         ),
-        row("get", "/programs/{*path}", (Viewer, "A program's text"), [no, Shape::Text], get(programs::read)),
+        row(
+            "get",
+            "/programs/{*path}",
+            (Viewer, "A program's text"),
+            [no, Shape::Text],
+            get(programs::read),
+        ),
         row(
             "put",
             "/programs/{*path}",
@@ -194,7 +163,13 @@ fn of_lists() -> Vec<Route> {
             [no, Shape::list_of::<OffsetBody>()],
             get(shows::offsets),
         ),
-        row("get", "/tools", (Viewer, "Tools"), [no, Shape::list_of::<ToolBody>()], get(shows::tools)),
+        row(
+            "get",
+            "/tools",
+            (Viewer, "Tools"),
+            [no, Shape::list_of::<ToolBody>()],
+            get(shows::tools),
+        ),
         row(
             "get",
             "/features",
@@ -230,14 +205,22 @@ fn of_runs() -> Vec<Route> {
             [no, Shape::of::<RunDetailBody>()],
             get(runs::detail),
         ),
-        row("get", "/runs/{id}/report", (Viewer, "Its report, a page"), [no, Shape::Text], get(runs::report)).opened_in_a_window(),
+        row(
+            "get",
+            "/runs/{id}/report",
+            (Viewer, "Its report, a page"),
+            [no, Shape::Text],
+            get(runs::report),
+        )
+        .opened_in_a_window(),
         row(
             "get",
             "/runs/{id}/certificate",
             (Viewer, "Its certificate"),
             [no, Shape::Any],
             get(runs::certificate),
-        ).opened_in_a_window(),
+        )
+        .opened_in_a_window(),
         row(
             "get",
             "/runs/{id}/trace",
@@ -279,15 +262,23 @@ fn of_clients() -> Vec<Route> {
             (Viewer, "WebSocket: status, events, features, scope, requests"),
             [no, Shape::Nothing],
             get(crate::socket::open),
-        ).opened_in_a_window(),
+        )
+        .opened_in_a_window(),
         row(
             "get",
             "/lsp",
             (Viewer, "WebSocket: the language server"),
             [no, Shape::Nothing],
             get(crate::language::open),
-        ).opened_in_a_window(),
-        row("get", "/openapi.json", (Anyone, "This document"), [no, Shape::Any], get(shows::document)),
+        )
+        .opened_in_a_window(),
+        row(
+            "get",
+            "/openapi.json",
+            (Anyone, "This document"),
+            [no, Shape::Any],
+            get(shows::document),
+        ),
     ]
 }
 
@@ -305,6 +296,7 @@ async fn on_disk<T: Send + 'static>(
 fn all() -> Vec<(String, Route)> {
     let api = table().into_iter().map(|route| (format!("{BASE}{}", route.path), route));
     let watched = mtconnect::routes().into_iter().chain(metrics::routes());
+    let watched = watched.map(Route::of_watchers);
     api.chain(watched.map(|route| (route.path.to_owned(), route))).collect()
 }
 

@@ -3,7 +3,7 @@
 use super::on_disk;
 use crate::answer::{ApiError, bytes, json};
 use crate::app::App;
-use crate::folder::{LARGEST_PROGRAM, Program, Replaces};
+use crate::folder::{LARGEST_PROGRAM, ProgramText, Replaces};
 use crate::rights::Who;
 use crate::wire::SavedBody;
 use axum::Extension;
@@ -23,7 +23,7 @@ pub(super) async fn list(State(app): State<Arc<App>>) -> Result<Response, ApiErr
 /// `?before=true`, `?replace=true`.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Asked {
+pub(super) struct ProgramQuery {
     /// The version that was replaced last.
     #[serde(default)]
     before: bool,
@@ -35,9 +35,9 @@ pub(super) struct Asked {
     _session: Option<String>,
 }
 
-type Query = Result<axum::extract::Query<Asked>, QueryRejection>;
+type Query = Result<axum::extract::Query<ProgramQuery>, QueryRejection>;
 
-fn asked(query: Query) -> Result<Asked, ApiError> {
+fn asked(query: Query) -> Result<ProgramQuery, ApiError> {
     let wrong = |e: QueryRejection| ApiError::new(StatusCode::BAD_REQUEST, e.body_text());
     query.map(|axum::extract::Query(asked)| asked).map_err(wrong)
 }
@@ -47,12 +47,15 @@ pub(super) async fn read(
     Path(path): Path<String>,
     query: Query,
 ) -> Result<Response, ApiError> {
-    let Asked { before, .. } = asked(query)?;
-    let program = on_disk(&app, move |app| match before {
-        true => app.folder.read_before(&path),
-        false => app.folder.read(&path),
-    });
-    let Program { text, version } = program.await??;
+    let ProgramQuery { before, .. } = asked(query)?;
+    let program =
+        on_disk(
+            &app,
+            move |app| {
+                if before { app.folder.read_before(&path) } else { app.folder.read(&path) }
+            },
+        );
+    let ProgramText { text, version } = program.await??;
     let kind = "text/plain; charset=utf-8".to_owned();
     Ok(([(header::CONTENT_TYPE, kind), (header::ETAG, tag(&version))], text).into_response())
 }
@@ -94,7 +97,7 @@ fn whole(headers: &HeaderMap) -> Result<(), ApiError> {
 }
 
 /// What a client says of the program that is to be replaced.
-fn replaced(asked: Asked, headers: &HeaderMap) -> Result<Replaces, ApiError> {
+fn replaced(asked: ProgramQuery, headers: &HeaderMap) -> Result<Replaces, ApiError> {
     whole(headers)?;
     let mut versions = Vec::new();
     for value in headers.get_all(header::IF_MATCH) {

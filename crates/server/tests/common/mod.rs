@@ -32,8 +32,7 @@ pub fn shop(name: &str) -> PathBuf {
 pub fn write_secret(path: &Path, text: &[u8]) {
     use std::os::unix::fs::OpenOptionsExt as _;
     let mut options = std::fs::OpenOptions::new();
-    let mut file =
-        options.write(true).create(true).truncate(true).mode(0o600).open(path).unwrap();
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(path).unwrap();
     file.write_all(text).unwrap();
 }
 
