@@ -27,7 +27,8 @@ fn served(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let mut complaint = String::new();
     child.stderr.take().unwrap().read_to_string(&mut complaint).unwrap();
     child.wait().unwrap();
-    if is_served || complaint.is_empty() { Ok(line) } else { Err(complaint) }
+    let is_refused = complaint.starts_with("error");
+    if is_refused { Err(complaint) } else { Ok(line) }
 }
 
 /// A shop with a folder of programs, and one for what the control keeps.
