@@ -53,7 +53,7 @@ const REFUSED_CONNECTION: &[u8] =
     content-length: 73\r\nconnection: close\r\n\r\n\
     {\"accepted\":false,\"reason\":\"too many connections are open\",\"remedy\":null}";
 
-/// The same within TLS: a fatal alert, internal_error, before there is a key.
+/// The same within TLS: a fatal alert, `internal_error`, before there is a key.
 const REFUSED_HANDSHAKE: &[u8] = &[21, 3, 3, 0, 2, 2, 80];
 
 /// Why nothing is served, in a sentence.

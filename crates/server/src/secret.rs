@@ -1,6 +1,10 @@
 //! Files with secrets: tokens, keys, logins. Their owner alone reads and writes them.
 use std::path::Path;
 
+/// Lowest bits of a mode: what the group and others may do.
+#[cfg(unix)]
+const BITS_OF_OTHERS: u32 = 6;
+
 /// Refuses a file that others than its owner can read or write.
 ///
 /// # Errors
@@ -10,7 +14,7 @@ pub(crate) fn check(path: &Path, what: &str) -> Result<(), String> {
     use std::os::unix::fs::PermissionsExt as _;
     let Ok(about) = std::fs::metadata(path) else { return Ok(()) };
     let mode = about.permissions().mode() & 0o7777;
-    if !about.is_file() || mode & 0o077 == 0 {
+    if !about.is_file() || mode.trailing_zeros() >= BITS_OF_OTHERS {
         return Ok(());
     }
     let path = path.display();

@@ -68,7 +68,7 @@ pub(super) async fn save(
     headers: HeaderMap,
     body: Body,
 ) -> Result<Response, ApiError> {
-    let replaces = replaced(asked(query)?, &headers)?;
+    let replaces = replaced(&asked(query)?, &headers)?;
     write(app, who, path, body, replaces).await
 }
 
@@ -97,7 +97,7 @@ fn whole(headers: &HeaderMap) -> Result<(), ApiError> {
 }
 
 /// What a client says of the program that is to be replaced.
-fn replaced(asked: ProgramQuery, headers: &HeaderMap) -> Result<Replaces, ApiError> {
+fn replaced(asked: &ProgramQuery, headers: &HeaderMap) -> Result<Replaces, ApiError> {
     whole(headers)?;
     let mut versions = Vec::new();
     for value in headers.get_all(header::IF_MATCH) {
