@@ -126,7 +126,7 @@ Examples:
   leadscrew serve --machine lathe --programs programs --port 0 --state out/lathe
   leadscrew serve --new-token out/tokens.toml --token-name wall --token-role viewer
   leadscrew serve --revoke-token out/tokens.toml --token-name wall
-  leadscrew serve --programs programs --listen 0.0.0.0 --host-name shop-1 --token-file out/tokens.toml --self-signed"
+  leadscrew serve --programs programs --listen 0.0.0.0 --token-file out/tokens.toml --self-signed"
     )]
     Serve(ServeArgs),
     /// Run the simulated machine, its drives and encoders as a process of its own
