@@ -1,5 +1,6 @@
 //! What all handlers share.
 use crate::answer::ApiError;
+use crate::clock::Clock;
 use crate::connections::Places;
 use crate::folder::Folder;
 use crate::metrics::metering::Metering;
@@ -7,6 +8,7 @@ use crate::monitoring::Monitoring;
 use crate::mqtt::Publisher;
 use crate::rights::{Rights, SessionId};
 use crate::runs::Runs;
+use crate::timeouts::ClientTimeouts;
 use crate::tokens::Tokens;
 use crate::wire::RequestBody;
 use control::job::ProgramOptions;
@@ -52,6 +54,9 @@ pub(crate) struct App {
     pub(crate) hosts: Vec<String>,
     /// With what its addresses begin: `http` or `https`.
     pub(crate) scheme: &'static str,
+    pub(crate) timeouts: ClientTimeouts,
+    /// By which sessions and tokens end.
+    pub(crate) clock: Clock,
     rights: Mutex<Rights>,
     /// The fields of the latest picture, made once for all clients.
     fields: Mutex<(u64, Arc<Fields>)>,
@@ -65,6 +70,7 @@ impl App {
         (tokens, watching): (Option<Tokens>, Watching),
         pictures: watch::Receiver<u64>,
         (scheme, hosts): (&'static str, Vec<String>),
+        (timeouts, clock): (ClientTimeouts, Clock),
     ) -> Self {
         Self {
             client,
@@ -77,7 +83,9 @@ impl App {
             sockets: Places::new(MOST_SOCKETS.0, MOST_SOCKETS.1),
             hosts,
             scheme,
-            rights: Mutex::new(Rights::new(tokens)),
+            timeouts,
+            rights: Mutex::new(Rights::new(tokens, clock.clone())),
+            clock,
             fields: Mutex::default(),
         }
     }
@@ -114,7 +122,7 @@ impl App {
         session: SessionId,
         body: RequestBody,
     ) -> Result<Accepted, ApiError> {
-        self.rights().may_command(session, body.is_stop(), control::clock::now())?;
+        self.rights().may_command(session, body.is_stop(), self.clock.now())?;
         let request = body.read(self.client.machine(), &self.folder)?;
         let (sender, receiver) = oneshot::channel();
         self.client.ask(request, move |answer| {

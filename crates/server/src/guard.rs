@@ -14,7 +14,6 @@ use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use control::clock::now;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -101,7 +100,7 @@ pub(crate) async fn admit(
                 Ok(token) => token,
                 Err(error) => return error.into_response(),
             };
-            match app.rights().identify(token, secret, now()) {
+            match app.rights().identify(token, secret, app.clock.now()) {
                 Ok(who) if admission.access == Access::Operator && who.role == Role::Viewer => {
                     return (admission.refused)(&app, headers, Denied::Viewer);
                 }
@@ -132,7 +131,7 @@ pub(crate) struct Watcher(Shown);
 impl Watcher {
     /// Until what it was admitted with has ended.
     pub(crate) async fn ended(&self, app: &App) {
-        while app.rights().role_of(&self.0, now()).is_ok() {
+        while app.rights().role_of(&self.0, app.clock.now()).is_ok() {
             tokio::time::sleep(LOOKED_AT).await;
         }
     }
@@ -140,14 +139,14 @@ impl Watcher {
 
 fn watcher(app: &App, headers: &HeaderMap) -> Result<Watcher, Denied> {
     let token = bearer(headers).map_err(|_| Denied::NoToken)?;
-    let shown = app.rights().shown_by(token, now())?;
-    app.rights().role_of(&shown, now())?;
+    let shown = app.rights().shown_by(token, app.clock.now())?;
+    app.rights().role_of(&shown, app.clock.now())?;
     Ok(Watcher(shown))
 }
 
 /// Until a session has ended.
 pub(crate) async fn ended(app: &App, session: crate::rights::SessionId) {
-    while !app.rights().has_ended(session, now()) {
+    while !app.rights().has_ended(session, app.clock.now()) {
         tokio::time::sleep(LOOKED_AT).await;
     }
 }

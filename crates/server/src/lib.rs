@@ -8,9 +8,9 @@
 //!
 //! | file | is |
 //! |---|---|
-//! | `listen` | addresses, and what is served there; `connections` those that are open, their limits |
+//! | `listen` | addresses, and what is served there; `connections` those that are open, their limits; `timeouts` how long a client is waited for |
 //! | `guard`, `access` | who may ask at all: Host, Origin, session, token; headers of every answer |
-//! | `rights` | sessions, to whom they belong, which of them commands |
+//! | `rights` | sessions, to whom they belong, which of them commands; `clock` by which they end |
 //! | `tokens`, `revoking` | the file of tokens, which is read anew when it has changed; `role` what they allow |
 //! | `tls`, `secret` | the certificate; files that are their owner's alone |
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
@@ -30,6 +30,7 @@
 mod access;
 mod answer;
 mod app;
+mod clock;
 mod connections;
 mod folder;
 mod guard;
@@ -48,6 +49,7 @@ mod runs;
 mod scope;
 mod secret;
 mod socket;
+mod timeouts;
 mod tls;
 mod tokens;
 pub mod types;
@@ -55,10 +57,12 @@ mod wire;
 
 pub use ::mtconnect::MOST_OBSERVATIONS;
 pub use access::{Access, Address};
+pub use clock::Clock;
 pub use listen::{Refused, Server, ServerOptions};
-pub use mqtt::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix};
+pub use mqtt::{BrokerAddress, BrokerLogin, BrokerTimeouts, PublishOptions, TopicPrefix};
 pub use role::Role;
 pub use routes::{addresses, openapi};
 pub use runs::KeptRuns;
+pub use timeouts::ClientTimeouts;
 pub use tls::Certificate;
 pub use tokens::{NewToken, Tokens};

@@ -4,6 +4,7 @@
 //! there are so many at once, and for one more the one gives way that has been silent for longest;
 //! where none is silent it is answered 503.
 use crate::app::{App, Watching};
+use crate::clock::Clock;
 use crate::connections::{AnsweredBody, Connection, Connections};
 use crate::folder::Folder;
 use crate::metrics::{self, metering::Metering};
@@ -12,6 +13,7 @@ use crate::mqtt::{PublishOptions, Publisher};
 use crate::mtconnect;
 use crate::page::Page;
 use crate::runs::{KeptRuns, Recorder, Runs};
+use crate::timeouts::ClientTimeouts;
 use crate::tls::{Certificate, Tls};
 use crate::tokens::Tokens;
 use crate::{guard, revoking, routes};
@@ -37,10 +39,6 @@ use tokio::sync::watch;
 use tokio_io_timeout::TimeoutStream;
 use tokio_rustls::TlsAcceptor;
 
-/// A header comes within so long; so long may a connection be silent between two requests.
-const HEADER_COMES: Duration = Duration::from_secs(10);
-/// A client that takes nothing of its answer for so long is gone.
-const ANSWER_TAKEN: Duration = Duration::from_secs(10);
 /// Largest header.
 const LARGEST_HEADER: usize = 16 << 10;
 /// Threads that answer: they only wait and copy.
@@ -85,6 +83,10 @@ pub struct ServerOptions {
     pub publish: Option<PublishOptions>,
     /// Metrics are answered at `/metrics`.
     pub metrics: bool,
+    /// How long a client is waited for.
+    pub timeouts: ClientTimeouts,
+    /// By which sessions and tokens end.
+    pub clock: Clock,
 }
 
 /// A control that is served, until it is dropped.
@@ -159,8 +161,9 @@ impl Server {
             options.metrics.then(|| Arc::new(Metering::new(&client, publisher.is_some())));
         let watching = Watching { monitoring, metering, publisher };
         let open = (tokens, watching);
-        let app =
-            App::new(hosted.client(), (folder, runs, program), open, pictures, (scheme, hosts));
+        let timeouts = options.timeouts;
+        let (named, timing) = ((scheme, hosts), (timeouts, options.clock));
+        let app = App::new(hosted.client(), (folder, runs, program), open, pictures, named, timing);
         let app = Arc::new(app);
         if let Some(monitoring) = &app.watching.monitoring {
             runtime.spawn(mtconnect::feed(Arc::clone(&app), Arc::clone(monitoring), pace));
@@ -176,7 +179,7 @@ impl Server {
         }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
-        runtime.spawn(accept(listener, acceptor, router(app)));
+        runtime.spawn(accept(listener, acceptor, router(app), timeouts));
         Ok(Self {
             address,
             fingerprint,
@@ -285,7 +288,12 @@ fn router(app: Arc<App>) -> Router {
 }
 
 /// Connection after connection.
-async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, router: Router) {
+async fn accept(
+    listener: TcpListener,
+    tls: Option<TlsAcceptor>,
+    router: Router,
+    timeouts: ClientTimeouts,
+) {
     let all = Arc::new(Connections::default());
     for number in 0.. {
         let Ok((stream, _)) = listener.accept().await else {
@@ -301,7 +309,7 @@ async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, router: Router)
         tokio::spawn(async move {
             let _ = stream.set_nodelay(true); // it is only slower without
             tokio::select! {
-                () = serve(stream, tls, router, &connection) => {}
+                () = serve(stream, tls, router, &connection, timeouts) => {}
                 () = connection.gives_way() => {}
             }
         });
@@ -313,13 +321,14 @@ async fn serve(
     tls: Option<TlsAcceptor>,
     router: Router,
     connection: &Arc<Connection>,
+    timeouts: ClientTimeouts,
 ) {
     match tls {
-        None => talk(stream, router, connection).await,
+        None => talk(stream, router, connection, timeouts).await,
         Some(tls) => {
-            let agreed = tokio::time::timeout(HEADER_COMES, tls.accept(stream));
+            let agreed = tokio::time::timeout(timeouts.header, tls.accept(stream));
             if let Ok(Ok(stream)) = agreed.await {
-                talk(stream, router, connection).await;
+                talk(stream, router, connection, timeouts).await;
             }
         }
     }
@@ -336,9 +345,10 @@ async fn talk(
     stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
     router: Router,
     connection: &Arc<Connection>,
+    timeouts: ClientTimeouts,
 ) {
     let mut stream = TimeoutStream::new(stream);
-    stream.set_write_timeout(Some(ANSWER_TAKEN));
+    stream.set_write_timeout(Some(timeouts.answer));
     let (router, connection) = (TowerToHyperService::new(router), Arc::clone(connection));
     let answers = service_fn(move |mut request: hyper::Request<Incoming>| {
         let under_way = connection.asks();
@@ -351,7 +361,7 @@ async fn talk(
     });
     let connection = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
-        .header_read_timeout(HEADER_COMES)
+        .header_read_timeout(timeouts.header)
         .max_buf_size(LARGEST_HEADER)
         .serve_connection(TokioIo::new(Box::pin(stream)), answers)
         .with_upgrades();

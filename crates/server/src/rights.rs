@@ -13,6 +13,7 @@
 //! the token is taken out of the file, and when its time is over.
 //!
 //! What stops the machine is allowed to every session of the role operator.
+use crate::clock::Clock;
 use crate::role::Role;
 use crate::tokens::{Known, NoToken, Tokens, hash, random};
 use crate::wire::{OperatorBody, OperatorOrder};
@@ -165,6 +166,8 @@ struct Session {
 pub(crate) struct Rights {
     /// Who is answered; `None`: this computer.
     tokens: Option<Tokens>,
+    /// By which tokens end.
+    clock: Clock,
     sessions: HashMap<SessionId, Session>,
     /// Sessions that there have been.
     count: u64,
@@ -174,8 +177,8 @@ pub(crate) struct Rights {
 
 impl Rights {
     /// Of who has a token; `None`: of who is on this computer.
-    pub(crate) fn new(tokens: Option<Tokens>) -> Self {
-        Self { tokens, ..Self::default() }
+    pub(crate) fn new(tokens: Option<Tokens>, clock: Clock) -> Self {
+        Self { tokens, clock, ..Self::default() }
     }
 
     /// The file of tokens was read anew: what was opened with one that is not in it has ended.
@@ -191,7 +194,8 @@ impl Rights {
         let Some(tokens) = &self.tokens else {
             return Ok(Shown { credential: Credential::ThisComputer, until: None });
         };
-        let Known { sha256, left, .. } = tokens.find(token.unwrap_or_default())?;
+        let Known { sha256, left, .. } =
+            tokens.find(token.unwrap_or_default(), self.clock.unix_ms())?;
         let until = left.and_then(|left| now.checked_add(left));
         Ok(Shown { credential: Credential::Token(sha256), until })
     }
@@ -206,11 +210,13 @@ impl Rights {
         }
         match (&shown.credential, &self.tokens) {
             (Credential::ThisComputer, None) => Ok(Role::Operator),
-            (Credential::Token(sha256), Some(tokens)) => match tokens.of_hash(sha256) {
-                Ok(known) => Ok(known.role),
-                Err(NoToken::Expired) => Err(Denied::Expired),
-                Err(NoToken::Unknown) => Err(Denied::Revoked),
-            },
+            (Credential::Token(sha256), Some(tokens)) => {
+                match tokens.of_hash(sha256, self.clock.unix_ms()) {
+                    Ok(known) => Ok(known.role),
+                    Err(NoToken::Expired) => Err(Denied::Expired),
+                    Err(NoToken::Unknown) => Err(Denied::Revoked),
+                }
+            }
             _ => Err(Denied::Revoked),
         }
     }
@@ -254,7 +260,9 @@ impl Rights {
             return Ok(*id);
         }
         let name = match (&shown.credential, &self.tokens) {
-            (Credential::Token(sha256), Some(tokens)) => tokens.of_hash(sha256)?.name,
+            (Credential::Token(sha256), Some(tokens)) => {
+                tokens.of_hash(sha256, self.clock.unix_ms())?.name
+            }
             _ => LOCAL.to_owned(),
         };
         Ok(self.add(None, &name, shown, now))
@@ -491,7 +499,7 @@ mod tests {
         let path = dir.path().join("tokens.toml");
         let operator = Tokens::add(&path, "operator", Role::Operator, valid).expect("made");
         let viewer = Tokens::add(&path, "wall", Role::Viewer, valid).expect("made");
-        let rights = Rights::new(Some(Tokens::read(&path).expect("read")));
+        let rights = Rights::new(Some(Tokens::read(&path).expect("read")), Clock::default());
         (rights, operator, viewer, dir)
     }
 

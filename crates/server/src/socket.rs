@@ -16,7 +16,6 @@ use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use control::clock::now;
 use control::operation::hosted::Picture;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -63,13 +62,13 @@ pub(crate) async fn open(
     };
     let upgrade = upgrade.max_message_size(LARGEST_MESSAGE).max_frame_size(LARGEST_MESSAGE);
     upgrade.on_upgrade(move |socket| async move {
-        app.rights().socket(who.session, true, now());
+        app.rights().socket(who.session, true, app.clock.now());
         let mut talk = Talk::new(Arc::clone(&app), who, socket);
         tokio::select! {
             Err(Gone) = talk.until_gone() => {}
             () = guard::ended(&app, who.session) => {}
         }
-        app.rights().socket(who.session, false, now());
+        app.rights().socket(who.session, false, app.clock.now());
         drop(place);
     })
 }
@@ -122,10 +121,10 @@ impl Talk {
                     Some(Ok(_)) => {} // a ping is answered by the library
                 },
                 _ = asks.tick() => match asked_at {
-                    Some(since) if now() - since >= SENT => return Err(Gone),
+                    Some(since) if self.app.clock.now() - since >= SENT => return Err(Gone),
                     Some(_) => {}
                     None => {
-                        asked_at = Some(now());
+                        asked_at = Some(self.app.clock.now());
                         self.send(Message::Ping(Bytes::new())).await?;
                     }
                 },
@@ -143,7 +142,7 @@ impl Talk {
         self.tell_status(&picture).await?;
         self.tell_events().await?;
         self.tell_features(&picture).await?;
-        let operator = self.app.rights().shown(now());
+        let operator = self.app.rights().shown(self.app.clock.now());
         let is_known = self.operator.as_ref().is_some_and(|known| {
             (&known.holder, &known.asked_by) == (&operator.holder, &operator.asked_by)
         });

@@ -62,10 +62,6 @@ pub(crate) enum NoToken {
     Expired,
 }
 
-fn unix_s() -> u64 {
-    control::clock::unix_ms() / 1000
-}
-
 #[derive(Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -124,7 +120,7 @@ impl Tokens {
         role: Role,
         valid_for: Duration,
     ) -> Result<NewToken, String> {
-        let now = unix_s();
+        let now = control::clock::unix_ms() / 1000;
         let mut file = if path.exists() { read(path)? } else { File::default() };
         file.token.retain(|token| token.name != name || !token.has_expired(now));
         if file.token.iter().any(|token| token.name == name) {
@@ -164,17 +160,18 @@ impl Tokens {
     ///
     /// # Errors
     /// It is not known, or its time is over.
-    pub(crate) fn find(&self, token: &str) -> Result<Known, NoToken> {
-        self.of_hash(&hash(token))
+    pub(crate) fn find(&self, token: &str, unix_ms: u64) -> Result<Known, NoToken> {
+        self.of_hash(&hash(token), unix_ms)
     }
 
     /// The same, by the token's hash.
     ///
     /// # Errors
     /// It is not known, or its time is over.
-    pub(crate) fn of_hash(&self, sha256: &str) -> Result<Known, NoToken> {
+    pub(crate) fn of_hash(&self, sha256: &str, unix_ms: u64) -> Result<Known, NoToken> {
+        let now = unix_ms / 1000;
         let found = self.tokens.iter().find(|known| known.sha256 == sha256);
-        let (found, now) = (found.ok_or(NoToken::Unknown)?, unix_s());
+        let found = found.ok_or(NoToken::Unknown)?;
         if found.has_expired(now) {
             return Err(NoToken::Expired);
         }
@@ -221,6 +218,7 @@ fn read(path: &Path) -> Result<File, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control::clock::unix_ms;
 
     #[test]
     fn a_token_is_found_by_itself_alone_and_stands_in_no_file() {
@@ -233,7 +231,8 @@ mod tests {
         let text = std::fs::read_to_string(&path).expect("read");
         assert!(!text.contains(&first.token) && !text.contains(&second.token));
         let tokens = Tokens::read(&path).expect("read");
-        let found = |token: &str| tokens.find(token).map(|known| (known.name, known.role));
+        let found =
+            |token: &str| tokens.find(token, unix_ms()).map(|known| (known.name, known.role));
         assert_eq!(found(&hash(&first.token)), Err(NoToken::Unknown), "its hash is none");
         assert_eq!(found(&first.token), Ok(("desk-1".into(), Role::Operator)));
         assert_eq!(found(&second.token), Ok(("wall".into(), Role::Viewer)));
@@ -247,7 +246,8 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("tokens.toml");
         let ended = Tokens::add(&path, "wall", Role::Viewer, Duration::ZERO).expect("made");
-        let find = |token: &NewToken| Tokens::read(&path).expect("read").find(&token.token);
+        let find =
+            |token: &NewToken| Tokens::read(&path).expect("read").find(&token.token, unix_ms());
         assert_eq!(find(&ended), Err(NoToken::Expired));
         let hour = Duration::from_hours(1);
         let next = Tokens::add(&path, "wall", Role::Viewer, hour).expect("the name is free");

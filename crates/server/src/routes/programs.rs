@@ -12,7 +12,6 @@ use axum::extract::rejection::QueryRejection;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use control::clock::now;
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -123,8 +122,8 @@ async fn write(
     body: Body,
     replaces: Replaces,
 ) -> Result<Response, ApiError> {
-    app.rights().may_command(who.session, false, now())?;
-    let text = bytes(body, LARGEST_PROGRAM).await?;
+    app.rights().may_command(who.session, false, app.clock.now())?;
+    let text = bytes(body, LARGEST_PROGRAM, app.timeouts.body).await?;
     let (place, length) = (path.clone(), text.len() as u64);
     let written = on_disk(&app, move |app| app.folder.write(&place, &text, &replaces));
     let version = written.await??;

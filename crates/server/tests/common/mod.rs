@@ -5,7 +5,7 @@ use control::RealTimeOptions;
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
 use serde_json::{Value, json};
-use server::{Certificate, KeptRuns, PublishOptions, Server, ServerOptions};
+use server::{Certificate, ClientTimeouts, Clock, KeptRuns, PublishOptions, Server, ServerOptions};
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -51,6 +51,8 @@ pub struct How {
     pub mtconnect: Option<usize>,
     pub metrics: bool,
     pub publish: Option<PublishOptions>,
+    pub timeouts: ClientTimeouts,
+    pub clock: Clock,
 }
 
 impl Default for How {
@@ -68,6 +70,8 @@ impl Default for How {
             mtconnect: Some(server::MOST_OBSERVATIONS),
             metrics: true,
             publish: None,
+            timeouts: ClientTimeouts::default(),
+            clock: Clock::default(),
         }
     }
 }
@@ -127,6 +131,8 @@ impl Served {
             mtconnect: how.mtconnect,
             metrics: how.metrics,
             publish: how.publish,
+            timeouts: how.timeouts,
+            clock: how.clock,
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()
@@ -158,6 +164,12 @@ impl Served {
             request = request.header(*name, *value);
         }
         Self::read(request.call())
+    }
+
+    /// Waits for a client no longer than this for anything.
+    pub fn waiting_at_most(longest: Duration) -> Self {
+        let timeouts = ClientTimeouts { header: longest, body: longest, answer: longest };
+        Self::of(How { timeouts, ..How::default() })
     }
 
     /// A request as it is written, outside the API.
