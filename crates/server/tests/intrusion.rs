@@ -188,7 +188,7 @@ fn slow_clients_are_given_up_and_hold_up_no_other() {
     const LONGEST: Duration = Duration::from_secs(1);
     let served = Served::waiting_at_most(LONGEST);
     let address = served.server.address();
-    let large = vec![b' '; 15 << 20];
+    let large = vec![b';'; 15 << 20];
     assert_eq!(served.put("/programs/large.ngc", &large).0, 200);
     let opened = |text: &str| {
         let mut stream = TcpStream::connect(address).unwrap();
