@@ -146,7 +146,7 @@ fn refusal(access: Access, kind: Kind, is_both: bool) -> Option<u16> {
     match (access, by_session) {
         (Access::Anyone, _) => None,
         (_, None) | (Access::Watcher, Some((_, false))) => Some(401),
-        (Access::Watcher, _) | (Access::Viewer, _) | (_, Some((Role::Operator, _))) => None,
+        (Access::Watcher | Access::Viewer, _) | (_, Some((Role::Operator, _))) => None,
         (Access::Operator, Some((Role::Viewer, _))) => Some(403),
     }
 }
