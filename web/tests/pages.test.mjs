@@ -47,7 +47,8 @@ async function look(names, width, colorScheme, mark = '') {
     await page.goto(`${server.url}/#${name}`);
     await page.waitForTimeout(350);
     if (shots) await page.screenshot({ path: `${shots}/${name.replaceAll('/', '-')}${mark}-${width}-${colorScheme}.png` });
-    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, `${name} is wider than the screen`);
+    // on a busy computer what is shown may still be on its way
+    await until(`${name} is no wider than the screen`, () => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 10_000);
     if (width < 2560) assert.deepEqual(await serious(page), [], name);
   }
   assert.deepEqual(page.faults, []);

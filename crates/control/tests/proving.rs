@@ -115,7 +115,7 @@ fn offsets_tools_and_skipped_blocks_that_change_are_proved_again() {
 fn a_renewal_that_is_refused_is_not_repeated_and_is_said_at_the_start() {
     let mut control = homed();
     let _folder = loaded(&mut control, "G21 G90 G54 G94\nG1 F600 X290\nX0\nM2\n");
-    control.request(&Request::TouchOff(Axis::X, Coordinate::new(-9e3))).unwrap();
+    control.request(&Request::TouchOff(Axis::X, Coordinate::new(-5e3))).unwrap();
     let renewal = control.renewal().expect("the offset has changed");
     control.renew(renewal.prove());
     assert!(control.renewal().is_none());

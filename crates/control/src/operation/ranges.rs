@@ -207,8 +207,14 @@ fn within(what: &str, value: f64, range: RangeInclusive<f64>, unit: &str) -> Res
     }
     let (from, to) = (range.start(), range.end());
     Err(Refused::because(format!(
-        "{what} goes from {from:.3}{unit} to {to:.3}{unit}, found {value:e}{unit}"
+        "{what} goes from {from:.3}{unit} to {to:.3}{unit}, found {}{unit}",
+        shown(value)
     )))
+}
+
+/// Returns a number as a person writes it; one that no machine has, by its power of ten.
+fn shown(value: f64) -> String {
+    if value.abs() < 1e9 { ((value * 1e4).round() / 1e4).to_string() } else { format!("{value:e}") }
 }
 
 #[cfg(test)]
