@@ -139,7 +139,7 @@ impl Tokens {
     }
 
     /// Takes a token out of a file: a server that uses the file refuses it, and all that was opened
-    /// with it, within [`LOOKED_AT`].
+    /// with it, within a second.
     ///
     /// # Errors
     /// The file is none, has no such token, or cannot be written.
