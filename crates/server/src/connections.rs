@@ -19,7 +19,7 @@ use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 
 /// Connections at once.
 const MOST: usize = 256;
-/// Of these, viewers have at most so many with something under way.
+/// Most connections of viewers with something under way.
 const MOST_VIEWERS: usize = 192;
 
 /// The connections that are open.
@@ -30,7 +30,7 @@ pub(crate) struct Connections {
 
 #[derive(Debug)]
 struct Open {
-    /// Of whom the last request was; `None`: there was none yet, or nobody's.
+    /// Role of the last request; `None` before the first, and where it needs no role.
     role: Option<Role>,
     /// Answers that are on their way.
     under_way: usize,
@@ -165,7 +165,7 @@ pub(crate) struct TakenPlace {
 }
 
 impl Places {
-    /// So many, of which viewers have at most so many.
+    /// Creates this many places, with the most that viewers may take.
     pub(crate) fn new(all: usize, viewers: usize) -> Self {
         Self { all: Arc::new(Semaphore::new(all)), viewers: Arc::new(Semaphore::new(viewers)) }
     }

@@ -52,7 +52,7 @@ pub(crate) enum Replaces {
     Nothing,
     /// The one of one of these versions.
     Version(Vec<String>),
-    /// Whichever is there.
+    /// Replaces the file whatever its version.
     Any,
 }
 
@@ -264,7 +264,7 @@ impl Folder {
     /// The version of a program that was replaced last.
     ///
     /// # Errors
-    /// None was.
+    /// There was no file.
     pub(crate) fn read_before(&self, path: &str) -> Result<ProgramText, FolderError> {
         let before = before(&self.find(path)?).filter(|before| before.is_file());
         let missing = || {

@@ -19,7 +19,7 @@ use std::time::Duration;
 
 /// Header with the secret of a session.
 pub(crate) const SESSION: &str = "x-leadscrew-session";
-/// Whether what somebody was admitted with has ended is looked at so often.
+/// Time between two checks that a credential is still valid.
 const LOOKED_AT: Duration = Duration::from_millis(500);
 
 /// What a browser may load for the page: nothing from elsewhere, no script and no style that is not

@@ -98,7 +98,7 @@ pub(crate) fn routes() -> Vec<Watched> {
     ]
 }
 
-/// Who is not admitted is told so in the form of the standard.
+/// Refuses a client in the form of the standard.
 fn refused(app: &App, headers: &HeaderMap, why: Denied) -> Response {
     let Some(monitoring) = &app.watching.monitoring else {
         return guard::refused(app, headers, why);

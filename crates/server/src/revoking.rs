@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-/// Reads the file anew when it has changed. While there is none that can be read nobody is
-/// admitted: who takes the file away, or breaks it, shuts the server.
+/// Reads the file anew when it has changed. While it cannot be read no client
+/// is admitted: removing or damaging the file shuts the server.
 pub(crate) async fn watch(app: Arc<App>, path: PathBuf) {
     let mut known = stamp(&path);
     loop {

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 
 /// Sessions that there may be.
 const MOST_SESSIONS: usize = 64;
-/// Of these, viewers have at most so many: the rest is for operators.
+/// Most sessions of viewers: the rest is for operators.
 const MOST_VIEWERS: usize = 32;
 /// The right is handed over to the session that asks for it after so long without an answer, and is
 /// free again when its holder has been gone for so long.

@@ -3,9 +3,9 @@
 /// What a session may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// See.
+    /// Reads the status.
     Viewer,
-    /// See and command.
+    /// Reads the status and commands the machine.
     Operator,
 }
 

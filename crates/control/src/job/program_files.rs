@@ -4,7 +4,7 @@ use std::path::Path;
 
 /// Endings of files that are programs.
 pub const ENDINGS: [&str; 8] = ["ngc", "nc", "tap", "gcode", "cnc", "mpf", "eia", "gc"];
-/// Keys and tokens are looked for in so many bytes: their files are short.
+/// Bytes in which keys and tokens are looked for: their files are short.
 const HEAD: usize = 64 << 10;
 /// What a line of a key or a certificate, of a file of tokens, and of what a control keeps begins
 /// with.
