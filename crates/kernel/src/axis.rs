@@ -29,6 +29,7 @@
 use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
 use crate::friction::Bristles;
 use crate::servo::{Gains, Input, Servo};
+use crate::sight::Sight;
 use bus::{AxisCommand, AxisFeedback};
 use core::f64::consts::TAU;
 use units::{Coordinate, CoordinateSpeed, Force};
@@ -201,9 +202,22 @@ pub(crate) struct AxisLoop {
     /// Less than the drive could give, where it shall push with little force; else infinite.
     pub(crate) force_limit: f64,
     force: f64,
-    /// Its reading is implausible: see [`crate::encoder_plausibility`].
-    pub(crate) blind: bool,
+    /// Whether its readings are used: see [`crate::encoder_plausibility`].
+    pub(crate) sight: Sight,
+    /// The reading of this period is none of the encoder's: it was bridged.
+    pub(crate) bridged: bool,
+    /// In this period its readings are usable again.
+    regained: Option<Regained>,
     pub(crate) warned: bool,
+}
+
+/// How an axis goes on whose readings are usable again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Regained {
+    /// On its setpoint: it was carried.
+    AsOrdered,
+    /// From where it is, at this speed: it was free.
+    AsItMoves(f64),
 }
 
 impl AxisLoop {
@@ -245,7 +259,9 @@ impl AxisLoop {
             error: 0.0,
             force_limit: f64::INFINITY,
             force: 0.0,
-            blind: false,
+            sight: Sight::Closed,
+            bridged: false,
+            regained: None,
             warned: false,
             control,
         }
@@ -278,15 +294,53 @@ impl AxisLoop {
         self.positions = (position, position);
         self.gap = 0.0;
         self.error = 0.0;
-        self.blind = false;
+        (self.sight, self.bridged, self.regained) = (Sight::Closed, false, None);
         self.servo.reset();
     }
 
     /// Take a reading.
     pub(crate) fn read(&mut self, feedback: &AxisFeedback) {
-        self.reading = feedback.position.value();
+        let before = core::mem::replace(&mut self.reading, feedback.position.value());
         if let (Some(motor), Some(reading)) = (&mut self.motor, feedback.motor) {
-            motor.reading = reading.value();
+            let bridged = motor.reading + self.reading - before;
+            motor.reading = if self.bridged { bridged } else { reading.value() };
+        }
+        self.bridged = false;
+        if let Some(Regained::AsItMoves(speed)) = self.regained {
+            self.take_over(speed);
+        }
+    }
+
+    /// Its readings are usable again; it moves at this speed. True if it goes on from where it is,
+    /// not on its setpoint.
+    pub(crate) fn regain(&mut self, speed: f64) -> bool {
+        let was_free = matches!(self.sight, Sight::Free(_));
+        if !self.sight.regain() {
+            return false;
+        }
+        self.regained =
+            Some(if was_free { Regained::AsItMoves(speed) } else { Regained::AsOrdered });
+        was_free
+    }
+
+    /// Take it as it moves, to be braked.
+    fn take_over(&mut self, speed: f64) {
+        let shares = self.control.feed_forward;
+        // a loop that speed is not fed to lags behind its setpoint
+        let lag = (1.0 - shares.speed) * speed / self.control.position_gain;
+        // what brakes it goes on by a period at once
+        let total = self.position() + lag - speed * self.period_s;
+        let Target { position, speed: superposed, .. } = self.superposed;
+        self.target =
+            Target { position: total - position, speed: speed - superposed, ..Target::default() };
+        self.positions = (total, total + speed * self.lookahead_s);
+        self.gap = 0.0;
+        self.error = lag;
+        self.servo.take_over(-(1.0 - shares.speed) * speed);
+        if let Some(motor) = &mut self.motor {
+            let tool_side = self.reading + self.stretch;
+            motor.offset = tool_side - motor.reading;
+            (motor.apart, motor.cut, motor.error) = (0.0, 0.0, lag);
         }
     }
 
@@ -390,22 +444,38 @@ impl AxisLoop {
             Some(motor) => motor.errors(setpoint, stretch, scale, period_s),
             None => (self.error, self.error),
         };
-        let cut = self.motor.as_ref().map_or(0.0, |motor| motor.cut);
+        let closed = self.sight.is_closed();
+        let cut = self.motor.as_ref().filter(|_| closed).map_or(0.0, |motor| motor.cut);
         let feed_forward = shares.accel * self.mass * ahead.accel
             + shares.friction * (friction_ahead + stretching)
             + cut * self.control.stiffness.value()
             - weight;
         let limit = self.control.peak_force.value().min(self.force_limit);
-        let force = if self.blind {
-            self.servo.blind(feed_forward, limit, now.speed != 0.0)
-        } else {
-            self.servo.update(Input {
-                error,
-                growth: motor_error - before - (1.0 - shares.speed) * ways.0,
-                feed_forward,
-                limit,
-                position: true,
-            })
+        let regained = self.regained.take();
+        self.sight.advance(self.period_s);
+        let force = match self.sight {
+            Sight::Closed => {
+                let way = motor_error - before - (1.0 - shares.speed) * ways.0;
+                if regained.is_some() {
+                    self.servo.resume();
+                }
+                self.servo.update(Input {
+                    error,
+                    growth: if regained.is_some() { 0.0 } else { way },
+                    feed_forward,
+                    limit,
+                    position: true,
+                })
+            }
+            Sight::Carried(_) => self.servo.blind(feed_forward, limit, now.speed != 0.0),
+            Sight::Free(_) => (-weight).clamp(-limit, limit),
+            Sight::Off => {
+                self.force = 0.0;
+                return AxisCommand {
+                    position: Coordinate::new(now.position),
+                    ..AxisCommand::default()
+                };
+            }
         };
         self.force = force;
         AxisCommand {

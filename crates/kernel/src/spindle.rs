@@ -24,6 +24,7 @@ use crate::config::{Config, SpindleControl};
 use crate::encoder_check::EncoderCheck;
 use crate::friction::spindle_friction;
 use crate::servo::{Gains, Input, Servo};
+use crate::sight::Sight;
 use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
 use motion::{Profile, SurfaceSpeed};
@@ -82,8 +83,10 @@ pub(crate) struct SpindleLoop {
     reading_before: f64,
     error: f64,
     saturated: bool,
-    /// Its reading is implausible: see [`crate::encoder_plausibility`].
-    pub(crate) blind: bool,
+    /// Whether its readings are used: see [`crate::encoder_plausibility`].
+    pub(crate) sight: Sight,
+    /// In this period its readings are usable again.
+    regained: bool,
     /// What the program has ordered, rev/s, while it turns by itself; the operator's share of it.
     programmed: Option<f64>,
     /// It turns by the place of X, G96: `programmed` is that of this period.
@@ -127,7 +130,8 @@ impl SpindleLoop {
             reading_before: 0.0,
             error: 0.0,
             saturated: false,
-            blind: false,
+            sight: Sight::Closed,
+            regained: false,
             programmed: None,
             surface: None,
             share: 1.0,
@@ -149,7 +153,7 @@ impl SpindleLoop {
         self.pace = None;
         self.swing = (Swing::default(), Swing::default());
         self.error = 0.0;
-        self.blind = false;
+        (self.sight, self.regained) = (Sight::Closed, false);
         self.encoder_check.break_off();
         self.servo.reset();
     }
@@ -192,6 +196,20 @@ impl SpindleLoop {
         let swung = SpinAccel::rev_per_s2(self.swing.0.accel);
         self.observers.read(feedback.angle, self.ordered.accel + swung);
         self.hear_drive(feedback);
+    }
+
+    /// Its readings are usable again; it turns at this speed, rev/s, and has come to this angle.
+    pub(crate) fn regain(&mut self, angle: f64, spin: f64) {
+        let was_free = matches!(self.sight, Sight::Free(_));
+        if !self.sight.regain() {
+            return;
+        }
+        self.regained = true;
+        if was_free {
+            self.ordered = rotation(angle - spin * self.period_s, spin, 0.0);
+            (self.before, self.ahead) = (self.ordered, self.ordered);
+            self.servo.reset();
+        }
     }
 
     /// How it turns, by the observer.
@@ -452,16 +470,28 @@ impl SpindleLoop {
         let feed_forward =
             shares.accel * self.inertia * ahead.accel.value() + shares.friction * friction;
         let limit = self.limit(self.now().spin.value());
-        let torque = if self.blind {
-            self.servo.blind(feed_forward, limit, ordered.spin.value() != 0.0)
-        } else {
-            self.servo.update(Input {
-                error: self.error,
-                growth: if by_angle { shares.speed * way - turned } else { way - turned },
-                feed_forward,
-                limit,
-                position: by_angle,
-            })
+        let growth = if by_angle { shares.speed * way - turned } else { way - turned };
+        let regained = core::mem::take(&mut self.regained);
+        self.sight.advance(self.period_s);
+        let torque = match self.sight {
+            Sight::Closed => {
+                if regained {
+                    self.servo.resume();
+                }
+                self.servo.update(Input {
+                    error: self.error,
+                    growth: if regained { 0.0 } else { growth },
+                    feed_forward,
+                    limit,
+                    position: by_angle,
+                })
+            }
+            Sight::Carried(_) => self.servo.blind(feed_forward, limit, ordered.spin != Spin::ZERO),
+            Sight::Free(_) => 0.0,
+            Sight::Off => {
+                self.observers.tell(Spin::ZERO);
+                return SpindleCommand { angle: ordered.angle, ..SpindleCommand::default() };
+            }
         };
         self.observers.tell(ordered.spin);
         SpindleCommand {

@@ -56,7 +56,8 @@ pub(super) fn deal_with(
     hear: Ears<'_>,
 ) -> Result<Option<Result<Withdrawn, String>>, String> {
     let Some(way_out) = kernel.way_out().copied() else {
-        if kernel.is_retreating() {
+        // an alarm is over when everything stands
+        if kernel.is_retreating() || !kernel.faults().is_empty() {
             run_down(kernel, plant, hear);
         }
         return Ok(None);
