@@ -18,6 +18,7 @@
 //! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
 mod observers;
 mod orientation;
+mod readings;
 mod surface;
 
 use crate::config::{Config, SpindleControl};
@@ -25,7 +26,7 @@ use crate::encoder_check::EncoderCheck;
 use crate::friction::spindle_friction;
 use crate::servo::{Gains, Input, Servo};
 use crate::sight::Sight;
-use bus::{SpindleCommand, SpindleFeedback};
+use bus::SpindleCommand;
 use core::f64::consts::TAU;
 use motion::{Profile, SurfaceSpeed};
 use observers::Observers;
@@ -141,23 +142,6 @@ impl SpindleLoop {
         }
     }
 
-    /// Take the reading as the present place: the drive has just come up, or is off.
-    pub(crate) fn adopt(&mut self, feedback: &SpindleFeedback) {
-        self.reading = feedback.angle.value();
-        self.reading_before = self.reading;
-        self.observers = self.observers.anew(&self.control, feedback.angle);
-        let still = Rotation { angle: feedback.angle, ..Rotation::default() };
-        (self.ordered, self.before, self.ahead) = (still, still, still);
-        self.order = Task::Slew(0.0);
-        self.release();
-        self.pace = None;
-        self.swing = (Swing::default(), Swing::default());
-        self.error = 0.0;
-        (self.sight, self.regained) = (Sight::Closed, false);
-        self.encoder_check.break_off();
-        self.servo.reset();
-    }
-
     /// Be position-controlled while turning, or no longer.
     pub(crate) fn pace(&mut self, most: Option<f64>) {
         if most.is_some() && !self.position_controlled() {
@@ -186,30 +170,6 @@ impl SpindleLoop {
     pub(crate) fn slew_to(&mut self, spin: Spin) {
         self.release();
         self.order = Task::Slew(spin.value());
-    }
-
-    /// Take a reading.
-    pub(crate) fn read(&mut self, feedback: &SpindleFeedback) {
-        self.reading_before = self.reading;
-        self.reading = feedback.angle.value();
-        self.saturated = feedback.saturated;
-        let swung = SpinAccel::rev_per_s2(self.swing.0.accel);
-        self.observers.read(feedback.angle, self.ordered.accel + swung);
-        self.hear_drive(feedback);
-    }
-
-    /// Its readings are usable again; it turns at this speed, rev/s, and has come to this angle.
-    pub(crate) fn regain(&mut self, angle: f64, spin: f64) {
-        let was_free = matches!(self.sight, Sight::Free(_));
-        if !self.sight.regain() {
-            return;
-        }
-        self.regained = true;
-        if was_free {
-            self.ordered = rotation(angle - spin * self.period_s, spin, 0.0);
-            (self.before, self.ahead) = (self.ordered, self.ordered);
-            self.servo.reset();
-        }
     }
 
     /// How it turns, by the observer.
