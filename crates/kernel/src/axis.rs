@@ -294,7 +294,9 @@ impl AxisLoop {
         self.positions = (position, position);
         self.gap = 0.0;
         self.error = 0.0;
-        (self.sight, self.bridged, self.regained) = (Sight::Closed, false, None);
+        (self.sight, self.bridged) = (Sight::Closed, false);
+        // what the model of friction remembers is no motion
+        self.regained = Some(Regained::AsOrdered);
         self.servo.reset();
     }
 
@@ -382,6 +384,11 @@ impl AxisLoop {
         }
     }
 
+    /// The force of its drive.
+    pub(crate) const fn force(&self) -> f64 {
+        self.force
+    }
+
     /// Its drive pushes that way as hard as it may.
     pub(crate) fn is_at_force_limit(&self, sense: f64) -> bool {
         const NEARLY: f64 = 0.99;
@@ -406,12 +413,24 @@ impl AxisLoop {
     /// travel.
     pub(crate) fn brake(&mut self) {
         let before = self.target.speed;
-        let most = self.brakes_at * self.period_s;
+        let most = self.brakes_at.max(self.needed_in_travel()) * self.period_s;
         let speed = before - before.clamp(-most, most);
         self.target.position += self.period_s * (before + speed) / 2.0;
         self.target.accel = (speed - before) / self.period_s;
         self.target.speed = speed;
         self.target.jerk = 0.0;
+    }
+
+    /// The deceleration that it takes to come to rest within its travel, as far as its drive has it.
+    fn needed_in_travel(&self) -> f64 {
+        let (Some((from, to)), speed) = (self.control.travel, self.target.speed) else {
+            return 0.0;
+        };
+        let end = if speed > 0.0 { to } else { from };
+        let room = ((end.value() - self.target.position) * speed.signum()).max(0.0);
+        // half a period's way is gone before it acts
+        let room = (room - speed.abs() * self.period_s).max(f64::MIN_POSITIVE);
+        (speed * speed / (2.0 * room)).min(self.braking())
     }
 
     /// Force that stretches the screw the other way while friction changes: the motor has to get

@@ -29,6 +29,8 @@
 //!
 //! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes
 //! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward).
+//! An axis that nothing ties is stuck as well if its reading stays for 10 ms while its drive pushes
+//! by more than friction takes, though the setpoint stands.
 //! A spindle that does not turn may as well be stalled; its following error says so. The model may
 //! be off by a·(n·h)²/8 + 8·q.
 mod untied;
@@ -263,8 +265,8 @@ fn spindle_bounds(spindle: &SpindleLoop, period_s: f64, frame_lost: bool) -> Bou
     Bounds {
         accel_way: spindle.accel_at_rest() * period_s * period_s,
         count: spindle.control.encoder_count.value(),
-        stuck: f64::INFINITY,
         frame_lost,
+        ..Bounds::NONE
     }
 }
 
@@ -290,6 +292,6 @@ fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> B
         accel_way: accel * period_s * period_s,
         count,
         stuck: STUCK_MM.max(STUCK_COUNTS * count) + sticks,
-        frame_lost: false,
+        ..Bounds::NONE
     }
 }

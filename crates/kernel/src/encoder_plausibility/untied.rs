@@ -26,6 +26,11 @@ use units::{Angle, Axis, Coordinate};
 /// Friction, play and stiffness may be off by so much.
 const SPRINGS: f64 = 2.0;
 
+/// By this many times its breakaway force, and this share of its most, a drive may push more before
+/// a reading that stays is stuck.
+const PUSHES: f64 = 3.0;
+const LEAST_PUSH: f64 = 0.02;
+
 /// What is known of the encoders that nothing ties.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Untied {
@@ -85,7 +90,7 @@ impl EncoderPlausibility {
                 continue;
             };
             let expected = expected_of_axis(loop_, ordered, watched);
-            let bounds = Bounds { frame_lost, ..bounds };
+            let bounds = Bounds { frame_lost, force: loop_.force(), ..bounds };
             let (place, change) = watched.judge(reading, expected, bounds);
             said.position = Coordinate::new(place + loop_.shifted);
             self.untied.taken_over[index] |=
@@ -138,5 +143,7 @@ fn bounds(axis: &AxisLoop, period_s: f64) -> Bounds {
     let late = if lags { control.windows.following_stop.value() } else { 0.0 };
     let springs = control.backlash.value()
         + 2.0 * control.friction.breakaway.value() / control.stiffness.value();
-    Bounds { stuck: (SPRINGS * (bounds.stuck + springs)).max(late), ..bounds }
+    let push =
+        (PUSHES * control.friction.breakaway.value()).max(LEAST_PUSH * control.peak_force.value());
+    Bounds { stuck: (SPRINGS * (bounds.stuck + springs)).max(late), push, ..bounds }
 }

@@ -12,6 +12,8 @@
 const BEYOND_DRIVE: f64 = 3.0;
 /// And by the encoder's noise, in counts.
 const NOISE_COUNTS: f64 = 8.0;
+/// A drive pushes for so many periods before a reading that stays is stuck.
+const PUSHED: u32 = 40;
 /// What goes on by no more counts than this while an encoder is looked at stands.
 const STILL_COUNTS: f64 = 2.0;
 /// So many steps in a row that the drive can make, and an encoder is read again.
@@ -29,6 +31,9 @@ pub(super) struct Watched {
     step: Option<f64>,
     /// How far the setpoint has gone since the reading last changed.
     unmoved: f64,
+    /// Force of the drive when the reading last changed, and periods in which it has pushed since.
+    force: f64,
+    pushed: u32,
     /// Frames missed since the last reading.
     missed: f64,
     /// What is added to its readings: it has slipped.
@@ -64,11 +69,24 @@ pub(super) struct Bounds {
     pub(super) count: f64,
     /// Most way of the setpoint without a step.
     pub(super) stuck: f64,
+    /// Force of the drive, and by how much more it may push without a step.
+    pub(super) force: f64,
+    pub(super) push: f64,
     /// The reading is not new.
     pub(super) frame_lost: bool,
 }
 
 impl Bounds {
+    /// Nothing is looked at.
+    pub(super) const NONE: Self = Self {
+        accel_way: f64::INFINITY,
+        count: 0.0,
+        stuck: f64::INFINITY,
+        force: 0.0,
+        push: f64::INFINITY,
+        frame_lost: false,
+    };
+
     /// Most change of a step, after so many frames that were missed.
     fn jump(&self, missed: f64) -> f64 {
         let periods = missed + 1.0;
@@ -109,6 +127,8 @@ impl Watched {
             last: reading,
             step: None,
             unmoved: 0.0,
+            force: f64::NAN,
+            pushed: 0,
             missed: 0.0,
             offset: 0.0,
             losses: 0,
@@ -150,6 +170,14 @@ impl Watched {
         let step = reading + self.offset - self.last;
         self.unmoved = if step == 0.0 { self.unmoved + expected.abs() } else { 0.0 };
         let jump = self.step.map_or(0.0, |before| step - before);
+        if step != 0.0 || self.force.is_nan() {
+            (self.force, self.pushed) = (bounds.force, 0);
+        } else if (bounds.force - self.force).abs() > bounds.push {
+            self.pushed += 1;
+        }
+        if self.pushed > PUSHED {
+            self.unmoved = f64::INFINITY;
+        }
         let is_stuck = self.unmoved > bounds.stuck;
         if jump.abs() <= bounds.jump(self.missed) && !is_stuck {
             // what the model had wrong meanwhile is no step
@@ -186,6 +214,7 @@ impl Watched {
             self.offset -= off;
         }
         (self.step, self.unmoved, self.missed, self.lost) = (Some(step), 0.0, 0.0, None);
+        (self.force, self.pushed) = (bounds.force, 0);
         (self.last, Change::Regained(step))
     }
 }
@@ -224,8 +253,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    const BOUNDS: Bounds =
-        Bounds { accel_way: 0.002, count: 1e-5, stuck: 0.005, frame_lost: false };
+    const BOUNDS: Bounds = Bounds { accel_way: 0.002, count: 1e-5, stuck: 0.005, ..Bounds::NONE };
     const STEP: f64 = 0.004;
 
     /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which periods its
@@ -316,5 +344,16 @@ mod tests {
             }
         }
         assert_eq!(at, Some(34));
+    }
+
+    #[test]
+    fn an_encoder_that_stays_while_its_drive_pushes_is_stuck_though_the_setpoint_stands() {
+        let mut watched = Watched::new(1.0, 0.0);
+        let lost = (0..200).position(|i| {
+            let force = f64::from(i) * 6.6;
+            let bounds = Bounds { force, push: 450.0, ..BOUNDS };
+            watched.judge(1.0, 0.0, bounds).1 == Change::Lost
+        });
+        assert_eq!(lost, Some(109)); // 450 N, and ten milliseconds
     }
 }
