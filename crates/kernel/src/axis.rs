@@ -421,7 +421,7 @@ impl AxisLoop {
         self.target.jerk = 0.0;
     }
 
-    /// The deceleration that it takes to come to rest within its travel, as far as its drive has it.
+    /// The deceleration that brings it to rest within its travel, as far as its drive has it.
     fn needed_in_travel(&self) -> f64 {
         let (Some((from, to)), speed) = (self.control.travel, self.target.speed) else {
             return 0.0;

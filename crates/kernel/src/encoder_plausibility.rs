@@ -15,7 +15,7 @@
 //! the setpoint's own steps, or the speed that it had.
 //!
 //! **Usable again.** An encoder whose readings go on in steps that the drive can make, for
-//! [`GOOD_STEPS`] in a row, is read again. Where readings were missing its place is what it says, if
+//! three in a row, is read again. Where readings were missing its place is what it says, if
 //! the model may be off by that; one that has jumped is taken to have slipped, and from there on
 //! counts from where the model has come to. One that is stuck has to move first, and one that fails
 //! for the fourth time is not used again before the control is started anew.

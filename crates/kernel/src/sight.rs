@@ -8,8 +8,8 @@
 //! ```
 //!
 //! *Free*: the drive bears the weight that hangs on the axis, and nothing else; then its outputs go
-//! off, and its brake and the drive's own stop take over. An axis or spindle that reads again before
-//! that is taken over as it moves, and braked by its closed loop.
+//! off, and its brake and the drive's own stop take over. An axis or spindle that reads again
+//! before that is taken over as it moves, and braked by its closed loop.
 //!
 //! *Carried*: feed and spindle of a thread that is being cut. Neither may stop alone, so the model
 //! goes on ordering what the stop needs, and the thread guides what the model has wrong. Without a

@@ -117,8 +117,8 @@ fn an_encoder_that_is_stuck_is_noticed_and_the_others_brake_under_control() {
     let moves = |s: &&bus::Sample| speed(s) != 0.0;
     assert!(after.iter().filter(moves).all(|s| s.command.axes[2].enable));
     assert!(!after.last().expect("there are samples").command.axes[2].enable);
-    // X has no force without its encoder, and no drive here that stops by itself: from 141 mm/s, and
-    // what the loop made of a reading that stood, it slows down by its friction alone
+    // X has no force without its encoder, and no drive here that stops by itself: from 141 mm/s,
+    // and what the loop made of a reading that stood, it slows down by its friction alone
     assert!(after[1..].iter().all(|s| s.command.axes[0].force.value() == 0.0));
     let on = after.iter().filter(|s| s.command.axes[0].enable).count();
     assert!(on as f64 * PERIOD.value() < 0.011, "{on} periods");

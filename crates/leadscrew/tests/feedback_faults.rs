@@ -34,6 +34,8 @@ const MARGIN_MM: f64 = 0.5;
 const STOOD_MM: f64 = 0.05;
 /// One that hangs drops by no more until its brake holds, mm.
 const DROPS_MM: f64 = 0.2;
+/// One on which a turning cut presses gives way by no more until the spindle stands, mm.
+const PRESSES_MM: f64 = 1.0;
 /// A thread of 1.5 mm at 1000 rpm is gone on along while the tool is taken off it, mm/s.
 const THREAD_MM_PER_S: f64 = 25.0;
 /// As far as an infeed axis takes a tool clear of the work, mm.
@@ -368,7 +370,7 @@ fn distances(
         let stood = match (hangs, activity.infeed) {
             (false, None) => STOOD_MM,
             (true, None) => DROPS_MM,
-            (_, Some(_)) => MARGIN_MM,
+            (_, Some(_)) => PRESSES_MM,
         };
         let margin = if speed == 0.0 && !tied { stood } else { MARGIN_MM };
         let most = stops + clear + margin;

@@ -15,8 +15,8 @@
 //! the spindle's: lead times the spindle's ramp. Where each braked as hard as it can, the axis
 //! would stand twenty times sooner than the spindle.
 //!
-//! The drives close their own loops here on their motors' encoders, as servo drives do in a quick stop
-//! (`CiA` 402) or an extended stop. Without mains the energy is what the DC bus holds and the
+//! The drives close their own loops here on their motors' encoders, as servo drives do in a quick
+//! stop (`CiA` 402) or an extended stop. Without mains the energy is what the DC bus holds and the
 //! braking spindle gives back: `C·V·dV/dt = P_back − P_drives`; below the trip voltage all outputs
 //! go off and the rest is coasting.
 //!

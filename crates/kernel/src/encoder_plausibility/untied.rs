@@ -90,7 +90,8 @@ impl EncoderPlausibility {
                 continue;
             };
             let expected = expected_of_axis(loop_, ordered, watched);
-            let bounds = Bounds { frame_lost, force: loop_.force(), ..bounds };
+            let (error, force) = (loop_.error(), loop_.force() + loop_.control.weight.value());
+            let bounds = Bounds { frame_lost, error, force, ..bounds };
             let (place, change) = watched.judge(reading, expected, bounds);
             said.position = Coordinate::new(place + loop_.shifted);
             self.untied.taken_over[index] |=

@@ -69,7 +69,9 @@ pub(super) struct Bounds {
     pub(super) count: f64,
     /// Most way of the setpoint without a step.
     pub(super) stuck: f64,
-    /// Force of the drive, and by how much more it may push without a step.
+    /// Following error, force of the drive beyond the weight, and how far that may grow without a
+    /// step.
+    pub(super) error: f64,
     pub(super) force: f64,
     pub(super) push: f64,
     /// The reading is not new.
@@ -82,6 +84,7 @@ impl Bounds {
         accel_way: f64::INFINITY,
         count: 0.0,
         stuck: f64::INFINITY,
+        error: 0.0,
         force: 0.0,
         push: f64::INFINITY,
         frame_lost: false,
@@ -91,6 +94,14 @@ impl Bounds {
     fn jump(&self, missed: f64) -> f64 {
         let periods = missed + 1.0;
         BEYOND_DRIVE * self.accel_way * periods * periods + self.noise()
+    }
+
+    /// The drive pushes with more and more, towards a setpoint that the reading does not come to.
+    fn winds_up(&self, before: f64) -> bool {
+        let sense = self.error.signum();
+        self.error.abs() > STILL_COUNTS * self.count
+            && self.force * sense > self.push
+            && (self.force - before) * sense > self.push
     }
 
     fn noise(&self) -> f64 {
@@ -170,10 +181,10 @@ impl Watched {
         let step = reading + self.offset - self.last;
         self.unmoved = if step == 0.0 { self.unmoved + expected.abs() } else { 0.0 };
         let jump = self.step.map_or(0.0, |before| step - before);
-        if step != 0.0 || self.force.is_nan() {
+        if step != 0.0 || expected != 0.0 || self.force.is_nan() {
             (self.force, self.pushed) = (bounds.force, 0);
-        } else if (bounds.force - self.force).abs() > bounds.push {
-            self.pushed += 1;
+        } else {
+            self.pushed = if bounds.winds_up(self.force) { self.pushed + 1 } else { 0 };
         }
         if self.pushed > PUSHED {
             self.unmoved = f64::INFINITY;
@@ -351,7 +362,7 @@ mod tests {
         let mut watched = Watched::new(1.0, 0.0);
         let lost = (0..200).position(|i| {
             let force = f64::from(i) * 6.6;
-            let bounds = Bounds { force, push: 450.0, ..BOUNDS };
+            let bounds = Bounds { error: 0.006, force, push: 450.0, ..BOUNDS };
             watched.judge(1.0, 0.0, bounds).1 == Change::Lost
         });
         assert_eq!(lost, Some(109)); // 450 N, and ten milliseconds
