@@ -159,11 +159,12 @@ impl Drives {
     pub(crate) fn go_blind(&mut self, (axis, spindle): (usize, usize)) {
         let without = |is_tied: bool| if is_tied { Without::Model } else { Without::Nothing };
         for (index, it) in self.axes.iter_mut().enumerate() {
-            it.iter_mut().for_each(|it| it.sight.lose(without(index == axis)));
+            let Some(it) = it else { continue };
+            it.sight.lose(without(index == axis));
         }
         for (index, it) in self.spindles.iter_mut().enumerate() {
-            let tied = index == spindle;
-            it.iter_mut().for_each(|it| it.sight.lose(without(tied)));
+            let Some(it) = it else { continue };
+            it.sight.lose(without(index == spindle));
         }
     }
 

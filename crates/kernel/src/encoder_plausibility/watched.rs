@@ -349,7 +349,7 @@ mod tests {
                 watched.lose();
             }
             let bounds = Bounds { frame_lost: lost, ..BOUNDS };
-            let (_, change) = watched.judge(i as f64 * STEP, STEP, bounds);
+            let (_, change) = watched.judge(f64::from(i) * STEP, STEP, bounds);
             if let Change::Regained(_) = change {
                 at = Some(i);
             }

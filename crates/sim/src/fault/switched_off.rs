@@ -7,8 +7,8 @@
 //!
 //! What a drive can do then is what it does when the control falls silent
 //! ([`LeftAlone::on_silence`]): where that is nothing, or coasting, it is that here. All drives
-//! that go off at once stop as they do without a control, coupled ones together; one that goes off alone
-//! stops alone.
+//! that go off at once stop as they do without a control, coupled ones together; one that goes off
+//! alone stops alone.
 use super::LeftAlone;
 use crate::RunDown;
 use bus::{AXES, Command, DriveReaction, Feedback, SPINDLES};
