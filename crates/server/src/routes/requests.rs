@@ -14,6 +14,7 @@ pub(super) async fn request(
     Extension(who): Extension<Who>,
     body: Body,
 ) -> Result<Response, ApiError> {
-    let accepted = app.request(&who.session, object(body).await?).await?;
+    let body = object(body, app.timeouts.body).await?;
+    let accepted = app.request(&who.session, body).await?;
     Ok(json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text))))
 }
