@@ -15,7 +15,6 @@
 //!
 //! T is 15 ms: what is bridged, free and then stopped by its drive; a is the acceleration of the
 //! axis' own stops in the machine's file.
-#![allow(clippy::unwrap_used)] // a test may panic
 use bus::{AXES, Sample, State};
 use control::observers::Observer;
 use control::stops::AfterStop;
@@ -494,14 +493,9 @@ fn summary(finished: &Finished, samples: &[Sample], start_mm: f64, found: &mut F
     }
 }
 
-/// Whether there is a night's time.
-fn is_full() -> bool {
-    std::env::var("LEADSCREW_TESTS").is_ok_and(|size| size == "full")
-}
-
-/// Number of cases: some seconds for a change, minutes for a night.
+/// Number of cases: some seconds for a change, minutes for a night; each is fixed by its number.
 fn cases() -> u32 {
-    let usual = if is_full() { 2000 } else { 120 };
+    let usual = test_support::size::of(24, 2000);
     std::env::var("CASES").map_or(usual, |cases| cases.parse().unwrap())
 }
 
@@ -512,7 +506,7 @@ fn whatever_happens_to_feedback_no_axis_runs_away_and_what_is_said_is_true() {
     let mut failed = Vec::new();
     let first = std::env::var("SEED").map_or(0, |seed| seed.parse().unwrap());
     for number in first..first + cases() {
-        let mut dice = Dice(u64::from(number) << 32 ^ 0x0b11_4d);
+        let mut dice = Dice(u64::from(number) << 32 ^ 0x000b_114d);
         let which = number as usize % ACTIVITIES.len();
         let activity = &ACTIVITIES[which];
         let at_s = dice.one_of(&undisturbed[which].instants);
@@ -577,7 +571,7 @@ fn the_plate_at_6000_rpm_loses_no_tap_to_five_milliseconds_whatever_the_seed() {
     let text = include_str!("../../../programs/plate-12xM6.ngc");
     let faults = ["feedback-lost 5ms", "dropout 5ms", "encoder-slip 40deg"];
     let at = std::env::var("AT").unwrap_or_else(|_| "46.2".to_owned());
-    let (seeds, machines) = if is_full() {
+    let (seeds, machines) = if test_support::size::is_full() {
         (14, &["tapping-center", "tapping-center-scale"][..])
     } else {
         (1, &["tapping-center"][..])

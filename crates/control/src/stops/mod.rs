@@ -202,7 +202,7 @@ impl Stops {
             let other = if preferred == Way::Straight { preferred } else { Way::Direct };
             let plan = RecoveryPlan { way: other, ..plan };
             let track = drive_out(&mut kernel, &mut copy, plan, surface, &mut |sample| {
-                judge.sample(sample)
+                judge.sample(sample);
             });
             ways.extend(track.map(|track| way_back("the direct way", false, &track, &judge)));
         }
