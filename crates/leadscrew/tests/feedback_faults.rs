@@ -493,10 +493,19 @@ fn summary(finished: &Finished, samples: &[Sample], start_mm: f64, found: &mut F
     }
 }
 
-/// Number of cases: some seconds for a change, minutes for a night; each is fixed by its number.
-fn cases() -> u32 {
-    let usual = test_support::size::of(24, 2000);
-    std::env::var("CASES").map_or(usual, |cases| cases.parse().unwrap())
+/// Cases that have found a fault of the control.
+const FOUND: &[u32] = &[
+    326, // the setpoint of a stuck axis that was off ran on longest, and kept the others on
+];
+
+/// The cases to run, each fixed by its number: some seconds for a change, minutes for a night.
+fn cases() -> impl Iterator<Item = u32> {
+    let usual = test_support::size::of(96, 2000);
+    let cases = std::env::var("CASES").map_or(usual, |cases| cases.parse().unwrap());
+    let first: u32 = std::env::var("SEED").map_or(0, |seed| seed.parse().unwrap());
+    let among = first..first + cases;
+    let found = FOUND.iter().copied().filter(move |number| first == 0 && *number >= cases);
+    among.chain(found)
 }
 
 #[test]
@@ -504,8 +513,7 @@ fn whatever_happens_to_feedback_no_axis_runs_away_and_what_is_said_is_true() {
     let undisturbed: Vec<Undisturbed> = ACTIVITIES.iter().map(Undisturbed::of).collect();
     let mut rows = vec![(0, 0, 0, 0.0_f64); ACTIVITIES.len()];
     let mut failed = Vec::new();
-    let first = std::env::var("SEED").map_or(0, |seed| seed.parse().unwrap());
-    for number in first..first + cases() {
+    for number in cases() {
         let mut dice = Dice(u64::from(number) << 32 ^ 0x000b_114d);
         let which = number as usize % ACTIVITIES.len();
         let activity = &ACTIVITIES[which];
