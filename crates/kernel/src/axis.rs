@@ -26,25 +26,21 @@
 //! side springs forward by F/k and its own overshoot, no more.
 //!
 //! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
+mod motor_side;
+
 use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
 use crate::friction::Bristles;
 use crate::servo::{Gains, Input, Servo};
 use crate::sight::Sight;
 use bus::{AxisCommand, AxisFeedback};
 use core::f64::consts::TAU;
+use motor_side::MotorSide;
 use units::{Coordinate, CoordinateSpeed, Force};
 
 /// Time in which a small jump of the setpoint is smoothed away, s.
 const GAP_DECAY_S: f64 = 0.02;
 /// Play changes sides over this share of the friction.
 const PLAY_CROSSING: f64 = 0.25;
-
-/// Beside a motor's encoder a scale tells what lasts longer than this, s: a swing of the screw is
-/// none of the position loop's.
-const LASTS_S: f64 = 0.01;
-/// Bandwidth of the cut's force that is fed forward, Hz: at three times this a share of 1.3 of it
-/// would swing.
-const CUT_HZ: f64 = 100.0;
 
 /// Bound of the force that stretches the screw at a reversal, over the breakaway force.
 const STRETCHING_MOST: f64 = 10.0;
@@ -130,30 +126,6 @@ impl AxisControl {
 /// Behind the screw's spring a tracker must not take the resonance for motion: at this share of it,
 /// what the encoder says of the resonance is damped more than the resonance is sharp.
 const BELOW_RESONANCE: f64 = 0.15;
-
-/// The motor's own encoder beside a scale. Its zero is where the scale's was when the drive came
-/// up.
-#[derive(Clone, Debug, Default)]
-struct MotorSide {
-    offset: f64,
-    reading: f64,
-    /// How much further than by motor and model the tool side is, as far as it lasts.
-    apart: f64,
-    /// How much further than by the model the screw is stretched: the force of the cut.
-    cut: f64,
-    error: f64,
-}
-
-impl MotorSide {
-    /// The following error that the loops go by, and the motor's own.
-    fn errors(&mut self, setpoint: f64, stretch: f64, scale: f64, period_s: f64) -> (f64, f64) {
-        let tool_side = self.reading + self.offset - stretch;
-        self.apart += (scale - tool_side - self.apart) * (period_s / LASTS_S).min(1.0);
-        self.cut += (tool_side - scale - self.cut) * (TAU * CUT_HZ * period_s).min(1.0);
-        self.error = setpoint - tool_side;
-        (self.error - self.apart, self.error)
-    }
-}
 
 /// The highest bandwidth of the servo's tracker, Hz: free with an encoder on the motor.
 fn tracker_most_hz(control: &AxisControl) -> f64 {

@@ -229,9 +229,9 @@ struct Seen {
 
 /// Keeps the samples from an instant on.
 #[derive(Clone)]
-struct Keeper(Arc<Mutex<Seen>>);
+struct Recording(Arc<Mutex<Seen>>);
 
-impl Observer for Keeper {
+impl Observer for Recording {
     fn sample(&mut self, sample: &Sample) {
         let mut seen = self.0.lock().unwrap();
         if sample.feedback.time.value() >= seen.from_s {
@@ -264,7 +264,7 @@ fn run(
         ..RunOptions::default()
     };
     let mut run = Run::prepare(job(activity), &options).unwrap_or_else(|_| panic!("not ready"));
-    let keeper = Keeper(Arc::new(Mutex::new(Seen { from_s, ..Seen::default() })));
+    let keeper = Recording(Arc::new(Mutex::new(Seen { from_s, ..Seen::default() })));
     run.observers.push(Box::new(keeper.clone()));
     run.prove(&mut |_| ()).unwrap_or_else(|refused| panic!("{}", refused.sentence()));
     let finished = run.execute(&mut |_| ()).unwrap();
