@@ -46,6 +46,7 @@ mod programs;
 mod proof;
 mod proving;
 mod questions;
+mod ranges;
 mod recording;
 mod request;
 mod signals;

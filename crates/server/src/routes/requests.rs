@@ -1,7 +1,7 @@
 //! What the control is asked for.
 use crate::answer::{ApiError, json, object};
 use crate::app::App;
-use crate::guard::Who;
+use crate::rights::Who;
 use crate::wire::AcceptedBody;
 use axum::Extension;
 use axum::body::Body;
@@ -15,6 +15,6 @@ pub(super) async fn request(
     body: Body,
 ) -> Result<Response, ApiError> {
     let body = object(body, app.timeouts.body).await?;
-    let accepted = app.request(&who.session, body).await?;
+    let accepted = app.request(who.session, body).await?;
     Ok(json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text))))
 }
