@@ -81,7 +81,9 @@ fn alarms(outcome: &Outcome) -> String {
 fn verdict(outcome: &Outcome) -> String {
     if !outcome.ended {
         let what = if outcome.faults.is_empty() { "STOPPED" } else { "STOPPED BY AN ALARM" };
+        let broken = outcome.stops.iter().any(|stop| stop.broken.is_some());
         return match (outcome.stops.is_empty(), outcome.withdrawn.is_empty()) {
+            (false, _) if broken => format!("{what}, THE TAP BROKE"),
             (false, _) => format!("{what}, THE TAP IS OUT"),
             (true, false) => format!("{what}, THE TOOL IS OFF THE WORK"),
             (true, true) => what.to_owned(),

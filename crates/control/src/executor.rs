@@ -249,7 +249,9 @@ pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, ticked: &Ticked) {
     }
     let period = machine.period();
     let heard = machine.exchange(&ticked.answer.command);
-    for between in missed(&ticked.feedback, heard, period) {
+    // where frames were lost the kernel has lived through these periods already
+    let lived = kernel.ticks_without_news() as usize;
+    for between in missed(&ticked.feedback, heard, period).skip(lived) {
         servo::answer(kernel, &between, &mut servo::PeriodAnswer::default());
     }
 }

@@ -7,7 +7,8 @@
 //!
 //! So setpoints stay with the time, and no reading looks as if it had jumped. What the kernel would
 //! have commanded in between is lost. A control that is late by more than the drives'
-//! watchdog has been taken for dead before.
+//! watchdog has been taken for dead before. Periods in which it was not late, and frames of the
+//! machine were lost, it has lived through: they are not counted again.
 use bus::Feedback;
 use units::Time;
 

@@ -358,8 +358,9 @@ impl Running {
             return Ok(false);
         }
         let stopped = kernel.report().op;
-        let Observers { judge, recorder, trace, others, .. } = observers;
+        let Observers { judge, recorder, trace, others, watch, .. } = observers;
         let goes_on = services.stops.deal_with(kernel, machine, judge, &mut |sample| {
+            watch.sample(sample);
             recorder.sample(sample);
             if let Some(trace) = trace {
                 trace.push(sample);

@@ -26,24 +26,21 @@
 //! side springs forward by F/k and its own overshoot, no more.
 //!
 //! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
+mod motor_side;
+
 use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
 use crate::friction::Bristles;
 use crate::servo::{Gains, Input, Servo};
+use crate::sight::Sight;
 use bus::{AxisCommand, AxisFeedback};
 use core::f64::consts::TAU;
+use motor_side::MotorSide;
 use units::{Coordinate, CoordinateSpeed, Force};
 
 /// Time in which a small jump of the setpoint is smoothed away, s.
 const GAP_DECAY_S: f64 = 0.02;
 /// Play changes sides over this share of the friction.
 const PLAY_CROSSING: f64 = 0.25;
-
-/// Beside a motor's encoder a scale tells what lasts longer than this, s: a swing of the screw is
-/// none of the position loop's.
-const LASTS_S: f64 = 0.01;
-/// Bandwidth of the cut's force that is fed forward, Hz: at three times this a share of 1.3 of it
-/// would swing.
-const CUT_HZ: f64 = 100.0;
 
 /// Bound of the force that stretches the screw at a reversal, over the breakaway force.
 const STRETCHING_MOST: f64 = 10.0;
@@ -130,30 +127,6 @@ impl AxisControl {
 /// what the encoder says of the resonance is damped more than the resonance is sharp.
 const BELOW_RESONANCE: f64 = 0.15;
 
-/// The motor's own encoder beside a scale. Its zero is where the scale's was when the drive came
-/// up.
-#[derive(Clone, Debug, Default)]
-struct MotorSide {
-    offset: f64,
-    reading: f64,
-    /// How much further than by motor and model the tool side is, as far as it lasts.
-    apart: f64,
-    /// How much further than by the model the screw is stretched: the force of the cut.
-    cut: f64,
-    error: f64,
-}
-
-impl MotorSide {
-    /// The following error that the loops go by, and the motor's own.
-    fn errors(&mut self, setpoint: f64, stretch: f64, scale: f64, period_s: f64) -> (f64, f64) {
-        let tool_side = self.reading + self.offset - stretch;
-        self.apart += (scale - tool_side - self.apart) * (period_s / LASTS_S).min(1.0);
-        self.cut += (tool_side - scale - self.cut) * (TAU * CUT_HZ * period_s).min(1.0);
-        self.error = setpoint - tool_side;
-        (self.error - self.apart, self.error)
-    }
-}
-
 /// The highest bandwidth of the servo's tracker, Hz: free with an encoder on the motor.
 fn tracker_most_hz(control: &AxisControl) -> f64 {
     match (control.encoder.place, control.encoder.motor_count) {
@@ -201,9 +174,22 @@ pub(crate) struct AxisLoop {
     /// Less than the drive could give, where it shall push with little force; else infinite.
     pub(crate) force_limit: f64,
     force: f64,
-    /// Its reading is implausible: see [`crate::encoder_plausibility`].
-    pub(crate) blind: bool,
+    /// Whether its readings are used: see [`crate::encoder_plausibility`].
+    pub(crate) sight: Sight,
+    /// The reading of this period is none of the encoder's: it was bridged.
+    pub(crate) bridged: bool,
+    /// In this period its readings are usable again.
+    regained: Option<Regained>,
     pub(crate) warned: bool,
+}
+
+/// How an axis goes on whose readings are usable again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Regained {
+    /// On its setpoint: it was carried.
+    AsOrdered,
+    /// From where it is, at this speed: it was free.
+    AsItMoves(f64),
 }
 
 impl AxisLoop {
@@ -245,7 +231,9 @@ impl AxisLoop {
             error: 0.0,
             force_limit: f64::INFINITY,
             force: 0.0,
-            blind: false,
+            sight: Sight::Closed,
+            bridged: false,
+            regained: None,
             warned: false,
             control,
         }
@@ -278,15 +266,55 @@ impl AxisLoop {
         self.positions = (position, position);
         self.gap = 0.0;
         self.error = 0.0;
-        self.blind = false;
+        (self.sight, self.bridged) = (Sight::Closed, false);
+        // what the model of friction remembers is no motion
+        self.regained = Some(Regained::AsOrdered);
         self.servo.reset();
     }
 
     /// Take a reading.
     pub(crate) fn read(&mut self, feedback: &AxisFeedback) {
-        self.reading = feedback.position.value();
+        let before = core::mem::replace(&mut self.reading, feedback.position.value());
         if let (Some(motor), Some(reading)) = (&mut self.motor, feedback.motor) {
-            motor.reading = reading.value();
+            let bridged = motor.reading + self.reading - before;
+            motor.reading = if self.bridged { bridged } else { reading.value() };
+        }
+        self.bridged = false;
+        if let Some(Regained::AsItMoves(speed)) = self.regained {
+            self.take_over(speed);
+        }
+    }
+
+    /// Its readings are usable again; it moves at this speed. True if it goes on from where it is,
+    /// not on its setpoint.
+    pub(crate) fn regain(&mut self, speed: f64) -> bool {
+        let was_free = matches!(self.sight, Sight::Free(_));
+        if !self.sight.regain() {
+            return false;
+        }
+        self.regained =
+            Some(if was_free { Regained::AsItMoves(speed) } else { Regained::AsOrdered });
+        was_free
+    }
+
+    /// Take it as it moves, to be braked.
+    fn take_over(&mut self, speed: f64) {
+        let shares = self.control.feed_forward;
+        // a loop that speed is not fed to lags behind its setpoint
+        let lag = (1.0 - shares.speed) * speed / self.control.position_gain;
+        // what brakes it goes on by a period at once
+        let total = self.position() + lag - speed * self.period_s;
+        let Target { position, speed: superposed, .. } = self.superposed;
+        self.target =
+            Target { position: total - position, speed: speed - superposed, ..Target::default() };
+        self.positions = (total, total + speed * self.lookahead_s);
+        self.gap = 0.0;
+        self.error = lag;
+        self.servo.take_over(-(1.0 - shares.speed) * speed);
+        if let Some(motor) = &mut self.motor {
+            let tool_side = self.reading + self.stretch;
+            motor.offset = tool_side - motor.reading;
+            (motor.apart, motor.cut, motor.error) = (0.0, 0.0, lag);
         }
     }
 
@@ -328,6 +356,11 @@ impl AxisLoop {
         }
     }
 
+    /// The force of its drive.
+    pub(crate) const fn force(&self) -> f64 {
+        self.force
+    }
+
     /// Its drive pushes that way as hard as it may.
     pub(crate) fn is_at_force_limit(&self, sense: f64) -> bool {
         const NEARLY: f64 = 0.99;
@@ -352,12 +385,24 @@ impl AxisLoop {
     /// travel.
     pub(crate) fn brake(&mut self) {
         let before = self.target.speed;
-        let most = self.brakes_at * self.period_s;
+        let most = self.brakes_at.max(self.needed_in_travel()) * self.period_s;
         let speed = before - before.clamp(-most, most);
         self.target.position += self.period_s * (before + speed) / 2.0;
         self.target.accel = (speed - before) / self.period_s;
         self.target.speed = speed;
         self.target.jerk = 0.0;
+    }
+
+    /// The deceleration that brings it to rest within its travel, as far as its drive has it.
+    fn needed_in_travel(&self) -> f64 {
+        let (Some((from, to)), speed) = (self.control.travel, self.target.speed) else {
+            return 0.0;
+        };
+        let end = if speed > 0.0 { to } else { from };
+        let room = ((end.value() - self.target.position) * speed.signum()).max(0.0);
+        // half a period's way is gone before it acts
+        let room = (room - speed.abs() * self.period_s).max(f64::MIN_POSITIVE);
+        (speed * speed / (2.0 * room)).min(self.braking())
     }
 
     /// Force that stretches the screw the other way while friction changes: the motor has to get
@@ -390,22 +435,38 @@ impl AxisLoop {
             Some(motor) => motor.errors(setpoint, stretch, scale, period_s),
             None => (self.error, self.error),
         };
-        let cut = self.motor.as_ref().map_or(0.0, |motor| motor.cut);
+        let closed = self.sight.is_closed();
+        let cut = self.motor.as_ref().filter(|_| closed).map_or(0.0, |motor| motor.cut);
         let feed_forward = shares.accel * self.mass * ahead.accel
             + shares.friction * (friction_ahead + stretching)
             + cut * self.control.stiffness.value()
             - weight;
         let limit = self.control.peak_force.value().min(self.force_limit);
-        let force = if self.blind {
-            self.servo.blind(feed_forward, limit, now.speed != 0.0)
-        } else {
-            self.servo.update(Input {
-                error,
-                growth: motor_error - before - (1.0 - shares.speed) * ways.0,
-                feed_forward,
-                limit,
-                position: true,
-            })
+        let regained = self.regained.take();
+        self.sight.advance(self.period_s);
+        let force = match self.sight {
+            Sight::Closed => {
+                let way = motor_error - before - (1.0 - shares.speed) * ways.0;
+                if regained.is_some() {
+                    self.servo.resume();
+                }
+                self.servo.update(Input {
+                    error,
+                    growth: if regained.is_some() { 0.0 } else { way },
+                    feed_forward,
+                    limit,
+                    position: true,
+                })
+            }
+            Sight::Carried(_) => self.servo.blind(feed_forward, limit, now.speed != 0.0),
+            Sight::Free(_) => (-weight).clamp(-limit, limit),
+            Sight::Off => {
+                self.force = 0.0;
+                return AxisCommand {
+                    position: Coordinate::new(now.position),
+                    ..AxisCommand::default()
+                };
+            }
         };
         self.force = force;
         AxisCommand {

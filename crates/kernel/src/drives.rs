@@ -11,6 +11,7 @@ use crate::fault::FaultKind;
 use crate::learning_records::LearningRecords;
 use crate::moving::Turned;
 use crate::record_requests::RecordRequests;
+use crate::sight::Without;
 use crate::spindle::SpindleLoop;
 use crate::threading::Chain;
 use crate::time_scaling::TimeScaling;
@@ -154,10 +155,17 @@ impl Drives {
         self.follower = None;
     }
 
-    /// No reading is to be used any more: what is left of the stop goes by the setpoints alone.
-    pub(crate) fn go_blind(&mut self) {
-        self.axes.iter_mut().flatten().for_each(|axis| axis.blind = true);
-        self.spindles.iter_mut().flatten().for_each(|spindle| spindle.blind = true);
+    /// No reading comes any more: what is tied goes on by its model, all else is let go.
+    pub(crate) fn go_blind(&mut self, (axis, spindle): (usize, usize)) {
+        let without = |is_tied: bool| if is_tied { Without::Model } else { Without::Nothing };
+        for (index, it) in self.axes.iter_mut().enumerate() {
+            let Some(it) = it else { continue };
+            it.sight.lose(without(index == axis));
+        }
+        for (index, it) in self.spindles.iter_mut().enumerate() {
+            let Some(it) = it else { continue };
+            it.sight.lose(without(index == spindle));
+        }
     }
 
     /// All axes stand.

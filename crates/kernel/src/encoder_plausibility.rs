@@ -10,93 +10,48 @@
 //! ```
 //!
 //! A loop that followed such a reading would drive spindle and feed apart with all its force, and
-//! switching both off lets them run down apart. The loop whose encoder is implausible goes blind:
-//! what it had learnt of the load stays, and feed-forward does the stop. That is good for the tenth
-//! of a second that a stop takes. What others ask of its place is answered by the reading before
-//! and the setpoint's own steps. That encoder is not used again before the control is started anew.
+//! switching both off lets them run down apart. What the loop does without its encoder is in
+//! [`crate::sight`]. What others ask of its place is answered by the model: the reading before and
+//! the setpoint's own steps, or the speed that it had.
+//!
+//! **Usable again.** An encoder whose readings go on in steps that the drive can make, for
+//! three in a row, is read again. Where readings were missing its place is what it says, if
+//! the model may be off by that; one that has jumped is taken to have slipped, and from there on
+//! counts from where the model has come to. One that is stuck has to move first, and one that fails
+//! for the fourth time is not used again before the control is started anew.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | Δ | step of the reading within a period | mm, rev |
 //! | a | most acceleration of what carries the encoder | mm/s², rev/s² |
 //! | h, q | period, one count | s; mm, rev |
+//! | n | periods without a usable reading | 1 |
 //!
 //! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes
 //! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward).
-//! A spindle that does not turn may as well be stalled; its following error says so.
+//! An axis that nothing ties is stuck as well if its reading stays for 10 ms while its drive pushes
+//! by more than friction takes, though the setpoint stands.
+//! A spindle that does not turn may as well be stalled; its following error says so. The model may
+//! be off by a·(n·h)²/8 + 8·q.
 mod untied;
+mod watched;
 
 use crate::axis::AxisLoop;
 use crate::config::{EncoderPlace, FeedForward, Subject};
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
+use crate::sight::{Sight, Without};
 use crate::spindle::SpindleLoop;
 use bus::{AXES, Feedback};
 use units::Axis;
 use untied::Untied;
+use watched::{Bounds, Change, Watched};
 
-/// Steps may differ by what the drive's most acceleration does in a period, times this: cut and
-/// springs add to it.
-const BEYOND_DRIVE: f64 = 3.0;
-/// And by the encoder's noise, in counts.
-const NOISE_COUNTS: f64 = 8.0;
 /// A setpoint goes on by so much, mm, or so many counts, before a reading that stays is stuck.
 const STUCK_MM: f64 = 0.002;
 const STUCK_COUNTS: f64 = 16.0;
 /// The same of an infeed axis, which may rest and reverse in its play, mm.
 const INFEED_STUCK_MM: f64 = 0.05;
-
-/// What is known of one encoder.
-#[derive(Clone, Copy, Debug)]
-struct Watched {
-    last: f64,
-    /// `None`: only one reading is known.
-    step: Option<f64>,
-    /// How far the setpoint has gone since the reading last changed.
-    unmoved: f64,
-    plausible: bool,
-}
-
-/// What an encoder can show.
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
-    /// Most change of a step.
-    jump: f64,
-    /// Most way of the setpoint without a step.
-    stuck: f64,
-    /// The reading is not new.
-    frame_lost: bool,
-}
-
-impl Watched {
-    const fn new(reading: f64, step: f64) -> Self {
-        Self { last: reading, step: Some(step), unmoved: 0.0, plausible: true }
-    }
-
-    /// Nothing is known of how it moves.
-    const fn first(reading: f64) -> Self {
-        Self { last: reading, step: None, unmoved: 0.0, plausible: true }
-    }
-
-    /// What is to be taken for a reading; whether it has just become implausible.
-    fn judge(&mut self, reading: f64, expected: f64, bounds: Bounds) -> (f64, bool) {
-        if bounds.frame_lost {
-            // it is as old as the one before: as if it had gone on
-            self.last += expected;
-            return (self.last, false);
-        }
-        let step = reading - self.last;
-        self.unmoved = if step == 0.0 { self.unmoved + expected.abs() } else { 0.0 };
-        let jump = self.step.map_or(0.0, |before| step - before);
-        let can_be = jump.abs() <= bounds.jump && self.unmoved <= bounds.stuck;
-        if self.plausible && can_be {
-            (self.last, self.step) = (reading, Some(step));
-            return (reading, false);
-        }
-        self.last += expected;
-        (self.last, core::mem::replace(&mut self.plausible, false))
-    }
-}
 
 /// The encoders of what is coupled.
 #[derive(Clone, Copy, Debug)]
@@ -126,9 +81,17 @@ impl EncoderPlausibility {
         Self { of: None, axis: None, spindle: None, infeed: None, untied, frame_lost: false }
     }
 
-    /// One of the encoders is implausible.
+    /// One of the encoders of the pair is not as it was.
     fn any(&self) -> bool {
-        [self.axis, self.spindle].iter().flatten().any(|watched| !watched.plausible)
+        [self.axis, self.spindle].iter().flatten().any(|watched| !watched.is_sound())
+    }
+
+    /// No frames come any more: no encoder is usable until they do.
+    pub(crate) fn lose_all(&mut self) {
+        let infeed = self.infeed.as_mut().map(|(_, watched)| watched);
+        let tied = self.axis.iter_mut().chain(&mut self.spindle).chain(infeed);
+        tied.for_each(Watched::lose);
+        self.untied.lose_all();
     }
 
     /// Readings become those to go by: as they are, but for what cannot be of the pair that is
@@ -149,29 +112,30 @@ impl EncoderPlausibility {
         let mut finding = of_infeed;
         let shares = drives.follower.and_then(|(_, shares)| shares);
         if let Some(loop_) = &mut drives.axes[axis] {
-            let expected = period_s * (loop_.target.speed + period_s * loop_.target.accel / 2.0);
+            let ordered = period_s * (loop_.target.speed + period_s * loop_.target.accel / 2.0);
             let reading = taken.axes[axis].position.value();
-            let watched = self.axis.get_or_insert(Watched::new(reading - expected, expected));
+            let watched = self.axis.get_or_insert(Watched::new(reading - ordered, ordered));
+            let expected = expected_of_axis(loop_, ordered, watched);
             let bounds = Bounds { frame_lost, ..axis_bounds(loop_, shares, period_s) };
-            let (place, lost) = watched.judge(reading, expected, bounds);
+            let (place, change) = watched.judge(reading, expected, bounds);
             taken.axes[axis].position = units::Coordinate::new(place);
-            loop_.blind |= lost;
+            look(loop_, change, Without::Model, (place != reading, period_s));
             // a drive that is gone says so itself
-            if lost && taken.axes[axis].ready {
+            if change == Change::Lost && taken.axes[axis].ready {
                 let of = Subject::Axis(Axis::ALL[axis]);
                 finding = Some((FaultKind::ReadingImplausible, of, reading - place, 0.0));
             }
         }
         if let Some(loop_) = &mut drives.spindles[spindle] {
-            // a drive that is only told a speed has a way of its own there
-            let expected = period_s * loop_.now().spin.value();
+            let turns = period_s * loop_.now().spin.value();
             let reading = taken.spindles[spindle].angle.value();
-            let watched = self.spindle.get_or_insert(Watched::new(reading - expected, expected));
+            let watched = self.spindle.get_or_insert(Watched::new(reading - turns, turns));
+            let expected = expected_of_spindle(loop_, watched, period_s);
             let bounds = spindle_bounds(loop_, period_s, frame_lost);
-            let (angle, lost) = watched.judge(reading, expected, bounds);
+            let (angle, change) = watched.judge(reading, expected, bounds);
             taken.spindles[spindle].angle = units::Angle::rev(angle);
-            loop_.blind |= lost;
-            if lost && taken.spindles[spindle].ready {
+            look_at_spindle(loop_, change, Without::Model, (angle, period_s));
+            if change == Change::Lost && taken.spindles[spindle].ready {
                 let of = Subject::Spindle(spindle as u8);
                 finding = Some((FaultKind::ReadingImplausible, of, reading - angle, 0.0));
             }
@@ -187,43 +151,123 @@ impl EncoderPlausibility {
         drives: &mut Drives,
         period_s: f64,
     ) -> Option<Finding> {
-        let implausible = self.infeed.is_some_and(|(_, watched)| !watched.plausible);
-        if self.infeed.map(|(axis, _)| axis) != infeed && !implausible {
+        let spoilt = self.infeed.is_some_and(|(_, watched)| !watched.is_sound());
+        if self.infeed.map(|(axis, _)| axis) != infeed && !spoilt {
             self.infeed = None;
         }
         let axis = self.infeed.map(|(axis, _)| axis).or(infeed)?;
         let loop_ = drives.axes[axis].as_mut()?;
-        let (speed, accel) = (
-            loop_.target.speed + loop_.superposed.speed,
-            loop_.target.accel + loop_.superposed.accel,
-        );
-        let expected = period_s * (speed + period_s * accel / 2.0);
+        let ordered = ordered_way(loop_, period_s);
         let reading = taken.axes[axis].position.value();
         let (_, watched) =
-            self.infeed.get_or_insert((axis, Watched::new(reading - expected, expected)));
+            self.infeed.get_or_insert((axis, Watched::new(reading - ordered, ordered)));
+        let expected = expected_of_axis(loop_, ordered, watched);
         let bounds = axis_bounds(loop_, None, period_s);
         // a loop that speed is not fed to begins to move when its error asks for it
         let lags = loop_.control.feed_forward.speed < 1.0;
         let late = if lags { loop_.control.windows.following_stop.value() } else { 0.0 };
         let stuck = bounds.stuck.max(INFEED_STUCK_MM).max(late);
         let bounds = Bounds { stuck, frame_lost: self.frame_lost, ..bounds };
-        let (place, lost) = watched.judge(reading, expected, bounds);
+        let (place, change) = watched.judge(reading, expected, bounds);
         taken.axes[axis].position = units::Coordinate::new(place);
-        loop_.blind |= lost;
-        (lost && taken.axes[axis].ready).then_some((
+        self.untied.taken_over[axis] |=
+            look(loop_, change, Without::Nothing, (place != reading, period_s));
+        (change == Change::Lost && taken.axes[axis].ready).then_some((
             FaultKind::ReadingImplausible,
             Subject::Axis(Axis::ALL[axis]),
             reading - place,
             0.0,
         ))
     }
+
+    /// An axis that was free has been taken over as it moves, since this was last asked.
+    pub(crate) fn was_taken_over(&mut self, index: usize) -> bool {
+        core::mem::take(&mut self.untied.taken_over[index])
+    }
+}
+
+/// The way that an axis is ordered in a period.
+fn ordered_way(axis: &AxisLoop, period_s: f64) -> f64 {
+    let speed = axis.target.speed + axis.superposed.speed;
+    let accel = axis.target.accel + axis.superposed.accel;
+    period_s * (speed + period_s * accel / 2.0)
+}
+
+/// The way that an axis is expected to go in a period.
+fn expected_of_axis(axis: &AxisLoop, ordered: f64, watched: &Watched) -> f64 {
+    match axis.sight {
+        Sight::Closed | Sight::Carried(_) => ordered,
+        Sight::Free(_) => watched.model_step().unwrap_or(ordered),
+        Sight::Off => 0.0,
+    }
+}
+
+/// The way that a spindle is expected to turn in a period.
+fn expected_of_spindle(spindle: &SpindleLoop, watched: &Watched, period_s: f64) -> f64 {
+    let turns = period_s * spindle.now().spin.value();
+    let (Some(step), ordered) = (watched.model_step(), spindle.ordered()) else { return turns };
+    match (spindle.sight, spindle.control.own_ramps) {
+        (Sight::Closed, _) => turns,
+        (Sight::Off, _) => 0.0,
+        (Sight::Free(_), _) => step,
+        // its drive goes to the speed that it was ordered
+        (Sight::Carried(_), Some(own)) => {
+            let most = own.accel.max(own.decel).value() * period_s * period_s;
+            step + (ordered.spin.value() * period_s - step).clamp(-most, most)
+        }
+        (Sight::Carried(_), None) if ordered.spin.value() == 0.0 => 0.0,
+        (Sight::Carried(_), None) => step + ordered.accel.value() * period_s * period_s,
+    }
+}
+
+/// A loop takes notice of what has become of its axis' encoder. True if the axis is taken over as
+/// it moves.
+fn look(
+    axis: &mut AxisLoop,
+    change: Change,
+    without: Without,
+    (bridged, period_s): (bool, f64),
+) -> bool {
+    axis.bridged = bridged && change != Change::Slipped;
+    match change {
+        Change::None | Change::Slipped => false,
+        Change::Lost => {
+            axis.sight.lose(without);
+            false
+        }
+        Change::Regained(step) => {
+            axis.bridged = false;
+            axis.regain(step / period_s)
+        }
+    }
+}
+
+/// The same of a spindle.
+fn look_at_spindle(
+    spindle: &mut SpindleLoop,
+    change: Change,
+    without: Without,
+    (angle, period_s): (f64, f64),
+) {
+    match change {
+        Change::None | Change::Slipped => {}
+        // a drive that makes its own ramps comes to rest without the control's encoder
+        Change::Lost if spindle.control.own_ramps.is_some() => {
+            spindle.sight.lose(Without::Model);
+        }
+        Change::Lost => spindle.sight.lose(without),
+        Change::Regained(step) => spindle.regain(angle, step / period_s),
+    }
 }
 
 /// What the encoder of a spindle can show.
 fn spindle_bounds(spindle: &SpindleLoop, period_s: f64, frame_lost: bool) -> Bounds {
-    let jump = BEYOND_DRIVE * spindle.accel_at_rest() * period_s * period_s
-        + NOISE_COUNTS * spindle.control.encoder_count.value();
-    Bounds { jump, stuck: f64::INFINITY, frame_lost }
+    Bounds {
+        accel_way: spindle.accel_at_rest() * period_s * period_s,
+        count: spindle.control.encoder_count.value(),
+        frame_lost,
+        ..Bounds::NONE
+    }
 }
 
 fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> Bounds {
@@ -245,61 +289,9 @@ fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> B
     let accel = control.peak_force.value() / (mass.value() * 1e-3).max(f64::MIN_POSITIVE);
     let count = control.encoder.count.value();
     Bounds {
-        jump: BEYOND_DRIVE * accel * period_s * period_s + NOISE_COUNTS * count,
+        accel_way: accel * period_s * period_s,
+        count,
         stuck: STUCK_MM.max(STUCK_COUNTS * count) + sticks,
-        frame_lost: false,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::vec::Vec;
-
-    const BOUNDS: Bounds = Bounds { jump: 0.006, stuck: 0.005, frame_lost: false };
-
-    /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which period it
-    /// became implausible.
-    fn taken(spoil: impl Fn(usize, f64) -> f64) -> (Vec<f64>, Option<usize>) {
-        let mut watched = Watched::new(-0.004, 0.004);
-        let judge = |i| watched.judge(spoil(i, i as f64 * 0.004), 0.004, BOUNDS);
-        let all: Vec<(f64, bool)> = (0..20).map(judge).collect();
-        (all.iter().map(|(x, _)| *x).collect(), all.iter().position(|(_, lost)| *lost))
-    }
-
-    #[track_caller]
-    fn goes_on(taken: &[f64]) {
-        for (i, x) in taken.iter().enumerate() {
-            assert!((x - i as f64 * 0.004).abs() < 0.004, "period {i}: {x}");
-        }
-    }
-
-    #[test]
-    fn a_reading_that_can_be_is_taken_as_it_is() {
-        let swing = |i: usize, x: f64| x + 0.001 * (i as f64).sin();
-        let (all, lost) = taken(swing);
-        assert_eq!(lost, None);
-        assert_eq!(all[7], swing(7, 7.0 * 0.004));
-    }
-
-    #[test]
-    fn a_jump_is_noticed_in_its_period_and_never_used_again() {
-        let (all, lost) = taken(|i, x| if i < 10 { x } else { x + 0.05 });
-        assert_eq!(lost, Some(10));
-        goes_on(&all);
-    }
-
-    #[test]
-    fn a_reading_that_is_no_number_is_bridged() {
-        let (all, lost) = taken(|i, x| if i < 10 { x } else { f64::NAN });
-        assert_eq!(lost, Some(10));
-        goes_on(&all);
-    }
-
-    #[test]
-    fn a_reading_that_stays_is_noticed_when_the_setpoint_has_gone_on() {
-        let (all, lost) = taken(|i, x| x.min(0.036 + 0.0 * i as f64));
-        assert_eq!(lost, Some(11));
-        assert!((all[19] - 0.036 - 9.0 * 0.004).abs() < 1e-9, "{}", all[19]);
+        ..Bounds::NONE
     }
 }

@@ -295,8 +295,12 @@ impl fmt::Display for AlarmList {
             "# Alarms\n\n\
              What can stop a running machine. `Disable`: all outputs go off, the drives' own safety takes\n\
              over. `Halt`: axes and spindles brake under control, coupled ones together, and are held.\n\n\
-             While a tap is in its thread 102 and 103 brake coupled too, as far as what is left allows;\n\
-             outputs go off when everything stands.\n\n\
+             While a tap is in its thread 102, 103 and 106 brake coupled too, as far as what is left\n\
+             allows; outputs go off when everything stands.\n\n\
+             A drive without a usable reading (103, 105, 106) gets no force but what bears its weight, and\n\
+             is off after 10 ms; if it reads again before, it is taken over as it moves and braked. Feed and\n\
+             spindle of a thread are carried on their model until they read again, for 1 s at most\n\
+             ([recovery](recovery.md#faults-of-feedback)).\n\n\
              What is wrong with a *program* is found before anything moves; `leadscrew check` says it with\n\
              its code. This page is written from `crates/kernel/src/fault/text.rs`.\n\n",
         )?;

@@ -34,6 +34,11 @@ impl FeedbackAge {
         self.lost > 0
     }
 
+    /// Periods in a row that have brought nothing new.
+    pub(crate) const fn lost(&self) -> u32 {
+        self.lost
+    }
+
     /// Whether a feedback of this time is new; `runs`: the loops are closed. It is said once.
     pub(crate) fn check(&mut self, time: Time, period: Time, runs: bool) -> Result<(), Finding> {
         let Some(last) = self.last.replace(time).filter(|_| runs) else {

@@ -208,6 +208,11 @@ impl Kernel {
         Some(Coordinate::new(axis.position()))
     }
 
+    /// Ticks since the last feedback that was new.
+    pub const fn ticks_without_news(&self) -> u32 {
+        self.feedback_age.lost()
+    }
+
     /// The faults that have happened, oldest first.
     pub fn faults(&self) -> &[Fault] {
         &self.faults
@@ -236,6 +241,9 @@ impl Kernel {
         }
         if let Err(finding) = self.check_spindles() {
             self.raise(finding, feedback);
+        }
+        if matches!(self.mode, Mode::Halted) {
+            self.switch_off_strays(feedback);
         }
         let mut command = match self.mode {
             Mode::Disabled => self.leave(feedback),

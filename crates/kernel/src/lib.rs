@@ -45,6 +45,7 @@ mod requests;
 mod retreating;
 mod servo;
 mod setpoint_monitor;
+mod sight;
 mod signals;
 mod spindle;
 mod spindle_monitor;

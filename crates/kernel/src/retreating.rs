@@ -25,7 +25,7 @@ const NEAR: Length = Length::mm(0.2);
 /// The tool of a way out is off the work, by the encoder of its infeed axis.
 pub(crate) fn is_clear(way: &WayOut, drives: &Drives) -> bool {
     let axis = drives.axes[way.infeed.index()].as_ref();
-    axis.is_some_and(|axis| !axis.blind && way.inside(base(axis)) <= NEAR)
+    axis.is_some_and(|axis| axis.sight.is_closed() && way.inside(base(axis)) <= NEAR)
 }
 
 /// Where an axis is by its encoder, without what is superposed on it.

@@ -147,6 +147,20 @@ impl Servo {
         (feed_forward + borne).clamp(-limit, limit)
     }
 
+    /// There are readings again: what the loop knew of the load is still so, and what has been
+    /// ordered meanwhile is on its way.
+    pub(crate) fn resume(&mut self) {
+        self.way = self.tracker.place();
+        self.drive.settle(-self.integral);
+    }
+
+    /// There are readings again, of something that moves by itself: `rate` is how fast the
+    /// following error grows.
+    pub(crate) fn take_over(&mut self, rate: f64) {
+        self.reset();
+        self.tracker = Tracker::moving(self.period_s, self.bandwidth_hz, rate);
+    }
+
     /// Forget what has been learnt: the drive was off.
     pub(crate) fn reset(&mut self) {
         self.tracker = Tracker::new(self.period_s, self.bandwidth_hz, 0.0);
@@ -216,9 +230,14 @@ impl Drive {
     }
 
     const fn reset(&mut self) {
-        self.queue = [0.0; MAX_DELAY + 1];
-        self.arriving = 0.0;
-        self.given = 0.0;
+        self.settle(0.0);
+    }
+
+    /// As if this effort had been ordered for long.
+    const fn settle(&mut self, effort: f64) {
+        self.queue = [effort; MAX_DELAY + 1];
+        self.arriving = effort;
+        self.given = effort;
     }
 }
 

@@ -174,6 +174,11 @@ impl SetpointMonitor {
         self.axes = [Sent::default(); AXES];
     }
 
+    /// An axis goes on from where it is, not from its last setpoint.
+    pub(crate) fn forget(&mut self, index: usize) {
+        self.axes[index] = Sent::default();
+    }
+
     /// What was sent in the last period.
     pub(crate) const fn sent(&self, index: usize) -> Target {
         self.axes[index].target

@@ -18,13 +18,15 @@
 //! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
 mod observers;
 mod orientation;
+mod readings;
 mod surface;
 
 use crate::config::{Config, SpindleControl};
 use crate::encoder_check::EncoderCheck;
 use crate::friction::spindle_friction;
 use crate::servo::{Gains, Input, Servo};
-use bus::{SpindleCommand, SpindleFeedback};
+use crate::sight::Sight;
+use bus::SpindleCommand;
 use core::f64::consts::TAU;
 use motion::{Profile, SurfaceSpeed};
 use observers::Observers;
@@ -82,8 +84,10 @@ pub(crate) struct SpindleLoop {
     reading_before: f64,
     error: f64,
     saturated: bool,
-    /// Its reading is implausible: see [`crate::encoder_plausibility`].
-    pub(crate) blind: bool,
+    /// Whether its readings are used: see [`crate::encoder_plausibility`].
+    pub(crate) sight: Sight,
+    /// In this period its readings are usable again.
+    regained: bool,
     /// What the program has ordered, rev/s, while it turns by itself; the operator's share of it.
     programmed: Option<f64>,
     /// It turns by the place of X, G96: `programmed` is that of this period.
@@ -127,7 +131,8 @@ impl SpindleLoop {
             reading_before: 0.0,
             error: 0.0,
             saturated: false,
-            blind: false,
+            sight: Sight::Closed,
+            regained: false,
             programmed: None,
             surface: None,
             share: 1.0,
@@ -135,23 +140,6 @@ impl SpindleLoop {
             encoder_check: EncoderCheck::new(control.encoder_check.is_some()),
             control,
         }
-    }
-
-    /// Take the reading as the present place: the drive has just come up, or is off.
-    pub(crate) fn adopt(&mut self, feedback: &SpindleFeedback) {
-        self.reading = feedback.angle.value();
-        self.reading_before = self.reading;
-        self.observers = self.observers.anew(&self.control, feedback.angle);
-        let still = Rotation { angle: feedback.angle, ..Rotation::default() };
-        (self.ordered, self.before, self.ahead) = (still, still, still);
-        self.order = Task::Slew(0.0);
-        self.release();
-        self.pace = None;
-        self.swing = (Swing::default(), Swing::default());
-        self.error = 0.0;
-        self.blind = false;
-        self.encoder_check.break_off();
-        self.servo.reset();
     }
 
     /// Be position-controlled while turning, or no longer.
@@ -182,16 +170,6 @@ impl SpindleLoop {
     pub(crate) fn slew_to(&mut self, spin: Spin) {
         self.release();
         self.order = Task::Slew(spin.value());
-    }
-
-    /// Take a reading.
-    pub(crate) fn read(&mut self, feedback: &SpindleFeedback) {
-        self.reading_before = self.reading;
-        self.reading = feedback.angle.value();
-        self.saturated = feedback.saturated;
-        let swung = SpinAccel::rev_per_s2(self.swing.0.accel);
-        self.observers.read(feedback.angle, self.ordered.accel + swung);
-        self.hear_drive(feedback);
     }
 
     /// How it turns, by the observer.
@@ -452,16 +430,28 @@ impl SpindleLoop {
         let feed_forward =
             shares.accel * self.inertia * ahead.accel.value() + shares.friction * friction;
         let limit = self.limit(self.now().spin.value());
-        let torque = if self.blind {
-            self.servo.blind(feed_forward, limit, ordered.spin.value() != 0.0)
-        } else {
-            self.servo.update(Input {
-                error: self.error,
-                growth: if by_angle { shares.speed * way - turned } else { way - turned },
-                feed_forward,
-                limit,
-                position: by_angle,
-            })
+        let growth = if by_angle { shares.speed * way - turned } else { way - turned };
+        let regained = core::mem::take(&mut self.regained);
+        self.sight.advance(self.period_s);
+        let torque = match self.sight {
+            Sight::Closed => {
+                if regained {
+                    self.servo.resume();
+                }
+                self.servo.update(Input {
+                    error: self.error,
+                    growth: if regained { 0.0 } else { growth },
+                    feed_forward,
+                    limit,
+                    position: by_angle,
+                })
+            }
+            Sight::Carried(_) => self.servo.blind(feed_forward, limit, ordered.spin != Spin::ZERO),
+            Sight::Free(_) => 0.0,
+            Sight::Off => {
+                self.observers.tell(Spin::ZERO);
+                return SpindleCommand { angle: ordered.angle, ..SpindleCommand::default() };
+            }
         };
         self.observers.tell(ordered.spin);
         SpindleCommand {

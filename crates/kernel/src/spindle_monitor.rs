@@ -63,7 +63,7 @@ impl SpindleMonitor {
             return Err((FaultKind::SpindleRunsAway, of, turns, most));
         }
         let late = spindle.control.own_ramps.is_some() || !spindle.control.follows_orders;
-        if tied || late || spindle.position_controlled() || spindle.blind {
+        if tied || late || spindle.position_controlled() || !spindle.sight.is_closed() {
             *band = Band { low: ordered.min(turns), high: ordered.max(turns), had: None };
             return Ok(());
         }

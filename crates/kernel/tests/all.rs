@@ -23,6 +23,7 @@ mod guards;
 mod homing;
 mod learning;
 mod limits;
+mod lost_feedback;
 mod manual;
 mod orientation;
 mod overrides;

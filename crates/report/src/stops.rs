@@ -17,6 +17,10 @@ pub struct ThreadStop {
     pub coupling: (PlanePoint, Length),
     /// From the fault to rest.
     pub stop: Vec<PlanePoint>,
+    /// Largest distance from the coupling in the material from the alarm to rest.
+    pub stop_error: Length,
+    /// When the tap broke, in the stop or on the way out; `None` also where nothing can know it.
+    pub broken: Option<Time>,
     /// The ways back that were tried, the one that was taken first.
     pub ways: Vec<WayBack>,
 }
@@ -93,6 +97,8 @@ mod tests {
             coupling: (at(0.0, 0.0), Length::mm(-1.25)),
             // the spindle overran by one turn: the feed is left 100 µm off, growing evenly
             stop: vec![at(4.0, 0.0), at(5.0, 100.0)],
+            stop_error: Length::um(100.0),
+            broken: None,
             ways: Vec::new(),
         };
         let same = way(vec![at(4.5, 50.0), at(4.0, 0.0), at(0.0, 0.0)]);

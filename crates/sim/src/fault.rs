@@ -27,9 +27,14 @@
 //! | stuck | an axis' encoder says the same from then on |
 //! | late, missed | a command arrives one period late from then on; a single one is lost |
 //! | torque loss | the spindle gives only a share of what is ordered |
+//!
+//! Drives that the control switches off while they move stop by themselves ([`switched_off`]).
+mod switched_off;
+
 use crate::rng::Rng;
 use crate::{Bus, Config, RunDown};
 use bus::{Command, DriveReaction, Feedback, Machine, Truth};
+use switched_off::SwitchedOff;
 use units::{Angle, Coordinate, Time, Torque};
 
 /// What the drives do by themselves.
@@ -146,6 +151,7 @@ pub struct Faulty<M> {
     /// The drives on their own; and since when they are not commanded.
     run_down: Option<RunDown>,
     silent: Time,
+    switched_off: SwitchedOff,
     pending: Vec<Pending>,
     last: Command,
     said: Feedback,
@@ -173,6 +179,7 @@ impl<M: Machine> Faulty<M> {
             alone: None,
             run_down: None,
             silent: Time::ZERO,
+            switched_off: SwitchedOff::default(),
             pending,
             last: Command::default(),
             said,
@@ -229,6 +236,7 @@ impl<M: Machine> Faulty<M> {
     pub fn mend(&mut self) {
         self.pending.retain(|pending| pending.came.is_none());
         (self.run_down, self.silent) = (None, Time::ZERO);
+        self.switched_off = SwitchedOff::default();
         self.said = *self.machine.feedback();
     }
 
@@ -379,7 +387,12 @@ impl<M: Machine> Machine for Faulty<M> {
     }
 
     fn exchange(&mut self, command: &Command) -> &Feedback {
-        if self.pending.is_empty() {
+        let now = *self.machine.feedback();
+        let own = self
+            .alone
+            .as_ref()
+            .and_then(|alone| self.switched_off.command(alone, (&self.last, command), &now));
+        if self.pending.is_empty() && own.is_none() {
             // nothing can happen to it: command and feedback pass as they are
             self.last = *command;
             self.said = *self.machine.exchange(command);
@@ -390,9 +403,12 @@ impl<M: Machine> Machine for Faulty<M> {
         if self.is_abandoned() || self.has(|fault| matches!(fault, Fault::EmergencyStop)) {
             return self.wait();
         }
-        let order = self.order(command);
+        let order = self.order(&own.unwrap_or(*command));
+        self.last = *command;
         let real = *self.machine.exchange(&order);
-        self.hear(&real)
+        self.hear(&real);
+        self.switched_off.tell(&mut self.said);
+        &self.said
     }
 
     fn truth(&self) -> Option<&Truth> {

@@ -15,8 +15,8 @@
 //! the spindle's: lead times the spindle's ramp. Where each braked as hard as it can, the axis
 //! would stand twenty times sooner than the spindle.
 //!
-//! The drives close their own loops here on their own encoders, as servo drives do in a quick stop
-//! (`CiA` 402) or an extended stop. Without mains the energy is what the DC bus holds and the
+//! The drives close their own loops here on their motors' encoders, as servo drives do in a quick
+//! stop (`CiA` 402) or an extended stop. Without mains the energy is what the DC bus holds and the
 //! braking spindle gives back: `C·V·dV/dt = P_back − P_drives`; below the trip voltage all outputs
 //! go off and the rest is coasting.
 //!
@@ -82,6 +82,9 @@ struct AxisDrive {
     mass: f64,
     peak: f64,
     weight: f64,
+    /// How much further the axis is than its motor's own encoder says, where it has one beside a
+    /// scale, m: a drive closes its loops on its motor.
+    beside: f64,
     /// m, m/s: measured; and the setpoint that brakes.
     x: f64,
     v: f64,
@@ -118,8 +121,10 @@ impl RunDown {
         let axes = config.axes.iter().map(|(index, model)| {
             let speed = last.axes[*index].speed.value() * 1e-3;
             let on = last.axes[*index].enable;
-            let x = feedback.axes[*index].position.value() * 1e-3;
-            (*index, AxisDrive::new(model, x, if on { speed } else { 0.0 }))
+            let said = &feedback.axes[*index];
+            let beside = said.motor.map_or(0.0, |motor| (said.position - motor).value() * 1e-3);
+            let x = said.position.value() * 1e-3;
+            (*index, AxisDrive::new(model, (x, beside), if on { speed } else { 0.0 }))
         });
         let spindles = config.spindles.iter().zip(&last.spindles).zip(&feedback.spindles);
         let spindles = spindles.map(|((model, order), reading)| {
@@ -199,7 +204,11 @@ impl RunDown {
     fn read(&mut self, feedback: &Feedback) {
         let mut still = true;
         for (index, drive) in &mut self.axes {
-            drive.read(feedback.axes[*index].position.value() * 1e-3, self.period_s);
+            let said = &feedback.axes[*index];
+            let x = said
+                .motor
+                .map_or(said.position.value() * 1e-3, |motor| motor.value() * 1e-3 + drive.beside);
+            drive.read(x, self.period_s);
             still &= drive.v.abs() < STILL_MM_PER_S * 1e-3;
         }
         for (drive, reading) in self.spindles.iter_mut().zip(&feedback.spindles) {
@@ -223,11 +232,12 @@ impl RunDown {
 }
 
 impl AxisDrive {
-    fn new(model: &AxisModel, x: f64, v: f64) -> Self {
+    fn new(model: &AxisModel, (x, beside): (f64, f64), v: f64) -> Self {
         Self {
             mass: model.motor_mass().value() + model.table.value(),
             peak: model.peak_force().value(),
             weight: -model.table.value() * GRAVITY * model.weight_share,
+            beside,
             x,
             v,
             setpoint: (x, v),

@@ -53,6 +53,11 @@ impl Tracker {
         }
     }
 
+    /// The same of something at zero that moves at a rate.
+    pub fn moving(period_s: f64, bandwidth_hz: f64, rate: f64) -> Self {
+        Self { rate, ..Self::new(period_s, bandwidth_hz, 0.0) }
+    }
+
     /// The largest bandwidth, Hz, at which an encoder of a given count leaves no more noise on the
     /// rate than is allowed (standard deviations). Quantisation is count/√12; of a variance σ² the
     /// filter leaves σ²·(1−ξ)³·(49+50ξ+13ξ²)/(2h²·(1+ξ)⁵), which is 7/4·σ²(1−ξ)³/h² for ξ near 1.

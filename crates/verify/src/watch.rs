@@ -10,7 +10,7 @@
 //! |---|---|
 //! | the spindle turns in the sense in force, within a quarter of its speed | a drill is fed into the material |
 //! | the tap and its helix do not go opposite ways by more than [`AGAINST_MM`] | a tap tied to the spindle is in the material |
-//! | nothing moves across the tool by more than [`ACROSS_MM`] | a tap is in the material |
+//! | nothing moves across the tool by more than [`ACROSS_MM`] | a tap is in the material, also while it is stopped or taken out |
 //! | the tip is not more than [`BEYOND_MM`] beyond the programmed bottom | a drill or tap is in the material |
 //! | the tool is whole | always |
 //!
@@ -42,6 +42,7 @@ const TOUCH_MM: f64 = 0.05;
 /// Nearer to the axis of the work than this, mm, a surface speed without a limit asks for whatever
 /// the spindle has.
 const NEAR_AXIS_MM: f64 = 5.0;
+const SIDEWAYS: &str = "a tap is moved sideways in its thread";
 /// Breaches that are kept.
 const MOST: usize = 100;
 
@@ -302,16 +303,18 @@ impl Watch {
         }
         let state = sample.report.state;
         let taps = matches!(state, State::TapIn | State::TapBottom | State::TapOut);
+        let stopped = matches!(state, State::Faulted | State::Recovering);
         let radius = sample.axis(Axis::X.index()).of_linear() - self.config.work_axis[0];
         let in_force = self.in_force.at(radius).unwrap_or(Spin::ZERO);
         match work.lead {
+            Some(_) if stopped => (across(sample, work) > ACROSS_MM).then(|| SIDEWAYS.into()),
             Some(lead) if taps => {
                 let across = across(sample, work);
                 self.part((z - z_was).value(), (angle - was).value() * lead);
                 if self.against_mm > AGAINST_MM {
                     return Some("the spindle turns against the tap's way in the material".into());
                 }
-                (across > ACROSS_MM).then(|| "a tap is moved sideways in its thread".into())
+                (across > ACROSS_MM).then(|| SIDEWAYS.into())
             }
             None if state == State::Feed && in_force != Spin::ZERO && feed * into > 0.0 => {
                 let meant = in_force.abs();

@@ -23,7 +23,7 @@ use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
 use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
 use std::ops::ControlFlow;
-use sync::recovery::{Mover, Point, Way};
+use sync::recovery::{Mover, Point, Stored, Way};
 use units::{Angle, Coordinate, Length, Spin, Time};
 use verify::{FeatureKind, Judge};
 
@@ -179,12 +179,16 @@ impl Stops {
         let (cause, time) =
             self.last.take().or(alarm).unwrap_or_else(|| ("a stop".into(), plant.feedback().time));
         let mut stop = Vec::new();
+        let surface = kernel.surface().unwrap_or(stored.start().place);
+        let work = TapInWork { stored, surface };
+        let (mut stop_error, mut broken) = (Length::ZERO, None);
         run_down(kernel, plant, &mut |sample| {
             stop.push(point(sample));
+            stop_error = stop_error.max(work.error(sample).unwrap_or_default());
+            broken = broken.or_else(|| breaks(sample));
             judge.sample(sample);
             hear(sample);
         });
-        let surface = kernel.surface().unwrap_or(stored.start().place);
         let Some(after) = self.recover else {
             self.happened.extend(left_in(line, plant, surface, "--recover"));
             return Ok(false);
@@ -197,10 +201,13 @@ impl Stops {
             let (mut kernel, mut judge) = (kernel.clone(), judge.clone());
             let other = if preferred == Way::Straight { preferred } else { Way::Direct };
             let plan = RecoveryPlan { way: other, ..plan };
-            let track = drive_out(&mut kernel, &mut copy, plan, &mut |sample| judge.sample(sample));
+            let track = drive_out(&mut kernel, &mut copy, plan, surface, &mut |sample| {
+                judge.sample(sample);
+            });
             ways.extend(track.map(|track| way_back("the direct way", false, &track, &judge)));
         }
-        let track = drive_out(kernel, plant, plan, &mut |sample| {
+        let track = drive_out(kernel, plant, plan, surface, &mut |sample| {
+            broken = broken.or_else(|| breaks(sample));
             judge.sample(sample);
             hear(sample);
         })?;
@@ -212,9 +219,11 @@ impl Stops {
             time,
             coupling: ((start.angle, start.place), stored.lead() * Angle::rev(1.0)),
             stop,
+            stop_error,
+            broken,
             ways,
         });
-        Ok(after == AfterStop::Continue)
+        Ok(after == AfterStop::Continue && broken.is_none())
     }
 }
 
@@ -253,6 +262,28 @@ fn name(order: Order) -> String {
 
 fn point(sample: &Sample) -> PlanePoint {
     (sample.spindle(0), sample.axis(2).of_linear())
+}
+
+/// A tap on its coupling, and where the work begins.
+#[derive(Clone, Copy)]
+struct TapInWork {
+    stored: Stored,
+    surface: Length,
+}
+
+impl TapInWork {
+    /// Distance from the coupling, while the tip is in the work.
+    fn error(&self, sample: &Sample) -> Option<Length> {
+        let (angle, place) = point(sample);
+        let inward = (self.stored.end().place - self.stored.start().place).value();
+        let inside = (place - self.surface).value() * inward > 0.0;
+        inside.then(|| self.stored.error(Point { angle, place }).abs())
+    }
+}
+
+/// When the tool broke, if it is broken.
+fn breaks(sample: &Sample) -> Option<Time> {
+    sample.truth.is_some_and(|truth| truth.tool_broken).then_some(sample.feedback.time)
 }
 
 /// One period without orders: the drives alone, or a control that has stopped.
@@ -299,11 +330,12 @@ fn drive_out(
     kernel: &mut Kernel,
     plant: &mut Plant,
     plan: RecoveryPlan,
+    surface: Length,
     hear: Ears<'_>,
 ) -> Result<Track, String> {
     let alive = kernel.can_back_out() && plant.feedback().axes[2].ready;
     while kernel.next_event().is_some() {} // what was said while everything ran down is no news
-    let stored = plan.stored;
+    let work = TapInWork { stored: plan.stored, surface };
     if alive {
         kernel.order(Order::Retract);
     } else {
@@ -321,11 +353,9 @@ fn drive_out(
         track.points.push((angle, place));
         if let Some(truth) = &sample.truth {
             track.force_n = track.force_n.max(truth.cutting_force.value().abs());
-            let touches = truth.cutting_torque.value() != 0.0;
-            let off = stored.error(Point { angle, place }).abs();
-            if on && touches {
-                track.helix = track.helix.max(off);
-            }
+        }
+        if on {
+            track.helix = track.helix.max(work.error(&sample).unwrap_or_default());
         }
         while let Some(event) = kernel.next_event() {
             match event.kind {
@@ -380,13 +410,19 @@ pub fn text(stops: &[ThreadStop], happened: &[String], withdrawn: &[Withdrawn]) 
     }
     for stop in stops {
         let Some(way) = stop.ways.first() else { continue };
+        let (line, cause, at) = (stop.line, &stop.cause, stop.time.value());
+        let (rest, most) = (stop.rest_um().abs(), stop.stop_error.in_um());
+        if let Some(broken) = stop.broken {
+            said += &format!(
+                "line {line}: {cause} at {at:.3} s: the tap broke at {:.3} s, up to {most:.1} µm off its helix; its shank was driven out, \
+                 what is left of it is in the hole\n",
+                broken.value()
+            );
+            continue;
+        }
         said += &format!(
-            "line {}: {} at {:.3} s left the tap {:.1} µm off its helix; recovered: {} went back, then out with at most {:.1} µm, \
-             damage index {:.2} µm·rev\n",
-            stop.line,
-            stop.cause,
-            stop.time.value(),
-            stop.rest_um().abs(),
+            "line {line}: {cause} at {at:.3} s left the tap {rest:.1} µm off its helix, {most:.1} µm at most in the stop; \
+             recovered: {} went back, then out with at most {:.1} µm, damage index {:.2} µm·rev\n",
             way.mover,
             way.helix_error.in_um(),
             stop.damage_um_rev(way),

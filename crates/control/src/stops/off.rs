@@ -11,6 +11,9 @@ use kernel::{EventKind, Kernel, WithdrawalPlan};
 use motion::{TiedCut, WayOut};
 use units::{Accel, Length, Speed};
 
+/// Periods after everything stands in which the kernel switches off what it holds no longer.
+const SWITCHED_OFF: u32 = 20;
+
 /// A tool that was taken off the work.
 #[derive(Clone, Debug)]
 pub struct Withdrawn {
@@ -56,8 +59,12 @@ pub(super) fn deal_with(
     hear: Ears<'_>,
 ) -> Result<Option<Result<Withdrawn, String>>, String> {
     let Some(way_out) = kernel.way_out().copied() else {
-        if kernel.is_retreating() {
+        // an alarm is over when everything stands
+        if kernel.is_retreating() || !kernel.faults().is_empty() {
             run_down(kernel, plant, hear);
+            for _ in 0..SWITCHED_OFF {
+                hear(&one_period(kernel, plant));
+            }
         }
         return Ok(None);
     };

@@ -9,17 +9,27 @@
 //! The bounds are those of a tap, but for the way that an axis may be told to go before its reading
 //! changes: what friction, play and the stretch of the screw take, and all of the following error
 //! where the speed is not fed forward. An axis that pushes on purpose, against a hard stop, is not
-//! looked at. A reading that is no number is an alarm of its own.
-use super::{Bounds, EncoderPlausibility, Tied, Watched, axis_bounds, spindle_bounds};
+//! looked at. A reading that is no number has an alarm of its own.
+use super::watched::{Bounds, Change, Watched};
+use super::{
+    EncoderPlausibility, Tied, axis_bounds, expected_of_axis, expected_of_spindle, look,
+    look_at_spindle, ordered_way, spindle_bounds,
+};
 use crate::axis::AxisLoop;
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
+use crate::sight::Without;
 use bus::{AXES, Feedback, SPINDLES};
 use units::{Angle, Axis, Coordinate};
 
 /// Friction, play and stiffness may be off by so much.
 const SPRINGS: f64 = 2.0;
+
+/// By this many times its breakaway force, and this share of its most, a drive may push more before
+/// a reading that stays is stuck.
+const PUSHES: f64 = 3.0;
+const LEAST_PUSH: f64 = 0.02;
 
 /// What is known of the encoders that nothing ties.
 #[derive(Clone, Copy, Debug)]
@@ -28,13 +38,21 @@ pub(super) struct Untied {
     spindles: [Option<Watched>; SPINDLES],
     /// What the encoder of an axis can show that goes its own way.
     bounds: [Option<Bounds>; AXES],
+    /// Axes that were free and have been taken over as they move.
+    pub(super) taken_over: [bool; AXES],
 }
 
 impl Untied {
     pub(super) fn new(axes: &[Option<AxisLoop>; AXES], period_s: f64) -> Self {
         let bounds = |index: usize| axes[index].as_ref().map(|axis| bounds(axis, period_s));
         let bounds = core::array::from_fn(bounds);
-        Self { axes: [None; AXES], spindles: [None; SPINDLES], bounds }
+        Self { axes: [None; AXES], spindles: [None; SPINDLES], bounds, taken_over: [false; AXES] }
+    }
+
+    /// No encoder is usable any more.
+    pub(super) fn lose_all(&mut self) {
+        self.axes.iter_mut().flatten().for_each(Watched::lose);
+        self.spindles.iter_mut().flatten().for_each(Watched::lose);
     }
 }
 
@@ -59,27 +77,28 @@ impl EncoderPlausibility {
             let said = &mut taken.axes[index];
             let is_tied = pairs.iter().flatten().any(|(axis, _)| *axis == index)
                 || infeeds.contains(&Some(index));
-            let was_plausible = slot.is_none_or(|watched| watched.plausible);
-            let usable = said.ready && said.position.is_finite() && loop_.force_limit.is_infinite();
-            if is_tied || was_plausible && !usable {
+            let was_sound = slot.is_none_or(|watched| watched.is_sound());
+            let usable = said.ready && loop_.force_limit.is_infinite();
+            if is_tied || was_sound && !usable {
                 *slot = None;
                 continue;
             }
-            let speed = loop_.target.speed + loop_.superposed.speed;
-            let accel = loop_.target.accel + loop_.superposed.accel;
-            let expected = period_s * (speed + period_s * accel / 2.0);
+            let ordered = ordered_way(loop_, period_s);
             let reading = said.position.value() - loop_.shifted;
             let Some(watched) = slot else {
-                *slot = Some(Watched::first(reading));
+                *slot = reading.is_finite().then(|| Watched::first(reading));
                 continue;
             };
-            let bounds = Bounds { frame_lost, ..bounds };
-            let (place, lost) = watched.judge(reading, expected, bounds);
+            let expected = expected_of_axis(loop_, ordered, watched);
+            let (error, force) = (loop_.error(), loop_.force() + loop_.control.weight.value());
+            let bounds = Bounds { error, force, frame_lost, ..bounds };
+            let (place, change) = watched.judge(reading, expected, bounds);
             said.position = Coordinate::new(place + loop_.shifted);
-            loop_.blind |= lost;
-            if lost {
+            self.untied.taken_over[index] |=
+                look(loop_, change, Without::Nothing, (place != reading, period_s));
+            if change == Change::Lost {
                 let of = Subject::Axis(Axis::ALL[index]);
-                finding = Some((FaultKind::ReadingImplausible, of, reading - place, 0.0));
+                finding = Some((without_reading(reading), of, reading - place, 0.0));
             }
         }
         for index in 0..SPINDLES {
@@ -87,28 +106,33 @@ impl EncoderPlausibility {
             let slot = &mut self.untied.spindles[index];
             let said = &mut taken.spindles[index];
             let is_tied = pairs.iter().flatten().any(|(_, spindle)| *spindle == index);
-            let was_plausible = slot.is_none_or(|watched| watched.plausible);
-            if is_tied || was_plausible && !(said.ready && said.angle.is_finite()) {
+            let was_sound = slot.is_none_or(|watched| watched.is_sound());
+            if is_tied || was_sound && !said.ready {
                 *slot = None;
                 continue;
             }
-            let expected = period_s * loop_.now().spin.value();
             let reading = said.angle.value();
             let Some(watched) = slot else {
-                *slot = Some(Watched::first(reading));
+                *slot = reading.is_finite().then(|| Watched::first(reading));
                 continue;
             };
+            let expected = expected_of_spindle(loop_, watched, period_s);
             let bounds = spindle_bounds(loop_, period_s, frame_lost);
-            let (angle, lost) = watched.judge(reading, expected, bounds);
+            let (angle, change) = watched.judge(reading, expected, bounds);
             said.angle = Angle::rev(angle);
-            loop_.blind |= lost;
-            if lost {
+            look_at_spindle(loop_, change, Without::Nothing, (angle, period_s));
+            if change == Change::Lost {
                 let of = Subject::Spindle(index as u8);
-                finding = Some((FaultKind::ReadingImplausible, of, reading - angle, 0.0));
+                finding = Some((without_reading(reading), of, reading - angle, 0.0));
             }
         }
         finding
     }
+}
+
+/// The alarm for a reading that cannot be used.
+const fn without_reading(reading: f64) -> FaultKind {
+    if reading.is_finite() { FaultKind::ReadingImplausible } else { FaultKind::FeedbackInvalid }
 }
 
 /// What the encoder of an axis can show that goes its own way.
@@ -120,5 +144,7 @@ fn bounds(axis: &AxisLoop, period_s: f64) -> Bounds {
     let late = if lags { control.windows.following_stop.value() } else { 0.0 };
     let springs = control.backlash.value()
         + 2.0 * control.friction.breakaway.value() / control.stiffness.value();
-    Bounds { stuck: (SPRINGS * (bounds.stuck + springs)).max(late), ..bounds }
+    let push =
+        (PUSHES * control.friction.breakaway.value()).max(LEAST_PUSH * control.peak_force.value());
+    Bounds { stuck: (SPRINGS * (bounds.stuck + springs)).max(late), push, ..bounds }
 }

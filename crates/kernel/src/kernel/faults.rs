@@ -17,6 +17,7 @@ use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
 use crate::queue::StepKind;
+use crate::sight::Sight;
 use crate::spindle::SpindleLoop;
 use bus::Feedback;
 
@@ -24,6 +25,8 @@ use units::Axis;
 
 /// What has to stand before outputs go off stands for so long, s.
 const STANDS_S: f64 = 0.05;
+/// An axis that is stopped is not driven on from this many times the following error of its alarm.
+const STRAYS: f64 = 2.0;
 
 impl Kernel {
     /// What is wrong before anything is done.
@@ -86,8 +89,10 @@ impl Kernel {
         if gone && (in_tap.is_some() || tied) {
             self.drive_lost = self.drive_lost.or(Some(0));
         }
-        if kind == FaultKind::FeedbackStale && self.drive_lost.is_some() {
-            self.drives.go_blind();
+        let pair = self.coupled().map(|(axis, spindle, _)| (axis, spindle));
+        if let (FaultKind::FeedbackStale, Some(_), Some(pair)) = (kind, self.drive_lost, pair) {
+            self.drives.go_blind(pair);
+            self.plausibility.lose_all();
         }
         let lost = kind == FaultKind::DriveNotReady && matches!(subject, Subject::Spindle(_));
         let disobeys =
@@ -168,8 +173,36 @@ impl Kernel {
             let of = &mut self.plausibility;
             watches.then(|| of.bridge_untied(tied, taken, &mut self.drives, period_s))?
         });
+        for index in 0..bus::AXES {
+            if self.plausibility.was_taken_over(index) {
+                self.setpoints.forget(index);
+            }
+        }
         if let Some(finding) = finding {
             self.raise(finding, taken);
+        }
+    }
+
+    /// Stopped by an alarm: an axis that nothing ties and that is still driven away from where it
+    /// was told to be is switched off, whatever else is going on.
+    pub(super) fn switch_off_strays(&mut self, feedback: &Feedback) {
+        let tied = self.tied();
+        let retreats = self.retreating.map(|retreating| retreating.axis());
+        for index in 0..bus::AXES {
+            let goes_with = tied.pair.is_some_and(|(axis, _)| axis == index)
+                || tied.infeed == Some(index)
+                || retreats == Some(index);
+            let Some(axis) = self.drives.axes[index].as_mut().filter(|_| !goes_with) else {
+                continue;
+            };
+            let limit = STRAYS * axis.control.windows.following_stop.value();
+            let error = axis.error();
+            if axis.sight.is_closed() && error.abs() > limit {
+                axis.sight = Sight::Off;
+                self.drive_lost = self.drive_lost.or(Some(0));
+                let of = Subject::Axis(Axis::ALL[index]);
+                self.raise((FaultKind::FollowingError, of, error, limit), feedback);
+            }
         }
     }
 

@@ -142,12 +142,14 @@ impl Kernel {
         &self.operator
     }
 
-    /// Nothing moves any more, by the setpoints, and nothing is about to.
+    /// Nothing moves any more, by the setpoints, and nothing is about to. An axis that is off for
+    /// its lost feedback has none: what is left of its stop keeps no other drive on.
     pub fn is_standing(&self) -> bool {
         /// A nanometre, or a millionth of a degree, a second: what rounding leaves of the speed of
         /// an axis that follows an encoder which does not turn.
         const ROUNDING: f64 = 1e-6;
-        let axes = self.drives.axes.iter().flatten().all(|axis| axis.target.speed.abs() < ROUNDING);
+        let mut axes = self.drives.axes.iter().flatten().filter(|axis| !axis.sight.is_off());
+        let axes = axes.all(|axis| axis.target.speed.abs() < ROUNDING);
         let spindles = self.drives.spindles.iter().flatten();
         let still = axes && spindles.map(SpindleLoop::ordered).all(|r| r.spin.value() == 0.0);
         match self.mode {

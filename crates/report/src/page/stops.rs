@@ -13,12 +13,16 @@ pub(super) fn recoveries(all: &[ThreadStop]) -> String {
 }
 
 fn block(index: usize, recovery: &ThreadStop) -> String {
+    let broken = recovery.broken.map_or_else(String::new, |time| {
+        format!(" The tap broke at {} s.", fixed(time.value(), 3))
+    });
     let words = format!(
-        "Line {}: {} at {} s. Spindle and feed came to rest {} µm from the thread's helix.",
+        "Line {}: {} at {} s. Spindle and feed came to rest {} µm from the thread's helix, and were {} µm off it at most in the stop.{broken}",
         recovery.line,
         recovery.cause,
         fixed(recovery.time.value(), 3),
         fixed(recovery.rest_um().abs(), 1),
+        fixed(recovery.stop_error.in_um(), 1),
     );
     let head = [
         "way back",
