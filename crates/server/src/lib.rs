@@ -37,6 +37,7 @@ mod monitoring;
 mod mqtt;
 mod mtconnect;
 mod page;
+mod reserved;
 mod rights;
 mod routes;
 mod runs;

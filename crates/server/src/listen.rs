@@ -1,7 +1,7 @@
 //! Addresses, connections and their limits.
 //!
 //! A connection has to send its header in time and to take what it has asked for, or it is closed;
-//! there are so many at once, and one more is answered 503.
+//! there are so many at once, and those beyond are for stops alone ([`reserved`]).
 use crate::app::{App, Watching};
 use crate::folder::Folder;
 use crate::metrics::{self, metering::Metering};
@@ -9,6 +9,7 @@ use crate::monitoring::Monitoring;
 use crate::mqtt::{PublishOptions, Publisher};
 use crate::mtconnect;
 use crate::page::Page;
+use crate::reserved::{self, Reserved};
 use crate::runs::{KeptRuns, Recorder, Runs};
 use crate::tls::{Certificate, Tls};
 use crate::tokens::Tokens;
@@ -25,7 +26,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt as _};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Runtime;
 use tokio::sync::{Semaphore, watch};
@@ -42,12 +43,6 @@ const ANSWER_TAKEN: Duration = Duration::from_secs(10);
 const LARGEST_HEADER: usize = 16 << 10;
 /// Threads that answer: they only wait and copy.
 const THREADS: usize = 2;
-/// Nothing else can be done about a full queue of connections.
-const REFUSED_CONNECTION: &[u8] =
-    b"HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/json\r\n\
-    content-length: 73\r\nconnection: close\r\n\r\n\
-    {\"accepted\":false,\"reason\":\"too many connections are open\",\"remedy\":null}";
-
 /// Why nothing is served, in a sentence.
 #[derive(Debug)]
 pub struct Refused(pub String);
@@ -112,8 +107,11 @@ impl Server {
         let program = control.program.clone();
         let (told, pictures) = watch::channel(0);
         let published = Box::new(move || told.send_modify(|count| *count += 1));
-        let hosted = Hosted::start(control, HostOptions { pace, published, recording })
-            .map_err(|refused| Refused(refused.sentence()))?;
+        let hosted = Hosted::start(
+            control,
+            HostOptions { pace, published, recording, ..HostOptions::default() },
+        )
+        .map_err(|refused| Refused(refused.sentence()))?;
         recorder.tell(hosted.client());
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -269,49 +267,55 @@ fn router(app: Arc<App>) -> Router {
 /// Connection after connection.
 async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, router: Router) {
     let connections = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    let (for_stops, mut reserved) = (reserved::router(router.clone()), Reserved::default());
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             // as a rule too many files are open: some are closed meanwhile
             tokio::time::sleep(Duration::from_millis(50)).await;
             continue;
         };
+        let tls = tls.clone();
         match Arc::clone(&connections).try_acquire_owned() {
             Ok(permit) => {
-                let (router, tls) = (router.clone(), tls.clone());
+                let router = router.clone();
                 tokio::spawn(async move {
-                    let _ = stream.set_nodelay(true); // it is only slower without
-                    match tls {
-                        None => talk(stream, router).await,
-                        Some(tls) => {
-                            let agreed = tls.accept(stream);
-                            if let Ok(Ok(stream)) = tokio::time::timeout(HEADER_COMES, agreed).await
-                            {
-                                talk(stream, router).await;
-                            }
-                        }
-                    }
+                    agree(stream, tls, router, HEADER_COMES).await;
                     drop(permit);
                 });
             }
             Err(_) => {
-                tokio::spawn(refuse(stream));
+                let talk = agree(stream, tls, for_stops.clone(), reserved::HEADER_COMES);
+                let task = tokio::spawn(tokio::time::timeout(reserved::LASTS, talk));
+                reserved.open(task.abort_handle());
             }
         }
     }
 }
 
-async fn refuse(mut stream: TcpStream) {
-    let said = stream.write_all(REFUSED_CONNECTION);
-    // the client may be gone already
-    let _ = tokio::time::timeout(Duration::from_secs(1), said).await;
+/// A connection, encrypted or not; a header comes within so long.
+async fn agree(stream: TcpStream, tls: Option<TlsAcceptor>, router: Router, header: Duration) {
+    let _ = stream.set_nodelay(true); // it is only slower without
+    match tls {
+        None => talk(stream, router, header).await,
+        Some(tls) => {
+            let agreed = tls.accept(stream);
+            if let Ok(Ok(stream)) = tokio::time::timeout(header, agreed).await {
+                talk(stream, router, header).await;
+            }
+        }
+    }
 }
 
-async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, router: Router) {
+async fn talk(
+    stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    router: Router,
+    header: Duration,
+) {
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(ANSWER_TAKEN));
     let connection = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
-        .header_read_timeout(HEADER_COMES)
+        .header_read_timeout(header)
         .max_buf_size(LARGEST_HEADER)
         .serve_connection(TokioIo::new(Box::pin(stream)), TowerToHyperService::new(router))
         .with_upgrades();
@@ -321,13 +325,6 @@ async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, rout
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_refused_connection_is_answered_with_a_body_of_the_length_it_says() {
-        let text = std::str::from_utf8(REFUSED_CONNECTION).expect("text");
-        let (head, body) = text.split_once("\r\n\r\n").expect("an empty line");
-        assert!(head.contains(&format!("content-length: {}", body.len())), "{}", body.len());
-    }
 
     #[test]
     fn what_other_computers_reach_takes_tokens_and_a_certificate() {

@@ -45,3 +45,28 @@ fn a_thousand_connections_at_once_leave_the_operator_his_status_and_take_little_
     assert!(grown < MOST_GROWTH, "{} connections took {grown} bytes", open.len());
     drop(open);
 }
+
+/// Whoever holds all connections open and says nothing: a stop is asked for and answered.
+#[test]
+fn where_all_connections_are_taken_a_stop_finds_one_and_nothing_else_does() {
+    let served = Served::at_pace(1.0);
+    let open: Vec<TcpStream> = (0..400)
+        .filter_map(|_| {
+            let mut stream = TcpStream::connect(served.server.address()).ok()?;
+            let _ = stream.write_all(b"GET /api/v1/status HTTP/1.1\r\nHost: "); // it may be closed already
+            Some(stream)
+        })
+        .collect();
+    assert!(open.len() > 300, "{} were opened", open.len());
+    let (status, answer) = served.request(&json!({ "request": "power", "on": true }));
+    assert_eq!(status, 503, "{answer}");
+    assert_eq!(served.get("/status").0, 503);
+    for stop in
+        [json!({ "request": "jog_stop" }), json!({ "request": "emergency_stop", "on": true })]
+    {
+        served.accepted(stop);
+    }
+    let (status, answer) = served.request(&json!({ "request": "feed_hold" }));
+    assert_eq!(status, 409, "{answer}");
+    drop(open);
+}

@@ -12,16 +12,20 @@ use super::outside::{self, Outside};
 use super::proving::Begun;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
+use super::status::MessageStatus;
 use super::under_way::{InWork, Loaded, UnderWay};
 use crate::job::{Before, Operations, ProgramOptions, Session};
+use crate::messages::Message;
 use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
 use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
 use bus::{AXES, State};
 use canon::{Axis, Position, ToolUse, ToolWear};
 use kernel::{Kernel, Pause, WaitFor};
+use servo::StopLane;
 use sim::Faulty;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use store::state::LastProgram;
 use units::Coordinate;
 
@@ -91,6 +95,8 @@ pub struct Control {
     /// Folder in which programs are recorded.
     pub(super) runs: Option<PathBuf>,
     pub(super) ended: Option<EndedProgram>,
+    /// What the program has said last.
+    pub(super) message: Option<MessageStatus>,
     /// Which of the machines of this file it is: what is simulated scatters by it.
     pub(super) seed: u64,
     drives_were_ready: bool,
@@ -172,6 +178,7 @@ impl Control {
             meters: Meters::default(),
             runs: None,
             ended: None,
+            message: None,
             seed,
             drives_were_ready: false,
             told_features: 0,
@@ -198,9 +205,15 @@ impl Control {
         Ok(control)
     }
 
+    /// Stops that wait in no queue, for any thread; and whether the emergency stop chain is within
+    /// reach.
+    pub(super) fn stops(&self) -> (Arc<StopLane>, bool) {
+        (Arc::clone(&self.executor.stops), self.outside.is_none())
+    }
+
     /// Modes are those of a control that was switched on just now.
     pub(super) fn forget_modes(&mut self) {
-        let before = Before { rest: None, is_typed: true };
+        let before = Before { is_typed: true, ..Before::default() };
         let setup = interp::Setup {
             parameters: self.data.parameters.clone(),
             tools: self.data.tools.clone(),
@@ -368,6 +381,7 @@ impl Control {
             self.meters.sample(under_way.running.sample());
             under_way.follow(&self.executor);
             self.hear(&heard);
+            self.hear_program(false);
             if goes_on.is_break() {
                 self.end_program();
             } else {
@@ -385,6 +399,7 @@ impl Control {
             self.go_on_without_program();
         }
         self.take_alarms();
+        self.say_unkept();
         self.follow_machine();
         let is_ready = self.executor.kernel.is_ready();
         if is_ready && !self.drives_were_ready {
@@ -421,11 +436,33 @@ impl Control {
                     self.events
                         .notice(format!("{} was stopped before it was homed", axis.letter()));
                 }
+                EventKind::StoppedBySwitch { axis } => {
+                    let letter = axis.letter();
+                    self.events.notice(format!(
+                        "{letter} stands on its limit switch: jog it the other way, then home it"
+                    ));
+                }
                 EventKind::ToolChanged { tool } => {
                     self.events.notice(format!("tool {tool} is in the spindle"));
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// What the program says reaches the operator, and the log.
+    pub(super) fn hear_program(&mut self, is_over: bool) {
+        let op = self.executor.kernel.report().op;
+        let Some(under_way) = &mut self.under_way else { return };
+        let mut said = Vec::new();
+        while let Some(message) = under_way.running.next_message(op, is_over) {
+            said.push((under_way.name.clone(), message));
+        }
+        for (program, Message { line, text }) in said {
+            self.keep_message(&program, line, &text);
+            let time_s = self.now().value();
+            self.events.notice(format!("line {line}: {}", text.trim()));
+            self.message = Some(MessageStatus { text: text.trim().into(), line, time_s });
         }
     }
 
@@ -435,6 +472,9 @@ impl Control {
         self.told_faults = self.told_faults.min(faults.len());
         let new: Vec<_> = faults[self.told_faults..].to_vec();
         self.told_faults = faults.len();
+        if !new.is_empty() && self.under_way.is_none() {
+            self.everything_was_stopped(); // a spindle that turned on from what was typed
+        }
         for fault in new {
             let program = self.under_way.as_ref().map(|under_way| under_way.name.clone());
             let alarm = Alarm::of(&fault, program);

@@ -55,6 +55,7 @@ mod timeline;
 mod timing;
 mod tool_path;
 mod under_way;
+mod writer;
 
 pub use control::{Control, ControlOptions};
 pub use ended::EndedProgram;
@@ -67,8 +68,8 @@ pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
-    AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
-    Switches, WaitingStatus, said_of,
+    AxisStatus, FeatureCount, MessageStatus, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
+    Status, Switches, WaitingStatus, said_of,
 };
 pub use timing::{Timed, Timing};
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};
