@@ -6,7 +6,7 @@
 //!                                  └─ anything else: 503        one more: the oldest of them is closed
 //! ```
 //!
-//! Nobody can keep them: a client that says nothing is closed for the next one.
+//! No client keeps one by saying nothing: it is closed for the next one.
 use crate::answer::ApiError;
 use axum::Router;
 use axum::extract::Request;

@@ -46,7 +46,7 @@ fn a_thousand_connections_at_once_leave_the_operator_his_status_and_take_little_
     drop(open);
 }
 
-/// Whoever holds all connections open and says nothing: a stop is asked for and answered.
+/// Clients hold all connections open and say nothing: a stop is asked for and answered.
 #[test]
 fn where_all_connections_are_taken_a_stop_finds_one_and_nothing_else_does() {
     let served = Served::at_pace(1.0);

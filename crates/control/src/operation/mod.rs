@@ -37,6 +37,7 @@ mod event;
 pub mod hosted;
 mod keeping;
 mod kept;
+mod kernel_events;
 mod left_in_work;
 mod manual;
 mod meters;

@@ -172,7 +172,7 @@ impl Lead {
         loop {
             match asked.recv_timeout(TURN) {
                 Ok(job) => {
-                    // whoever asks for however much: the machine is looked after in between
+                    // however much is asked for, the machine is looked after in between
                     let (end, mut next) = (now() + TURN, Some(job));
                     while let Some(job) = next {
                         self.stop();

@@ -1,5 +1,5 @@
 //! Requests that stop: they wait in no queue. Each acts at once by its flag
-//! ([`StopLane`](servo::StopLane)) on what moves, whoever else asks for what; what the control makes
+//! ([`StopLane`](servo::StopLane)) on what moves, whatever else is asked for; what the control makes
 //! of it follows before the next job, and many that ask for the same are one.
 use super::held;
 use super::lead::Answered;
