@@ -1,13 +1,14 @@
 //! Requests that stop: they wait in no queue. Each acts at once by its flag
 //! ([`StopLane`](servo::StopLane)) on what moves, whatever else is asked for; what the control makes
 //! of it follows before the next job, and many that ask for the same are one.
-use super::held;
-use super::lead::Answered;
 use super::refusal::RefusalData;
-use crate::operation::Request;
+use crate::operation::{Accepted, Request};
 use servo::{LaneStop, StopLane};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Where an answer goes.
+type Answered = Box<dyn FnOnce(Result<Accepted, RefusalData>) + Send>;
 
 /// Askers of one kind of stop that wait for its answer; the next one's stop acts all the same.
 const MOST_ASKERS: usize = 4096;
@@ -41,6 +42,10 @@ impl Stops {
         Self { lane, has_chain, is_asked: AtomicBool::default(), askers: Mutex::default() }
     }
 
+    fn askers(&self) -> MutexGuard<'_, [Vec<Answered>; KINDS.len()]> {
+        self.askers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Stop, and wait for what the control makes of it.
     pub(super) fn ask(&self, stop: LaneStop, answer: Answered) -> Result<(), RefusalData> {
         if stop == LaneStop::EmergencyStop && !self.has_chain {
@@ -50,7 +55,7 @@ impl Stops {
             self.lane.ask(stop);
         }
         let at = KINDS.iter().position(|kind| *kind == stop).unwrap_or(0); // all kinds are there
-        let askers = &mut held(&self.askers)[at];
+        let askers = &mut self.askers()[at];
         if askers.len() == MOST_ASKERS {
             return Err(RefusalData::busy(MOST_ASKERS));
         }
@@ -64,7 +69,7 @@ impl Stops {
         if !self.is_asked.swap(false, Ordering::AcqRel) {
             return Vec::new();
         }
-        let askers = std::mem::take(&mut *held(&self.askers));
+        let askers = std::mem::take(&mut *self.askers());
         let asked = KINDS.into_iter().zip(askers).filter(|(_, askers)| !askers.is_empty());
         asked.map(|(stop, askers)| (request(stop), askers)).collect()
     }
