@@ -63,7 +63,7 @@ fn add(rows: &mut Vec<Row>, row: Row) {
 pub(crate) fn run(full: bool) -> Result<bool, String> {
     let (every, cases) = if full { ("1", "2000") } else { ("20", "200") };
     let mut tests = Command::new(env!("CARGO"))
-        .args(["test", "--release", "--workspace", "--test", "stop_campaign"])
+        .args(["test", "--release", "-p", "kernel", "--test", "all", "stop_campaign::"])
         .args(["--", "--ignored", "--nocapture"])
         .env("STOPS_EVERY_MS", every)
         .env("STOPS_AT_RANDOM", cases)

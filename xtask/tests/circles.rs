@@ -8,14 +8,12 @@
 //!
 //! The interpreter is held to more: its folders make no circle either, and what a type does stands
 //! beside the type.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod tree;
+use crate::tree::{files, root};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
     path::{Path, PathBuf},
 };
-use tree::{files, root};
 
 /// Public types to which a layer above adds what it brings (snapshots, pieces of long programs),
 /// and in how many files at most.

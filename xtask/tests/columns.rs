@@ -1,11 +1,9 @@
 //! Text is no wider than a page: documents and comments wrap at 100 columns. Tables, drawings and
 //! code are as wide as they are, and pages that a test writes have the lines of what they are made
 //! from.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod tree;
+use crate::tree::{self, files, root};
 use std::fs;
 use std::path::PathBuf;
-use tree::{files, root};
 
 /// Columns of a line of text.
 const COLUMNS: usize = 100;

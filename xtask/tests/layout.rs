@@ -1,10 +1,8 @@
 //! What there is one of stays one: the command line's library in one crate, one call of the servo
 //! loop.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod tree;
+use crate::tree::{files, root};
 use std::fs;
 use std::path::{Path, PathBuf};
-use tree::{files, root};
 
 #[test]
 fn only_the_command_line_knows_the_library_that_reads_command_lines() {

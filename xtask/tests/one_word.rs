@@ -1,6 +1,5 @@
 //! One word, one concept: how many types have the same name. What there is too much of stands in
 //! `one-word.txt` with its count, and may only shrink.
-#![allow(clippy::unwrap_used)] // a test may panic
 use std::{collections::BTreeMap, fs, path::Path};
 
 /// So many types may share a name without being listed: most are private to files that do not know

@@ -1,12 +1,10 @@
 //! What the documents promise about the tree is true.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod tree;
+use crate::tree::{files, root};
 use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
-use tree::{files, root};
 
 /// Longest source file, in lines, before its tests begin. Beyond it a file has two ideas.
 const LONGEST_FILE: usize = 500;

@@ -1,6 +1,5 @@
 //! Names in the code are words of the trade: types, functions and files have none of the pictures
 //! that `docs/GLOSSARY.md` replaces.
-#![allow(clippy::unwrap_used)] // a test may panic
 use std::{collections::BTreeSet, fs, path::Path};
 
 /// Words that are not to be used in names.

@@ -354,6 +354,7 @@ pub struct Sample {
 
 impl Sample {
     /// Where an axis really is: by the simulator if there is one, else by its encoder.
+    #[inline]
     pub fn axis(&self, index: usize) -> Coordinate {
         self.truth.as_ref().map_or(self.feedback.axes[index].position, |t| t.axes[index])
     }

@@ -325,6 +325,7 @@ impl ToolLibrary {
     }
 
     /// The tool with this number.
+    #[inline]
     pub fn get(&self, number: u32) -> Option<&Tool> {
         let at = self.tools.binary_search_by_key(&number, |t| t.number).ok()?;
         Some(&self.tools[at])

@@ -4,7 +4,8 @@ use crate::{console, interrupt, say};
 use control::operation::ControlOptions;
 use control::{RealTimeOptions, Refused};
 use server::{
-    BrokerLogin, Certificate, KeptRuns, PublishOptions, Role, Server, ServerOptions, Tokens,
+    BrokerLogin, BrokerTimeouts, Certificate, ClientTimeouts, Clock, KeptRuns, PublishOptions,
+    Role, Server, ServerOptions, Tokens,
 };
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -50,6 +51,8 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         metrics: !args.no_metrics,
         publish: publish(args)?,
         mtconnect: (!args.no_mtconnect).then_some(server::MOST_OBSERVATIONS),
+        timeouts: ClientTimeouts::default(),
+        clock: Clock::default(),
     })
     .map_err(|refused| Refused::because(refused.0))?;
     say::out(&format!("{}\n", server.url()))?;
@@ -76,6 +79,7 @@ fn publish(args: &ServeArgs) -> Result<Option<PublishOptions>, Refused> {
         login: login.transpose().map_err(Refused::because)?,
         authorities: args.mqtt_ca.clone(),
         topic: args.mqtt_topic.clone(),
+        timeouts: BrokerTimeouts::default(),
         told,
     }))
 }

@@ -1,6 +1,7 @@
 //! The claim that clutch holders are made for: their depth does not scatter with the spindle.
 use proptest::prelude::*;
 use std::process::Command;
+use test_support::size;
 
 /// Columns of one cycle's row: holes, mean in mm, 1σ in µm.
 fn row(table: &str, cycle: &str) -> (f64, f64, f64) {
@@ -195,7 +196,7 @@ impl Spindle {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 10, max_shrink_iters: 6, failure_persistence: None, ..ProptestConfig::default()
+        cases: size::of(4, 100), max_shrink_iters: 6, failure_persistence: None, ..ProptestConfig::default()
     })]
 
     /// H·n·(delay + t/2), worked out here, is what is printed and what the simulated spindle cuts,

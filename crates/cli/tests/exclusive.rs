@@ -1,14 +1,8 @@
 //! One control at a time has a machine simulator: others are refused, and orders do not wait for
 //! its end.
-#![allow(clippy::unwrap_used)] // a test may panic
-#[allow(dead_code)] // each test binary uses its own part
-mod common;
-#[allow(dead_code)]
-#[path = "common/simulator.rs"]
-mod simulator;
+use crate::common::{complained, leadscrew, said};
+use crate::simulator::{Simulator, number, one_tap};
 use bus::{Command, Machine as _};
-use common::{complained, leadscrew, said};
-use simulator::{Simulator, number, one_tap};
 use std::os::unix::net::UnixStream;
 use units::{Coordinate, CoordinateSpeed, Force};
 use wire::{Hello, Remote};

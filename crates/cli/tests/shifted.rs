@@ -7,6 +7,7 @@
 //! ```
 use proptest::prelude::*;
 use std::process::Command;
+use test_support::size;
 
 /// What is made: cycle, tool, speed, feed of a turn in mm, depth in mm.
 #[derive(Clone, Copy, Debug)]
@@ -149,7 +150,7 @@ fn shift() -> impl Strategy<Value = Shift> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { max_shrink_iters: 6, ..ProptestConfig::with_cases(24) })]
+    #![proptest_config(ProptestConfig { max_shrink_iters: 6, ..ProptestConfig::with_cases(size::of(10, 300)) })]
 
     #[test]
     fn what_is_shifted_off_the_work_never_passes(case in case(), shift in shift()) {
@@ -159,7 +160,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { max_shrink_iters: 6, ..ProptestConfig::with_cases(10) })]
+    #![proptest_config(ProptestConfig { max_shrink_iters: 6, ..ProptestConfig::with_cases(size::of(5, 100)) })]
 
     #[test]
     fn the_same_programs_where_they_belong_pass(case in case()) {

@@ -1,9 +1,8 @@
 //! The pages in `spec/` run: what they show is what the program does.
 //!
-//! `UPDATE_SPEC=1 cargo test -p cli --test spec` writes the pages anew, and the pictures of the
-//! steps: a page that shows `../docs/pictures/spec-NAME.svg` gets it from its own first log.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod spec_pictures;
+//! `UPDATE_SPEC=1 cargo test -p cli --test all spec::` writes the pages anew, and the pictures of
+//! the steps: a page that shows `../docs/pictures/spec-NAME.svg` gets it from its own first log.
+use crate::spec_pictures;
 use std::{
     fs,
     io::{BufRead, BufReader, Write},
@@ -34,7 +33,7 @@ fn every_page_shows_what_the_program_does() {
         }
     }
     assert!(blocks >= 4, "the pages were not found");
-    let hint = "UPDATE_SPEC=1 cargo test -p cli --test spec";
+    let hint = "UPDATE_SPEC=1 cargo test -p cli --test all spec::";
     assert!(wrong.is_empty(), "{}\nIf this is as it should be: {hint}", wrong.join("\n\n"));
 }
 

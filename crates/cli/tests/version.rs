@@ -1,6 +1,5 @@
 //! `leadscrew --version` names its commit, and the build script does so in a repository, outside
 //! one and without git: it is tried in a small package of its own.
-#![allow(clippy::unwrap_used)] // a test may panic
 use std::{fs, path::Path, process::Command};
 
 /// Two folders deep, as the real package is; its program prints what `--version` prints.

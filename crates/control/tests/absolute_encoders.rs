@@ -1,6 +1,5 @@
 //! Axes whose encoders are absolute are homed once: a control that is switched on again knows where
 //! they are.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::Request;

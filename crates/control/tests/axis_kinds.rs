@@ -1,5 +1,4 @@
 //! Linear and rotary axes read in their own units wherever a control says where they are.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
 use control::job::ProgramOptions;
 use control::operation::{Event, Jog, Request, Signals};

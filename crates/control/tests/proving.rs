@@ -1,5 +1,4 @@
 //! A long program is interpreted and planned in another thread while the control goes on.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
 use control::job::{Interruption, ProgramOptions};
 use control::operation::{Begun, Execution, Proving, Request, ToolField};

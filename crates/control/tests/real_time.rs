@@ -1,6 +1,5 @@
 //! A control that stays on, by the clock: what is asked of it acts on the servo thread's kernel,
 //! and nothing is lost on the way.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
 use control::job::ProgramOptions;
 use control::operation::{Execution, Jog, Refusal, Request};

@@ -1,6 +1,5 @@
 //! A recovery that is itself stopped by an alarm: the tool is still in its thread, that is said,
 //! and the next one takes it out.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::{Execution, Request};

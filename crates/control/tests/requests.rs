@@ -1,6 +1,7 @@
 //! Random sequences of requests: no forbidden transition, every limit kept, no jog beyond its
 //! lease, no broken tap. `cargo xtask requests` runs ten thousand of them.
 use test_support::requests::{PROGRAM, Tally, sequence};
+use test_support::size;
 
 /// Seeds that have broken a rule once: single block and more feed in a drilled hole while a joined
 /// path waits (390, 453, 600, 1114, 1271, 1330), homing after an emergency stop in a cut (987). And
@@ -15,7 +16,7 @@ fn whatever_is_asked_for_in_whatever_order_the_machine_keeps_its_limits_and_the_
     let program = folder.path().join("part.ngc");
     std::fs::write(&program, PROGRAM).expect("the program can be written");
     let mut tally = Tally::default();
-    for seed in (0..60).chain(FOUND) {
+    for seed in (0..size::of(25, 1000)).chain(FOUND) {
         if let Err(why) = sequence(seed, &program, &mut tally) {
             panic!("{why}");
         }

@@ -1,5 +1,4 @@
 //! Stops act at once: however full the queue is, however long the disk takes.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
 use control::job::ProgramOptions;
 use control::operation::hosted::{Client, HostOptions, Hosted, Picture, RefusalKind};

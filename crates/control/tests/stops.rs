@@ -1,10 +1,10 @@
 //! What stops, what turns on, and what an axis does that does not know where it is: in lock-step, to
 //! the period.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Axis, Position};
 use control::job::ProgramOptions;
 use control::operation::{Event, Execution, Jog, Request};
 use control::{Control, ControlOptions};
+use test_support::size;
 use units::{Coordinate, CoordinateSpeed, Time};
 
 fn control(machine: &str) -> Control {
@@ -178,13 +178,8 @@ fn held_in_thread(program: &str, after: Time) -> Control {
 #[test]
 fn a_stop_after_a_hold_in_a_turned_thread_takes_the_tool_off_and_ends_the_program() {
     for (number, program) in THREADS.into_iter().enumerate() {
-        let moments: &[f64] =
-            if std::env::var_os("LEADSCREW_TESTS").is_some_and(|size| size == "full") {
-                &[0.0, 100.0, 250.0, 400.0, 550.0, 700.0, 850.0, 1000.0, 1300.0, 1600.0]
-            } else {
-                &[100.0, 700.0]
-            };
-        for ms in moments.iter().copied() {
+        let moments = [100.0, 700.0, 0.0, 250.0, 400.0, 550.0, 850.0, 1000.0, 1300.0, 1600.0];
+        for ms in moments.into_iter().take(size::of(2, 10)) {
             for waits in [0.05, 1.0] {
                 let mut control = held_in_thread(program, Time::s(ms / 1000.0));
                 pass(&mut control, Time::s(waits));

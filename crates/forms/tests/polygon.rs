@@ -1,6 +1,5 @@
 //! What the document says, and what is beyond it.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod fine;
+use crate::fine;
 use forms::polygon::{
     Actuator, Detail, Drive, Effort, Form, Limits, Problem, Solution, Swings, insert_phases,
 };

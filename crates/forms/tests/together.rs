@@ -1,6 +1,5 @@
 //! Slides and the tool's phase that swing together: the optimum of all of them at once.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod fine;
+use crate::fine;
 use forms::polygon::{
     Actuator, Detail, Drive, Effort, Form, Limits, Problem, Solution, insert_phases,
 };

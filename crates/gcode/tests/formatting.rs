@@ -1,11 +1,11 @@
 //! Formatting changes the spacing of a program and nothing else: what its blocks say, by which
 //! numbers its programs are called, and the order in which its operators bind are the same before
 //! and after, in both grammars.
-
-mod common;
+use crate::common;
 use gcode::{Block, Grammar, Parser, format};
 use proptest::prelude::*;
 use std::path::Path;
+use test_support::size;
 
 const GRAMMARS: [Grammar; 3] = [Grammar::Rs274, Grammar::Grbl, Grammar::Fanuc];
 
@@ -110,7 +110,7 @@ fn line() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(400, 4000), ..ProptestConfig::default() })]
 
     #[test]
     fn a_formatted_program_says_the_same_and_has_the_same_numbers(

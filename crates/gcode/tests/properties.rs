@@ -1,8 +1,5 @@
 //! What holds for every text: reading never fails, and printing loses nothing.
-
-#![allow(clippy::format_collect)] // clear beats quick in a test
-
-mod common;
+use crate::common;
 use gcode::{Block, Parser};
 use proptest::prelude::*;
 

@@ -4,6 +4,7 @@ use canon::{Op, OpKind, Tap};
 use diag::Diagnostic;
 use interp::{Dialect, Ops, Setup, example_setup};
 use proptest::prelude::*;
+use test_support::size;
 
 fn setup() -> Setup {
     example_setup(Dialect::Brother)
@@ -93,7 +94,7 @@ fn what_g100_and_g77_need_is_said() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(64, 1280), ..ProptestConfig::default() })]
 
     /// The same thread, written in either way.
     #[test]

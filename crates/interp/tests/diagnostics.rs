@@ -1,9 +1,7 @@
 //! Every finding is explained, and every explanation is true: `docs/diagnostics.md`.
 //!
-//! `UPDATE_SPEC=1 cargo test -p interp --test diagnostics` writes the page anew.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod elsewhere;
-
+//! `UPDATE_SPEC=1 cargo test -p interp --test all diagnostics::` writes the page anew.
+use crate::elsewhere;
 use diag::{Diagnostic, Severity};
 use interp::{Finding, example_setup, findings};
 use std::{
@@ -91,7 +89,7 @@ fn the_page_is_made_from_the_list() {
         fs::write(&path, &page).unwrap();
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == page, "UPDATE_SPEC=1 cargo test -p interp --test diagnostics");
+    assert!(written == page, "UPDATE_SPEC=1 cargo test -p interp --test all diagnostics::");
 }
 
 fn page() -> String {

@@ -1,5 +1,4 @@
 //! `spec/fanuc-behaviours.md`: a rule each, a program, and what it means, worked out by hand.
-#![allow(clippy::unwrap_used)] // a test may panic
 use canon::{Feed, OpKind, Position};
 use interp::{Dialect, MissingTools, Ops, Setup};
 use std::{fmt::Write, fs, path::Path};

@@ -15,6 +15,7 @@
 use canon::OpKind;
 use interp::{Dialect, Ops, Setup};
 use proptest::prelude::*;
+use test_support::size;
 
 /// A piece of a part, in the program's unit; X as a diameter.
 #[derive(Clone, Debug)]
@@ -184,7 +185,7 @@ impl System {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(size::of(200, 2000)) })]
 
     #[test]
     fn a_part_written_in_the_codes_of_a_b_and_c_gives_the_same_operations(

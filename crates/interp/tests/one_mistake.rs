@@ -2,6 +2,7 @@
 //! behalf.
 use interp::{Dialect, check, example_setup};
 use proptest::prelude::*;
+use test_support::size;
 
 /// Programs without an error. T1 is an end mill of 10 mm, T2 a tap M6.
 const PROGRAMS: &[(Dialect, &str)] = &[
@@ -176,7 +177,7 @@ fn one_mistake_is_one_error_at_most_and_in_its_line() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(150, 1500), failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Several mistakes: no more errors than mistakes.
     #[test]

@@ -6,6 +6,7 @@ use canon::{Feed, Op, OpKind, Plane, Position};
 use interp::{Limits, Ops, Setup};
 use proptest::prelude::*;
 use std::fmt::Write;
+use test_support::size;
 use units::{Angle, Length};
 
 /// A move, in mm: first axis, second axis, normal.
@@ -185,7 +186,7 @@ fn same(a: &[(String, Vec<f64>)], b: &[(String, Vec<f64>)]) -> Result<(), TestCa
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(64, 1280)))]
 
     #[test]
     fn inches_and_millimetres_make_the_same_part(part in a_part()) {
@@ -261,7 +262,7 @@ fn soup() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(400, 4000)))]
 
     #[test]
     fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {

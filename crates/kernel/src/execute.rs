@@ -29,7 +29,7 @@ use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
 use crate::track::Track;
 use crate::waits::{
-    await_angle, await_speed, await_tool, begin_change, begin_pause, consult, fade, record,
+    await_angle, await_speed, await_tool, begin_change, begin_pause, consult, engage, fade, record,
     revolve, settle,
 };
 use bus::{Feedback, State};
@@ -222,13 +222,7 @@ impl Activity {
                 *waited_s += dt;
                 consult(*waited_s)
             }
-            Self::Engaging(follower) => {
-                if !drives.coupled.is_locked(*follower) {
-                    return Ok(StepProgress::Busy);
-                }
-                context.note(EventKind::SpindlesCoupled { follower: *follower });
-                Ok(StepProgress::Done(0.0))
-            }
+            Self::Engaging(follower) => Ok(engage(*follower, drives, context)),
             Self::Fading { still_s } => fade(step, dt, drives, (still_s, waits.at_speed)),
             Self::Revolving { from, still_s } => {
                 revolve(step, *from, dt, drives, (still_s, waits.at_speed))

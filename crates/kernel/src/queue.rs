@@ -154,6 +154,7 @@ impl Queue {
     }
 
     /// The step at a place, counted from the front.
+    #[inline]
     pub(crate) fn get(&self, index: usize) -> Option<Step<'_>> {
         self.steps.get(index)?.transfer(&mut Read(&self.tables)).ok()
     }

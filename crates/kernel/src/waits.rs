@@ -122,6 +122,15 @@ fn turns_on(
     within(*still_s, limit, FaultKind::TurnsNotMade, of)
 }
 
+/// A spindle locks onto its gear.
+pub(crate) fn engage(follower: u8, drives: &Drives, context: &mut Context) -> StepProgress {
+    if !drives.coupled.is_locked(follower) {
+        return StepProgress::Busy;
+    }
+    context.note(EventKind::SpindlesCoupled { follower });
+    StepProgress::Done(0.0)
+}
+
 /// What runs the kernel answers a question in time.
 pub(crate) fn consult(waited_s: f64) -> Result<StepProgress, Finding> {
     within(waited_s, CONSULT_WAIT, FaultKind::NotAnswered, Subject::Machine)

@@ -17,6 +17,7 @@ use plan::{
 };
 use plan::{SpindleStep, StepKind};
 use proptest::prelude::*;
+use test_support::size;
 use units::{
     Coordinate, CoordinateAccel, CoordinateJerk, Force, Lead, Length, Power, Speed, Spin,
     Stiffness, Time, Torque,
@@ -388,7 +389,7 @@ fn repetition() -> impl Strategy<Value = Repetition> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(60, 1200), ..ProptestConfig::default() })]
 
     #[test]
     fn no_program_cuts_with_the_spindle_wrong(
@@ -410,7 +411,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(10, 200), ..ProptestConfig::default() })]
 
     /// With friction, lag, power curve, backlash, and axes that bend: every servo period of every
     /// cut is looked at.

@@ -11,6 +11,7 @@ use crate::operated::{C, loads, order, run, run_replanning};
 use bus::AXES;
 use canon::{Arc, Axis, Feed, Op, OpKind, PathMode, Plane, Position, Span, Spline};
 use proptest::prelude::*;
+use test_support::size;
 use units::{Angle, Length, Speed, Time};
 
 /// A part of a path, from where the part before it has ended.
@@ -278,7 +279,7 @@ fn a_blend_beside_a_spline_is_within_the_limits() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(80))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(80, 1600)))]
     #[test]
     fn no_axis_leaves_its_limits_or_the_curve_whatever_the_operator_does(
         parts in prop::collection::vec(part(), 2..9),

@@ -5,6 +5,7 @@ use bus::{Command, Feedback, Machine, State};
 use kernel::{Config, EncoderCheckControl, Fault, FaultKind, OwnRamps, Prediction, SyncMode};
 use proptest::prelude::*;
 use sim::{PlainDrive, SimulatedMachine};
+use test_support::size;
 use units::{Angle, SpinAccel, Time};
 
 const STATED: u32 = 4096;
@@ -130,7 +131,7 @@ fn an_index_mark_shows_a_scale_that_is_off_by_less_than_a_drive_slips() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(24, 480), ..ProptestConfig::default() })]
 
     /// Whatever is wrong: nothing goes into the work, and the number that is given is the one that
     /// the encoder has.

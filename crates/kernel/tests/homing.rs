@@ -10,6 +10,7 @@ use kernel::{
 use motion::{Goal, OnlineLimits, Step};
 use proptest::prelude::*;
 use sim::{HomeSwitch, IndexMarks, PowerOn, SimulatedMachine, Travel};
+use test_support::size;
 use units::{Coordinate, Length, Stiffness};
 
 const COUNT_MM: f64 = 50e-6;
@@ -465,7 +466,7 @@ fn what_cannot_be_homed_is_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(24, 480)))]
     #[test]
     fn wherever_it_stands_and_its_switch_is_an_axis_is_homed_within_its_limits(
         start in -65.0..5.0_f64,

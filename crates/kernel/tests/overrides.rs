@@ -6,6 +6,7 @@ use crate::operated::{ACCEL, PERIOD, Seen, distance, loads, order, run, run_repl
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
 use proptest::prelude::*;
+use test_support::size;
 use units::{Length, Speed};
 
 const TOLERANCE: f64 = 0.02;
@@ -55,7 +56,7 @@ fn walk() -> impl Strategy<Value = Vec<[f64; 3]>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(80))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(80, 1600)))]
     #[test]
     fn no_axis_leaves_its_limits_or_the_path_whatever_the_operator_does(
         points in walk(),

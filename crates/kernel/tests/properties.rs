@@ -4,6 +4,7 @@ use bus::{AxisFeedback, Feedback, SpindleFeedback};
 use kernel::{Kernel, Prediction, SyncMode};
 use plan::Step;
 use proptest::prelude::*;
+use test_support::size;
 use units::{Angle, Coordinate, Time};
 
 fn numbers(command: &bus::Command) -> bool {
@@ -29,7 +30,7 @@ fn feedback(tick: usize, z: f64, angle: f64, ready: bool) -> Feedback {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(64, 1280)))]
     #[test]
     fn commands_are_numbers_and_within_the_drives_limits_whatever_the_encoders_say(
         said in prop::collection::vec((-1e6..1e6f64, -1e6..1e6f64), 1..200),

@@ -6,6 +6,7 @@ use crate::operated::{Seen, distance, loads, order, run, run_replanning, xyz};
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
 use proptest::prelude::*;
+use test_support::size;
 use units::{Length, Speed};
 
 /// Lines through points at a feed; from each place in `modes` on another P, mm. None: exactly.
@@ -77,7 +78,7 @@ fn points() -> impl Strategy<Value = Vec<[f64; 3]>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(48, 960)))]
     #[test]
     fn no_axis_leaves_its_limits_on_a_rough_path(
         points in points(),

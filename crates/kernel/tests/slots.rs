@@ -7,6 +7,7 @@ use motion::{ChipThrow, Profile};
 use plan::{SpindleStep, Step, StepKind};
 use proptest::prelude::*;
 use sim::SimulatedMachine;
+use test_support::size;
 use units::{Axis, Length, Position, Spin, Time};
 
 const TAP: TapOrder = TapOrder { from_mm: 0.0, surface_mm: -2.0, to_mm: -8.0, ..M6 };
@@ -80,7 +81,7 @@ fn event() -> impl Strategy<Value = Event> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(24, 480)))]
     #[test]
     fn no_slot_is_lost_whatever_ends_the_steps(events in proptest::collection::vec(event(), 1..24)) {
         let model = machine(0);

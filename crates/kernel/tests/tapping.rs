@@ -3,6 +3,7 @@ use crate::common;
 use crate::common::*;
 use kernel::{EventKind, Prediction, SyncMode};
 use std::fmt::Write;
+use test_support::size;
 use units::Length;
 
 #[test]
@@ -151,7 +152,7 @@ fn a_hole_is_tapped_twice_on_the_same_helix_when_its_start_angle_is_given() {
 }
 
 proptest::proptest! {
-    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(32))]
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(size::of(32, 640)))]
     #[test]
     fn any_tap_that_was_planned_comes_out_on_its_helix(
         lead_mm in 0.35..2.0f64, rpm in 600.0..6000.0f64, depth in 0.5..30.0f64, dwell_s in 0.0..0.05f64,

@@ -4,6 +4,7 @@ use bus::Machine as _;
 use kernel::{Kernel, RecordRequest};
 use proptest::prelude::*;
 use sim::SimulatedMachine;
+use test_support::size;
 use units::Time;
 
 /// Tap with a disk that takes so long; how long the spindle stood at the bottom, s, and whether the
@@ -70,7 +71,7 @@ fn a_disk_that_hangs_does_not_keep_a_tap_in_its_hole() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(12, 240)))]
     #[test]
     fn the_turn_is_on_the_disk_before_any_tap_turns_back(
         rpm in 200.0..6000.0f64, depth in 3.0..25.0f64, left in any::<bool>(), disk in 0.0..0.4f64, dwell in 0.0..0.1f64,

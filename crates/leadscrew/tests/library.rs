@@ -1,5 +1,4 @@
 //! What a caller of the library relies on.
-#![allow(clippy::unwrap_used)] // a test may panic
 use leadscrew::{Ending, Program, RunOptions};
 use std::path::PathBuf;
 

@@ -3,7 +3,6 @@
 //! really is: within 2 µm where the axes have scales. A motor's encoder does not see the wobble of
 //! its screw, 3 µm to each side (`[simulation.plant]`), at the two contacts and where the axis goes
 //! to in the end; no probing can.
-#![allow(clippy::unwrap_used)] // a test may panic
 use bus::Sample;
 use control::observers::Observer;
 use kernel::Event;

@@ -1,6 +1,5 @@
 //! Single block and more feed at any moment of a program with cycles, stops and joined paths: what
 //! is planned anew is the same program.
-#![allow(clippy::unwrap_used)] // a test may panic
 use leadscrew::{Program, RunOptions};
 
 /// A hole is drilled, and behind a stop a path that is rounded at its corners waits, then a tap.

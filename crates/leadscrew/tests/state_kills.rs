@@ -4,7 +4,6 @@
 //!
 //! The test starts itself as the control ([`control_that_is_killed`]) and sends SIGKILL at random
 //! instants. `STATE_KILLS` says how often: `cargo xtask state-kills` 500 times.
-#![allow(clippy::unwrap_used)] // a test may panic
 use control::job::{ProgramOptions, Session, preflight};
 use control::observers::Workpiece;
 use control::{Executor, Loaded, Plant, Running, config, plant};
@@ -14,11 +13,10 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 use store::parameters::Parameters;
 use store::state::{AlarmRecord, LastProgram, State, StateFolder, Weight};
+use test_support::size;
 use units::Length;
 
 const FOLDER: &str = "STATE_KILLS_FOLDER";
-/// Without another order.
-const USUAL_KILLS: u32 = 20;
 /// A control is killed within this of its start.
 const LONGEST_LIFE_MS: u64 = 400;
 const TAP: u32 = 3;
@@ -107,7 +105,7 @@ fn save(folder: &mut StateFolder, tools: &mut canon::ToolLibrary, last: &mut Sav
 /// Start a control, kill it after so long; what it has acknowledged.
 fn killed_after(life: Duration, folder: &Path, before: Saved) -> Saved {
     let mut control = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "control_that_is_killed", "--ignored", "--nocapture"])
+        .args(["--exact", "state_kills::control_that_is_killed", "--ignored", "--nocapture"])
         .env(FOLDER, folder)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
@@ -137,7 +135,7 @@ fn killed_after(life: Duration, folder: &Path, before: Saved) -> Saved {
 #[test]
 fn a_control_that_is_killed_at_any_instant_has_lost_nothing_that_it_acknowledged() {
     let kills = std::env::var("STATE_KILLS").ok().and_then(|n| n.parse().ok());
-    let kills: u32 = kills.unwrap_or(USUAL_KILLS);
+    let kills: u32 = kills.unwrap_or_else(|| size::of(8, 200));
     let home = tempfile::tempdir().unwrap();
     let path = home.path().join("state");
     let mut before = Saved::default();

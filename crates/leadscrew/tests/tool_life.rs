@@ -1,6 +1,5 @@
 //! The life of a tool: counted by what is executed, said or refused where the tool is called at its
 //! end.
-#![allow(clippy::unwrap_used)] // a test may panic
 use control::job::preflight;
 use control::job::{ProgramOptions, Session};
 use control::observers::{Workpiece, use_up};

@@ -333,7 +333,7 @@ fn edits(menu: &'static [&'static str]) -> impl Strategy<Value = Vec<(u32, u32, 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(40) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(test_support::size::of(40, 800)) })]
 
     #[test]
     fn edited_programs_are_as_if_read_anew(text in lines(LINES, 90), edits in edits(LINES)) {

@@ -134,6 +134,7 @@ impl Path {
 }
 
 /// All axes in proportion; exact at both ends.
+#[inline]
 fn linear(from: &Position, to: &Position, at: Instant, per_length: f64) -> Motion {
     let fraction = (at.s * per_length).clamp(0.0, 1.0);
     let mut motion = Motion::default();
@@ -195,6 +196,7 @@ fn rotated([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
 }
 
 /// Coordinate of any axis, in mm or degrees.
+#[inline]
 pub fn coordinate(position: &Position, axis: Axis) -> f64 {
     position.along(axis).value()
 }

@@ -4,6 +4,7 @@ use motion::{AXES, Bounds, Curve, Derivatives, Entry, Limits, Piece, Shape};
 use motion::{Arc, Line};
 use path::geometry::{Joiner, Segment, cubic};
 use proptest::prelude::*;
+use test_support::size;
 
 type Point = [f64; AXES];
 
@@ -378,7 +379,7 @@ fn walk(steps: &[(f64, f64, f64)]) -> Vec<Point> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(60, 1200), ..ProptestConfig::default() })]
 
     #[test]
     fn any_walk_is_joined_within_p(

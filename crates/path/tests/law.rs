@@ -1,10 +1,10 @@
 //! What the law of time promises, checked on the setpoints that a machine would get.
-mod setpoints;
+use crate::setpoints::{PERIOD, inside, joined, loads, setpoints};
 use motion::{AXES, Bezier, Bounds, Curve, Entry, Instant, Limits, Line, Piece, Shape};
 use path::geometry::{Joiner, Segment, cubic};
 use path::law::{Config, Law, Timed};
 use proptest::prelude::*;
-use setpoints::{PERIOD, inside, joined, loads, setpoints};
+use test_support::size;
 
 fn bounds(speed: f64, accel: f64, jerk: f64) -> Bounds {
     Bounds { speed: [speed; AXES], accel: [accel; AXES], jerk: [jerk; AXES] }
@@ -367,7 +367,7 @@ fn any_joined() -> impl Strategy<Value = Vec<Piece>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(48, 960)))]
 
     #[test]
     fn on_blended_paths_no_axis_exceeds_its_speed_and_acceleration(

@@ -6,6 +6,7 @@ use motion::Shape;
 use plan::{Planner, Start, preflight};
 use plan::{SpindleStep, Step, StepKind};
 use proptest::prelude::*;
+use test_support::size;
 use units::{Angle, Lead, Orientation, Speed, Spin, Time};
 
 /// Mostly sensible numbers, and all that f64 has besides.
@@ -192,7 +193,7 @@ fn assert_hangs_together(steps: &[Step]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(256, 2560), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_program_is_planned_or_refused(kinds in prop::collection::vec(op(), 1..40)) {

@@ -6,6 +6,7 @@ use motion::Move;
 use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Start};
 use proptest::prelude::*;
+use test_support::size;
 use units::{Angle, Coordinate, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Speed};
 
 /// The one move that an op becomes.
@@ -106,7 +107,7 @@ fn a_narrow_circle_is_slowed_down_by_its_curvature() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(256, 2560), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn no_axis_exceeds_its_limits_on_any_arc_or_helix(

@@ -3,6 +3,7 @@ use crate::common::{OPTIONS, line, machine, mm, program, rapid, tools, turn};
 use canon::{OpKind, PathMode};
 use plan::{Planner, Start, preflight};
 use proptest::prelude::*;
+use test_support::size;
 use units::{CoordinateAccel, CoordinateJerk, CoordinateSpeed, Speed};
 
 /// Axes of 200 mm/s and 1000 mm/s², with so much jerk.
@@ -53,7 +54,7 @@ fn drops_at_a_slow_feed_between_rapids() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: size::of(64, 1280), ..ProptestConfig::default() })]
 
     /// Of 15,000 such rows 40 took longer than with stops, by 1.3 % at most: docs/planner.md.
     #[test]

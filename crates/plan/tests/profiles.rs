@@ -1,6 +1,7 @@
 //! Profiles from rest to rest against their closed forms, their limits and a search by brute force.
 use motion::{Phase, Profile};
 use proptest::prelude::*;
+use test_support::size;
 
 /// States at both ends and inside of every piece.
 fn samples(profile: &Profile) -> impl Iterator<Item = (Phase, motion::Instant)> + '_ {
@@ -108,7 +109,7 @@ fn decades(low: i32, high: i32) -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(256, 2560), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn limits_are_never_exceeded_and_the_end_is_exact(

@@ -3,6 +3,7 @@ use crate::common::{OPTIONS, line, machine, mm, program, rapid, tools, turn};
 use canon::{OpKind, PathMode};
 use plan::{Planner, Start, Step};
 use proptest::prelude::*;
+use test_support::size;
 use units::{CoordinateJerk, Time};
 
 fn planner(jerk: f64) -> Planner {
@@ -59,7 +60,7 @@ fn row(turns: &[(f64, f64)]) -> Vec<OpKind> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 3, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: size::of(3, 60), ..ProptestConfig::default() })]
 
     #[test]
     fn side_by_side_the_steps_are_the_same_to_the_last_bit(

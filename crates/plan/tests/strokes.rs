@@ -4,6 +4,7 @@ use motion::{Limiting, Limiting as L};
 use plan::{AxisLimits, SpindleLimits, Stroke, StrokeRequest};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
+use test_support::size;
 use units::{
     Angle, CoordinateAccel, CoordinateJerk, CoordinateSpeed, Inertia, Lead, Power, Speed, Spin,
     Time, Torque,
@@ -267,7 +268,7 @@ fn any_axis() -> impl Strategy<Value = AxisLimits> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(256, 2560), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn torque_power_and_the_feed_axis_are_never_asked_for_more_than_they_have(

@@ -5,6 +5,7 @@ use canon::{Axis, OpKind, Position, Threading};
 use motion::{ThreadStretch, TiedCut, WayOut};
 use plan::StepKind;
 use proptest::prelude::*;
+use test_support::size;
 use units::{Angle, Lead, LeadGrowth};
 
 /// The axes of the machine in `common`: 10 m/s² across, 15 m/s² along Z, jerk 500 m/s³.
@@ -249,7 +250,7 @@ fn chained(leads: &[(f64, f64, f64)], taper: f64) -> Vec<(f64, f64, f64, f64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(64, 1280)))]
     /// A chain of up to three stretches, with steps of the lead between them, in setpoints of 250
     /// µs at the fastest that the spindle may turn: on the closed form outside its corners, and
     /// within the limits of each axis, by differences.

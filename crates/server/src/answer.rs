@@ -9,9 +9,6 @@ use control::operation::hosted::{RefusalData, RefusalKind};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::time::Duration;
-
-/// A body that has not come after so long does not come.
-const BODY_COMES: Duration = Duration::from_secs(10);
 /// Largest body that is JSON.
 pub(crate) const LARGEST_JSON: usize = 64 << 10;
 
@@ -104,8 +101,12 @@ pub(crate) fn json(value: &impl Serialize) -> Response {
 }
 
 /// A body, no larger and no later than it may be.
-pub(crate) async fn bytes(body: Body, most: usize) -> Result<axum::body::Bytes, ApiError> {
-    match tokio::time::timeout(BODY_COMES, to_bytes(body, most)).await {
+pub(crate) async fn bytes(
+    body: Body,
+    most: usize,
+    within: Duration,
+) -> Result<axum::body::Bytes, ApiError> {
+    match tokio::time::timeout(within, to_bytes(body, most)).await {
         Ok(Ok(bytes)) => Ok(bytes),
         Ok(Err(_)) => Err(ApiError::new(
             StatusCode::PAYLOAD_TOO_LARGE,
@@ -113,14 +114,17 @@ pub(crate) async fn bytes(body: Body, most: usize) -> Result<axum::body::Bytes, 
         )),
         Err(_) => Err(ApiError::new(
             StatusCode::REQUEST_TIMEOUT,
-            format!("the body has not come within {} s", BODY_COMES.as_secs()),
+            format!("the body has not come within {} s", within.as_secs_f64()),
         )),
     }
 }
 
 /// A body as the object that is expected.
-pub(crate) async fn object<T: DeserializeOwned>(body: Body) -> Result<T, ApiError> {
-    let bytes = bytes(body, LARGEST_JSON).await?;
+pub(crate) async fn object<T: DeserializeOwned>(
+    body: Body,
+    within: Duration,
+) -> Result<T, ApiError> {
+    let bytes = bytes(body, LARGEST_JSON, within).await?;
     serde_json::from_slice(&bytes)
         .map_err(|e| ApiError::new(StatusCode::BAD_REQUEST, format!("not what is expected: {e}")))
 }

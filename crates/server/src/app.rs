@@ -1,11 +1,13 @@
 //! What all handlers share.
 use crate::answer::ApiError;
+use crate::clock::Clock;
 use crate::folder::Folder;
 use crate::metrics::metering::Metering;
 use crate::monitoring::Monitoring;
 use crate::mqtt::Publisher;
 use crate::rights::Rights;
 use crate::runs::Runs;
+use crate::timeouts::ClientTimeouts;
 use crate::tokens::Tokens;
 use crate::wire::RequestBody;
 use control::job::ProgramOptions;
@@ -50,6 +52,9 @@ pub(crate) struct App {
     pub(crate) sockets: Arc<Semaphore>,
     /// Names by which clients may call this server, with its port.
     pub(crate) hosts: Vec<String>,
+    pub(crate) timeouts: ClientTimeouts,
+    /// By which sessions and tokens end.
+    pub(crate) clock: Clock,
     rights: Mutex<Rights>,
     /// The fields of the latest picture, made once for all clients.
     fields: Mutex<(u64, Arc<Fields>)>,
@@ -63,6 +68,7 @@ impl App {
         (tokens, watching): (Option<Tokens>, Watching),
         pictures: watch::Receiver<u64>,
         hosts: Vec<String>,
+        (timeouts, clock): (ClientTimeouts, Clock),
     ) -> Self {
         Self {
             client,
@@ -75,6 +81,8 @@ impl App {
             pictures,
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
             hosts,
+            timeouts,
+            clock,
             rights: Mutex::default(),
             fields: Mutex::default(),
         }
@@ -112,7 +120,7 @@ impl App {
         session: &str,
         body: RequestBody,
     ) -> Result<Accepted, ApiError> {
-        self.rights().may_command(session, body.is_stop(), control::clock::now())?;
+        self.rights().may_command(session, body.is_stop(), self.clock.now())?;
         let request = body.read(self.client.machine(), &self.folder)?;
         let (sender, receiver) = oneshot::channel();
         self.client.ask(request, move |answer| {

@@ -113,7 +113,7 @@ fn text<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
 
 /// Who asks: by session, by token, or from this computer.
 fn identify(app: &App, headers: &HeaderMap, address: Option<&str>) -> Result<Who, ApiError> {
-    let now = control::clock::now();
+    let now = app.clock.now();
     if let Some(session) = text(headers, SESSION).or(address).filter(|id| !id.is_empty()) {
         app.rights().seen(session, now)?;
         return Ok(Who { session: session.to_owned() });
@@ -123,7 +123,7 @@ fn identify(app: &App, headers: &HeaderMap, address: Option<&str>) -> Result<Who
         Some(tokens) => {
             let bearer = text(headers, header::AUTHORIZATION.as_str());
             let token = bearer.and_then(|value| value.strip_prefix("Bearer "));
-            tokens.find(token.unwrap_or_default()).map_err(no_token)?
+            tokens.find(token.unwrap_or_default(), app.clock.unix_ms()).map_err(no_token)?
         }
     };
     // its id cannot be one that was drawn: those have no blank
@@ -139,7 +139,7 @@ pub(crate) fn may_watch(app: &App, headers: &HeaderMap) -> Result<Option<Duratio
     let Some(tokens) = &app.tokens else { return Ok(None) };
     let bearer = text(headers, header::AUTHORIZATION.as_str());
     let token = bearer.and_then(|value| value.strip_prefix("Bearer "));
-    tokens.find(token.unwrap_or_default()).map(|known| known.left)
+    tokens.find(token.unwrap_or_default(), app.clock.unix_ms()).map(|known| known.left)
 }
 
 /// Without a token nothing is told.

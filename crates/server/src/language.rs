@@ -99,7 +99,7 @@ fn write(from_server: &Receiver<lsp_server::Message>, frames: &mpsc::Sender<Stri
 
 /// Until the token of a session is over.
 async fn expired(app: &App, who: &Who) {
-    while !app.rights().has_expired(&who.session, control::clock::now()) {
+    while !app.rights().has_expired(&who.session, app.clock.now()) {
         tokio::time::sleep(EXPIRY).await;
     }
 }

@@ -8,9 +8,9 @@
 //!
 //! | file | is |
 //! |---|---|
-//! | `listen` | addresses, connections, their limits |
+//! | `listen` | addresses, connections, their limits; `timeouts` how long a client is waited for |
 //! | `guard` | who may ask at all: Host, Origin, session, token; headers of every answer |
-//! | `rights` | sessions, and which of them commands |
+//! | `rights` | sessions, and which of them commands; `clock` by which they end |
 //! | `tokens`, `tls` | the file of tokens; the certificate |
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
@@ -28,6 +28,7 @@
 
 mod answer;
 mod app;
+mod clock;
 mod folder;
 mod guard;
 mod language;
@@ -43,16 +44,19 @@ mod routes;
 mod runs;
 mod scope;
 mod socket;
+mod timeouts;
 mod tls;
 mod tokens;
 pub mod types;
 mod wire;
 
 pub use ::mtconnect::MOST_OBSERVATIONS;
+pub use clock::Clock;
 pub use listen::{Refused, Server, ServerOptions};
-pub use mqtt::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix};
+pub use mqtt::{BrokerAddress, BrokerLogin, BrokerTimeouts, PublishOptions, TopicPrefix};
 pub use rights::Role;
 pub use routes::openapi;
 pub use runs::KeptRuns;
+pub use timeouts::ClientTimeouts;
 pub use tls::Certificate;
 pub use tokens::{NewToken, Tokens};

@@ -3,6 +3,7 @@
 //! A connection has to send its header in time and to take what it has asked for, or it is closed;
 //! there are so many at once, and those beyond are for stops alone ([`reserved`]).
 use crate::app::{App, Watching};
+use crate::clock::Clock;
 use crate::folder::Folder;
 use crate::metrics::{self, metering::Metering};
 use crate::monitoring::Monitoring;
@@ -11,6 +12,7 @@ use crate::mtconnect;
 use crate::page::Page;
 use crate::reserved::{self, Reserved};
 use crate::runs::{KeptRuns, Recorder, Runs};
+use crate::timeouts::ClientTimeouts;
 use crate::tls::{Certificate, Tls};
 use crate::tokens::Tokens;
 use crate::{guard, routes};
@@ -35,10 +37,6 @@ use tokio_rustls::TlsAcceptor;
 
 /// Connections at once.
 const MOST_CONNECTIONS: usize = 256;
-/// A header comes within so long; so long may a connection be silent between two requests.
-const HEADER_COMES: Duration = Duration::from_secs(10);
-/// A client that takes nothing of its answer for so long is gone.
-const ANSWER_TAKEN: Duration = Duration::from_secs(10);
 /// Largest header.
 const LARGEST_HEADER: usize = 16 << 10;
 /// Threads that answer: they only wait and copy.
@@ -72,6 +70,10 @@ pub struct ServerOptions {
     pub publish: Option<PublishOptions>,
     /// Metrics are answered at `/metrics`.
     pub metrics: bool,
+    /// How long a client is waited for.
+    pub timeouts: ClientTimeouts,
+    /// By which sessions and tokens end.
+    pub clock: Clock,
 }
 
 /// A control that is served, until it is dropped.
@@ -135,7 +137,9 @@ impl Server {
             options.metrics.then(|| Arc::new(Metering::new(&client, publisher.is_some())));
         let watching = Watching { monitoring, metering, publisher };
         let open = (tokens, watching);
-        let app = App::new(hosted.client(), (folder, runs, program), open, pictures, hosts);
+        let timeouts = options.timeouts;
+        let timing = (timeouts, options.clock);
+        let app = App::new(hosted.client(), (folder, runs, program), open, pictures, hosts, timing);
         let app = Arc::new(app);
         if let Some(monitoring) = &app.watching.monitoring {
             runtime.spawn(mtconnect::feed(Arc::clone(&app), Arc::clone(monitoring), pace));
@@ -148,7 +152,7 @@ impl Server {
         }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
-        runtime.spawn(accept(listener, acceptor, router(app)));
+        runtime.spawn(accept(listener, acceptor, router(app), timeouts));
         Ok(Self {
             address,
             fingerprint,
@@ -265,7 +269,12 @@ fn router(app: Arc<App>) -> Router {
 }
 
 /// Connection after connection.
-async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, router: Router) {
+async fn accept(
+    listener: TcpListener,
+    tls: Option<TlsAcceptor>,
+    router: Router,
+    timeouts: ClientTimeouts,
+) {
     let connections = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     let (for_stops, mut reserved) = (reserved::router(router.clone()), Reserved::default());
     loop {
@@ -279,12 +288,13 @@ async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, router: Router)
             Ok(permit) => {
                 let router = router.clone();
                 tokio::spawn(async move {
-                    agree(stream, tls, router, HEADER_COMES).await;
+                    agree(stream, tls, router, timeouts).await;
                     drop(permit);
                 });
             }
             Err(_) => {
-                let talk = agree(stream, tls, for_stops.clone(), reserved::HEADER_COMES);
+                let short = ClientTimeouts { header: reserved::HEADER_COMES, ..timeouts };
+                let talk = agree(stream, tls, for_stops.clone(), short);
                 let task = tokio::spawn(tokio::time::timeout(reserved::LASTS, talk));
                 reserved.open(task.abort_handle());
             }
@@ -292,15 +302,20 @@ async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, router: Router)
     }
 }
 
-/// A connection, encrypted or not; a header comes within so long.
-async fn agree(stream: TcpStream, tls: Option<TlsAcceptor>, router: Router, header: Duration) {
+/// Serves a connection, encrypted or not.
+async fn agree(
+    stream: TcpStream,
+    tls: Option<TlsAcceptor>,
+    router: Router,
+    timeouts: ClientTimeouts,
+) {
     let _ = stream.set_nodelay(true); // it is only slower without
     match tls {
-        None => talk(stream, router, header).await,
+        None => talk(stream, router, timeouts).await,
         Some(tls) => {
             let agreed = tls.accept(stream);
-            if let Ok(Ok(stream)) = tokio::time::timeout(header, agreed).await {
-                talk(stream, router, header).await;
+            if let Ok(Ok(stream)) = tokio::time::timeout(timeouts.header, agreed).await {
+                talk(stream, router, timeouts).await;
             }
         }
     }
@@ -309,13 +324,13 @@ async fn agree(stream: TcpStream, tls: Option<TlsAcceptor>, router: Router, head
 async fn talk(
     stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
     router: Router,
-    header: Duration,
+    timeouts: ClientTimeouts,
 ) {
     let mut stream = TimeoutStream::new(stream);
-    stream.set_write_timeout(Some(ANSWER_TAKEN));
+    stream.set_write_timeout(Some(timeouts.answer));
     let connection = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
-        .header_read_timeout(header)
+        .header_read_timeout(timeouts.header)
         .max_buf_size(LARGEST_HEADER)
         .serve_connection(TokioIo::new(Box::pin(stream)), TowerToHyperService::new(router))
         .with_upgrades();

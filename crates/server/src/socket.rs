@@ -12,7 +12,6 @@ use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use control::clock::now;
 use control::operation::hosted::Picture;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -56,11 +55,11 @@ pub(crate) async fn open(
     };
     let upgrade = upgrade.max_message_size(LARGEST_MESSAGE).max_frame_size(LARGEST_MESSAGE);
     upgrade.on_upgrade(move |socket| async move {
-        app.rights().socket(&who.session, true, now());
+        app.rights().socket(&who.session, true, app.clock.now());
         let session = who.session.clone();
         let mut talk = Talk::new(Arc::clone(&app), who, socket);
         let _: Result<(), Gone> = talk.until_gone().await;
-        app.rights().socket(&session, false, now());
+        app.rights().socket(&session, false, app.clock.now());
         drop(permit);
     })
 }
@@ -109,7 +108,7 @@ impl Talk {
                 },
                 changed = pictures.changed() => {
                     changed.map_err(|_| Gone)?; // the control has ended
-                    if self.app.rights().has_expired(&self.who.session, now()) {
+                    if self.app.rights().has_expired(&self.who.session, self.app.clock.now()) {
                         return Err(Gone);
                     }
                     self.tell_all().await?;
@@ -124,7 +123,7 @@ impl Talk {
         self.tell_status(&picture).await?;
         self.tell_events().await?;
         self.tell_features(&picture).await?;
-        let operator = self.app.rights().shown(now());
+        let operator = self.app.rights().shown(self.app.clock.now());
         let is_known = self.operator.as_ref().is_some_and(|known| {
             (&known.holder, &known.asked_by) == (&operator.holder, &operator.asked_by)
         });

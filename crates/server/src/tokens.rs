@@ -57,10 +57,6 @@ pub(crate) enum NoToken {
     Expired,
 }
 
-fn unix_s() -> u64 {
-    control::clock::unix_ms() / 1000
-}
-
 #[derive(Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -119,7 +115,7 @@ impl Tokens {
         role: Role,
         valid_for: Duration,
     ) -> Result<NewToken, String> {
-        let now = unix_s();
+        let now = control::clock::unix_ms() / 1000;
         let mut file = if path.exists() { read(path)? } else { File::default() };
         file.token.retain(|token| token.name != name || !token.has_expired(now));
         if file.token.iter().any(|token| token.name == name) {
@@ -141,8 +137,8 @@ impl Tokens {
     ///
     /// # Errors
     /// It is not known, or its time is over.
-    pub(crate) fn find(&self, token: &str) -> Result<Known, NoToken> {
-        let (sought, now) = (hash(token), unix_s());
+    pub(crate) fn find(&self, token: &str, unix_ms: u64) -> Result<Known, NoToken> {
+        let (sought, now) = (hash(token), unix_ms / 1000);
         let found = self.tokens.iter().find(|known| known.sha256 == sought);
         let found = found.ok_or(NoToken::Unknown)?;
         if found.has_expired(now) {
@@ -184,6 +180,7 @@ fn read(path: &Path) -> Result<File, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control::clock::unix_ms;
 
     #[test]
     fn a_token_is_found_by_itself_alone_and_stands_in_no_file() {
@@ -196,7 +193,8 @@ mod tests {
         let text = std::fs::read_to_string(&path).expect("read");
         assert!(!text.contains(&first.token) && !text.contains(&second.token));
         let tokens = Tokens::read(&path).expect("read");
-        let found = |token: &str| tokens.find(token).map(|known| (known.name, known.role));
+        let found =
+            |token: &str| tokens.find(token, unix_ms()).map(|known| (known.name, known.role));
         assert_eq!(found(&first.token), Ok(("desk-1".into(), Role::Operator)));
         assert_eq!(found(&second.token), Ok(("wall".into(), Role::Viewer)));
         for none in ["", "x", &first.token[1..]] {
@@ -209,7 +207,8 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("tokens.toml");
         let ended = Tokens::add(&path, "wall", Role::Viewer, Duration::ZERO).expect("made");
-        let find = |token: &NewToken| Tokens::read(&path).expect("read").find(&token.token);
+        let find =
+            |token: &NewToken| Tokens::read(&path).expect("read").find(&token.token, unix_ms());
         assert_eq!(find(&ended), Err(NoToken::Expired));
         let hour = Duration::from_hours(1);
         let next = Tokens::add(&path, "wall", Role::Viewer, hour).expect("the name is free");

@@ -20,7 +20,7 @@ pub fn typescript() -> String {
     let config = Config::default().with_large_int("number");
     let mut text = String::from(
         "// Types of the API, written by a test of `crates/server` from the Rust types. Do not edit:\n\
-         // UPDATE_API=1 cargo test -p server --test types\n",
+         // UPDATE_API=1 cargo test -p server --test all types::\n",
     );
     macro_rules! declare {
         ($($name:ty),* $(,)?) => {

@@ -4,7 +4,7 @@
 use crate::common::{How, Served};
 use control::RealTimeOptions;
 use serde_json::{Value, json};
-use server::{BrokerAddress, PublishOptions, Role, Tokens, TopicPrefix};
+use server::{BrokerAddress, BrokerTimeouts, PublishOptions, Role, Tokens, TopicPrefix};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
@@ -280,6 +280,7 @@ fn every_metric_of_the_dashboard_is_served() {
         login: None,
         authorities: None,
         topic: TopicPrefix::parse("shop").unwrap(),
+        timeouts: BrokerTimeouts::default(),
         told: Box::new(|_| {}),
     });
     let real_time = Some(RealTimeOptions::default());

@@ -3,10 +3,11 @@
 
 use crate::common::{How, Served};
 use serde_json::{Value, json};
-use server::{BrokerAddress, BrokerLogin, PublishOptions, TopicPrefix};
+use server::{BrokerAddress, BrokerLogin, BrokerTimeouts, PublishOptions, TopicPrefix};
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 /// What a broker does with a connection.
 #[derive(Clone, Copy, Debug)]
@@ -112,10 +113,20 @@ fn attend(mut stream: TcpStream, conduct: Conduct, heard: &Mutex<Heard>) -> std:
     Ok(())
 }
 
+/// Timeouts that are over at once.
+fn short() -> BrokerTimeouts {
+    BrokerTimeouts {
+        retry: Duration::from_millis(5),
+        longest_retry: Duration::from_millis(20),
+        acknowledgement: Duration::from_secs(2),
+    }
+}
+
 /// A server that publishes to it, and what it tells.
 fn publishing(
     broker: BrokerAddress,
     login: Option<BrokerLogin>,
+    timeouts: BrokerTimeouts,
     how: How,
 ) -> (Served, Arc<Mutex<Vec<String>>>) {
     let told = Arc::new(Mutex::new(Vec::new()));
@@ -125,6 +136,7 @@ fn publishing(
         login,
         authorities: None,
         topic: TopicPrefix::parse("shop").unwrap(),
+        timeouts,
         told: Box::new(move |sentence| tells.lock().unwrap().push(sentence.to_owned())),
     });
     (Served::of(How { publish, ..how }), told)
@@ -186,7 +198,7 @@ fn a_broker_that_breaks_off_wherever_it_likes_gets_each_observation_in_its_order
         Conduct::Takes,
     ];
     let (address, heard) = broker(conducts);
-    let (served, told) = publishing(address, None, How::default());
+    let (served, told) = publishing(address, None, short(), How::default());
     served.power_on();
     served.home();
     served.until("all connections", |_| metric(&served, "connections_total") == 7);
@@ -215,7 +227,7 @@ fn what_is_no_longer_kept_is_said_to_be_lost_and_the_last_values_come_all_the_sa
     // refused at first: by then more was observed than a buffer of 60 keeps
     let (address, heard) = broker(vec![Conduct::Refuses(0x88), Conduct::Takes]);
     let how = How { mtconnect: Some(60), ..How::default() };
-    let (served, told) = publishing(address, None, how);
+    let (served, told) = publishing(address, None, BrokerTimeouts::default(), how);
     served.until("a connection", |_| metric(&served, "connected") == 1);
     served.until("all of it", |_| metric(&served, "observations_waiting") == 0);
     let lost = metric(&served, "observations_lost_total");
@@ -244,7 +256,7 @@ fn a_last_will_and_a_login_are_in_the_first_packet() {
     std::fs::write(&file, "mill-7\nopen sesame\n").unwrap();
     let (address, heard) = broker(vec![Conduct::Takes]);
     let login = BrokerLogin::read(&file).unwrap();
-    let (served, _) = publishing(address, Some(login), How::default());
+    let (served, _) = publishing(address, Some(login), short(), How::default());
     served.until("what it observed", |_| metric(&served, "observations_published_total") > 0);
     let heard = heard.lock().unwrap();
     let connect = &heard.connects[0];
@@ -273,7 +285,7 @@ fn what_is_no_broker_or_refuses_is_one_sentence_and_the_machine_goes_on() {
         (Conduct::Talks(b"HTTP/1.1 400 Bad Request\r\n\r\n"), None, "does not speak MQTT 5"),
     ] {
         let (address, _) = broker(vec![conduct]);
-        let (served, told) = publishing(address, login, How::default());
+        let (served, told) = publishing(address, login, short(), How::default());
         served.until(says, |status| {
             assert_eq!(status["execution"], "READY");
             told.lock().unwrap().iter().any(|said| said.contains(says))
@@ -286,7 +298,7 @@ fn what_is_no_broker_or_refuses_is_one_sentence_and_the_machine_goes_on() {
     // a port at which nothing listens
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let address = BrokerAddress::parse(&format!("mqtt://127.0.0.1:{port}")).unwrap();
-    let (served, told) = publishing(address, None, How::default());
+    let (served, told) = publishing(address, None, short(), How::default());
     served.until("a sentence", |_| {
         told.lock().unwrap().iter().any(|said| said.contains("cannot reach mqtt://127.0.0.1:"))
     });

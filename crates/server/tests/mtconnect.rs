@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::time::Duration;
+use test_support::size;
 
 /// An answer of the agent.
 fn get(served: &Served, path: &str) -> (u16, String) {
@@ -244,7 +245,7 @@ fn each_mistake_has_its_code_and_nothing_can_be_asked_for_this_way() {
 }
 
 #[test]
-fn two_thousand_mutated_requests_are_answered_by_documents_of_the_standard() {
+fn mutated_requests_are_answered_by_documents_of_the_standard() {
     let served = Served::at_pace(1.0);
     let whole = [
         "probe",
@@ -274,7 +275,7 @@ fn two_thousand_mutated_requests_are_answered_by_documents_of_the_standard() {
         (seed >> 33) as usize % below
     };
     let mut codes = std::collections::BTreeMap::<String, u32>::new();
-    for _ in 0..2000 {
+    for _ in 0..size::of(400, 20_000) {
         let mut text = whole[random(whole.len())].to_owned();
         for _ in 0..=random(3) {
             let at = random(text.len() + 1);

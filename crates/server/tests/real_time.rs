@@ -1,9 +1,7 @@
 //! A control that is served while a servo thread of its own keeps the time: led and seen as any
 //! other.
-#![allow(clippy::unwrap_used)] // a test may panic
-mod common;
 
-use common::{How, Served, machine};
+use crate::common::{How, Served, machine};
 use control::RealTimeOptions;
 use serde_json::json;
 

@@ -1,6 +1,5 @@
 //! The types that the page is written against, and the document of the API, say what the program
 //! says.
-#![allow(clippy::unwrap_used)] // a test may panic
 use std::path::Path;
 
 #[test]

@@ -1,7 +1,6 @@
 //! The machine on the bus, from outside.
-mod fixtures;
+use crate::fixtures::{spindle, tapping_center};
 use bus::{Command, Machine};
-use fixtures::{spindle, tapping_center};
 use proptest::{prop_assert, prop_assert_eq, proptest};
 use sim::{Config, SimulatedMachine};
 use units::{Coordinate, Force, Length, Per, Spin, Spread, Time, Torque};

@@ -1,8 +1,7 @@
 //! Drives that are left alone come to rest, together where they can.
-mod fixtures;
+use crate::fixtures::tapping_center;
 use bus::{Command, Coupled, DriveReaction, Feedback, Machine};
 use core::f64::consts::TAU;
-use fixtures::tapping_center;
 use sim::{Bus, RunDown, SimulatedMachine};
 use units::{CoordinateSpeed, Force, Lead, Spin, Time, Torque};
 

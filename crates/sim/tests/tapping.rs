@@ -1,9 +1,8 @@
 //! A whole machine drills and taps, held by the least servo that can: position and speed in
 //! proportion, with feed-forward. What is asserted is the machine's, not the servo's.
-mod fixtures;
+use crate::fixtures::tapping_center;
 use bus::{Command, Machine, Truth};
 use core::f64::consts::TAU;
-use fixtures::tapping_center;
 use sim::oracle::thread::helix;
 use sim::{Config, SimulatedMachine};
 use units::{Coordinate, Force, Lead, Length, Time, Torque};

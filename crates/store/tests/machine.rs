@@ -1,6 +1,5 @@
 //! Machine files: the embedded ones hold what their comments say, and a bad one is refused with
 //! everything that is wrong with it.
-#![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 
 use proptest::prelude::*;
 use store::machine::{self, Motor, PositionFrom, Ramp};

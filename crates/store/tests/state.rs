@@ -1,6 +1,5 @@
 //! A control's state outlives it: whole, or not at all; and nothing that was not written by a
 //! control is believed.
-#![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 
 use canon::{ToolLibrary, ToolUse};
 use proptest::prelude::*;
@@ -11,6 +10,7 @@ use store::state::{
     AlarmRecord, Finding, HomedAxis, Homing, LastProgram, LengthDisplay, MOST_ALARMS, Settings,
     State, StateFolder, Weight,
 };
+use test_support::size;
 use units::{Length, Time};
 
 fn parameters(x: f64) -> Parameters {
@@ -450,7 +450,7 @@ fn damaged(name: &str, damage: impl FnOnce(&mut Vec<u8>)) -> Result<(), TestCase
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(60, 1200)))]
 
     #[test]
     fn a_byte_changed_anywhere_is_noticed_and_the_version_before_is_used(

@@ -1,6 +1,5 @@
 //! Tool tables: both notations give the same library, and a bad one is refused with all its
 //! mistakes.
-#![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 
 use canon::{Flute, Holder, Mill, MillForm, Tool, ToolKind};
 use diag::Diagnostic;

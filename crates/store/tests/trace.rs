@@ -1,10 +1,10 @@
 //! Traces: what is pushed reads back in the documented columns and units, to half a step.
-#![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
 
 use bus::{Sample, State, Truth};
 use proptest::prelude::*;
 use std::path::Path;
 use store::trace::{Columns, GROUP_ROWS, Group, Reader, Writer};
+use test_support::size;
 use units::{Angle, Coordinate, Force, Length, Spin, Time, Torque};
 
 fn columns() -> Columns {
@@ -150,7 +150,7 @@ fn what_is_no_trace_is_refused_in_one_sentence() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))] // each writes and reads a file
+    #![proptest_config(ProptestConfig::with_cases(size::of(64, 1280)))] // each writes and reads a file
 
     #[test]
     fn a_damaged_trace_is_refused_or_read_and_never_a_panic(

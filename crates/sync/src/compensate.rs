@@ -280,7 +280,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(40))]
+        #![proptest_config(ProptestConfig::with_cases(test_support::size::of(40, 800)))]
         #[test]
         fn an_answer_measured_at_one_speed_serves_every_slower_one(rpm in 5.0..60.0f64) {
             let through = |s: &Spectrum, n: Spin| Spectrum {

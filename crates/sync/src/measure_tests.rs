@@ -80,7 +80,7 @@ fn lobes_that_are_alike_give_the_shift_next_to_zero() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
+    #![proptest_config(ProptestConfig::with_cases(test_support::size::of(40, 800)))]
     #[test]
     fn a_pure_lag_is_found_by_all_three(deg in -15.0..15.0f64, which in 0usize..3) {
         let profile = [lift, lobes, eccentric][which];

@@ -1,7 +1,7 @@
 //! Strokes at random over a stock at random: what is not in it where it was ordered never passes.
-mod common;
-use common::{Record, config, drilling, hole_ops, judge_with, stock_at, tools};
+use crate::common::{self, Record, config, drilling, hole_ops, judge_with, stock_at, tools};
 use proptest::prelude::*;
+use test_support::size;
 use units::Length;
 use verify::{Config, Feature, Judge, Stock};
 
@@ -30,7 +30,7 @@ fn tapped(stock: Stock) -> Feature {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(48, 960)))]
 
     #[test]
     fn a_zero_that_is_off_the_works_fails_by_just_as_much_and_one_that_is_not_passes(

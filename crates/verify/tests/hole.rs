@@ -1,7 +1,6 @@
 //! Holes judged from synthetic records.
-mod common;
+use crate::common::{self, config, drill, drilling, hole_ops};
 use canon::{Op, OpKind, Tool, ToolKind, ToolLibrary};
-use common::{config, drill, drilling, hole_ops};
 use units::{Angle, Length};
 use verify::{Config, Feature, FeatureKind, Hole, Judge, Stock};
 

@@ -1,5 +1,4 @@
 //! Polygons cut by tips whose paths are known in closed form, and judged from samples alone.
-#![allow(clippy::unwrap_used)] // a test may panic
 use bus::{Sample, State, Truth};
 use canon::{
     Axis, Feed, Harmonic, Op, OpKind, Oscillating, Oscillation, PolygonCutter, Position, Ratio,

@@ -1,6 +1,5 @@
 //! What is told first about a workpiece.
-mod common;
-use common::{Record, config, drilling, hole_ops, judge, tools};
+use crate::common::{self, Record, config, drilling, hole_ops, judge, tools};
 use units::Length;
 use verify::{Count, Criterion, Feature, Gauge, Judge, Summary, Tolerances};
 

@@ -1,10 +1,10 @@
 //! Threads judged from synthetic records whose error is known in closed form.
-mod common;
+use crate::common::{self, Record, config, judge, judge_with, tap_tool, thread, tools};
 use canon::Material;
 use canon::{Op, OpKind, ToolKind, ToolLibrary};
-use common::{Record, config, judge, judge_with, tap_tool, thread, tools};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
+use test_support::size;
 use units::{Angle, Coordinate, Length};
 use verify::{Config, Hand, Judge};
 
@@ -396,7 +396,7 @@ fn oversize_m6(oversize_um: f64) -> ToolLibrary {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(24, 480)))]
 
     #[test]
     fn an_exact_helix_always_passes(
@@ -434,7 +434,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(size::of(200, 2000)))]
 
     #[test]
     fn no_record_however_mad_makes_the_judge_panic(

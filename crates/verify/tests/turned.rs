@@ -3,13 +3,13 @@
 //!
 //! Limits are computed here from the formulas of ISO 965-1, tips of inserts from the geometry of a
 //! V.
-#![allow(clippy::unwrap_used)] // a test may panic
 use bus::{Sample, Truth};
 use canon::{
     Axis, Hand, Insert, InsertPoint, Op, OpKind, Position, Span, Threading, Tool, ToolKind,
     ToolLibrary,
 };
 use proptest::prelude::*;
+use test_support::size;
 use units::{Angle, Coordinate, Lead, LeadGrowth, Length, Time};
 use verify::{Bar, Config, Feature, FeatureKind, Judge, TurnedThread};
 
@@ -317,7 +317,7 @@ fn any_case() -> impl Strategy<Value = Case> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(40, 800), ..ProptestConfig::default() })]
 
     #[test]
     fn a_thread_of_any_size_and_hand_on_the_work_is_good(case in any_case(), off in -0.3..0.3) {

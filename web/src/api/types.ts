@@ -1,5 +1,5 @@
 // Types of the API, written by a test of `crates/server` from the Rust types. Do not edit:
-// UPDATE_API=1 cargo test -p server --test types
+// UPDATE_API=1 cargo test -p server --test all types::
 
 export type Status = { 
 /**

@@ -107,13 +107,14 @@ impl Tally {
 /// program.
 pub(crate) fn trials(binary: &Path, count: u32, seed: u64, mut each: impl FnMut(u32)) -> Tally {
     let mut tally = Tally::default();
+    let machine = machine(binary);
     for number in 0..count {
         let parts = parts(&mut Dice(seed ^ (u64::from(number) << 32)));
         for drawn in parts.iter().flat_map(Case::traits) {
             *tally.drawn.entry(drawn).or_default() += 1;
         }
         *tally.drawn.entry(("parts", PARTS[parts.len() - 1])).or_default() += 1;
-        match trial(binary, &parts, number) {
+        match trial(binary, &machine, &parts, number) {
             Ok(Fate::Good) => tally.good += 1,
             Ok(Fate::Refused(codes)) => {
                 tally.refused += 1;
@@ -155,13 +156,30 @@ fn tools(parts: &[Case]) -> String {
     (0..).zip(parts).map(|(number, part)| part.tools(number)).collect::<Vec<_>>().join("\n")
 }
 
-fn trial(binary: &Path, parts: &[Case], number: u32) -> Result<Fate, Broken> {
-    let output = run(binary, parts, number).map_err(Broken::Unpredicted)?;
+fn trial(
+    binary: &Path,
+    machine: &Result<String, String>,
+    parts: &[Case],
+    number: u32,
+) -> Result<Fate, Broken> {
+    let shown = machine.as_ref().map_err(|why| Broken::Unpredicted(why.clone()))?;
+    let output = run(binary, shown, parts, number).map_err(Broken::Unpredicted)?;
     judge(parts, &output)
 }
 
+fn started(binary: &Path, arguments: &[&str]) -> Result<Output, String> {
+    let output = Command::new(binary).args(arguments).output();
+    output.map_err(|e| format!("{}: {e}", binary.display()))
+}
+
+/// The machine's file as the program shows it.
+fn machine(binary: &Path) -> Result<String, String> {
+    let shown = started(binary, &["machine", "show", "tapping-center"])?;
+    Ok(String::from_utf8_lossy(&shown.stdout).into_owned())
+}
+
 /// In a folder of its own, as a user runs it.
-fn run(binary: &Path, parts: &[Case], number: u32) -> Result<Output, String> {
+fn run(binary: &Path, machine: &str, parts: &[Case], number: u32) -> Result<Output, String> {
     let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -169,34 +187,17 @@ fn run(binary: &Path, parts: &[Case], number: u32) -> Result<Output, String> {
     };
     let program = write("part.ngc", &program(parts))?;
     let tools = write("tools.toml", &tools(parts))?;
-    let run = |arguments: &[&str]| {
-        Command::new(binary)
-            .args(arguments)
-            .output()
-            .map_err(|e| format!("{}: {e}", binary.display()))
-    };
-    let shown = run(&["machine", "show", "tapping-center"])?;
-    let mut machine = String::from_utf8_lossy(&shown.stdout).into_owned();
+    let mut machine = machine.to_owned();
     if parts[0].chip_break {
         machine = machine.replace("retract = \"full\"", "retract = \"chip-break\"");
     }
     let machine = write("machine.toml", &machine)?;
     let path = |p: &Path| p.display().to_string();
     let (program, tools, machine) = (path(&program), path(&tools), path(&machine));
-    run(&[
-        "run",
-        &program,
-        "--tools",
-        &tools,
-        "--machine",
-        &machine,
-        "--tapping-preset",
-        parts[0].preset,
-        "--seed",
-        &number.to_string(),
-        "--format",
-        "json",
-    ])
+    let (seed, preset) = (number.to_string(), parts[0].preset);
+    let options = ["--tapping-preset", preset, "--seed", &seed, "--format", "json"];
+    let run = ["run", &program, "--tools", &tools, "--machine", &machine];
+    started(binary, &[&run[..], &options].concat())
 }
 
 fn judge(parts: &[Case], output: &Output) -> Result<Fate, Broken> {

@@ -146,7 +146,7 @@ fn a_hold_comes_where_both_limits_are_used_up() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(test_support::size::of(64, 1280)))]
     #[test]
     fn whatever_rates_are_wanted_on_a_circle_the_limits_hold(
         wanted in prop::collection::vec((0..1500_usize, 0.0..1.0_f64), 1..8),

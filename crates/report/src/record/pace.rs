@@ -161,10 +161,9 @@ impl Pace {
         if self.count < 4 {
             return;
         }
-        let by_axis = |of: &dyn Fn(usize) -> f64| -> [f64; AXES] { std::array::from_fn(of) };
-        let v = by_axis(&|i| (at[i] - q1[i]) / period);
-        let a = by_axis(&|i| (at[i] - 2.0 * q1[i] + q2[i]) / period.powi(2));
-        let j = by_axis(&|i| (at[i] - 3.0 * q1[i] + 3.0 * q2[i] - q3[i]) / period.powi(3));
+        let v = by_axis(|i| (at[i] - q1[i]) / period);
+        let a = by_axis(|i| (at[i] - 2.0 * q1[i] + q2[i]) / period.powi(2));
+        let j = by_axis(|i| (at[i] - 3.0 * q1[i] + 3.0 * q2[i] - q3[i]) / period.powi(3));
         let share = |x: [f64; AXES], most: [f64; AXES]| {
             (0..AXES).map(|i| x[i].abs() / most[i]).filter(|x| x.is_finite()).fold(0.0, f64::max)
         };
@@ -260,6 +259,11 @@ fn class_near(speed: f64, before: u8) -> u8 {
 pub(crate) fn class_bounds(class: u8) -> (f64, f64) {
     let end = SLOWEST * (f64::from(class) / 2.0).exp2();
     (if class == 0 { 0.0 } else { end / std::f64::consts::SQRT_2 }, end)
+}
+
+/// Returns a value for each axis.
+fn by_axis(of: impl Fn(usize) -> f64) -> [f64; AXES] {
+    std::array::from_fn(of)
 }
 
 #[cfg(test)]

@@ -40,12 +40,29 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use topics::{Carries, Topics};
 
-/// After a connection has ended, the first attempt comes after so long, …
-const SHORTEST_WAIT: Duration = Duration::from_millis(250);
-/// … each next one after twice as long, at most so long.
-const LONGEST_WAIT: Duration = Duration::from_secs(30);
 /// A connection that has lasted for so long was a good one.
 const GOOD: Duration = Duration::from_secs(10);
+
+/// Longest waits for a broker; [`BrokerTimeouts::default`] has those of a shop.
+#[derive(Clone, Copy, Debug)]
+pub struct BrokerTimeouts {
+    /// After a connection has ended, the first attempt comes after this time.
+    pub retry: Duration,
+    /// Each next attempt comes after twice as long, at most this.
+    pub longest_retry: Duration,
+    /// A broker that acknowledges nothing for this time does not do so any more.
+    pub acknowledgement: Duration,
+}
+
+impl Default for BrokerTimeouts {
+    fn default() -> Self {
+        Self {
+            retry: Duration::from_millis(250),
+            longest_retry: Duration::from_secs(30),
+            acknowledgement: Duration::from_secs(20),
+        }
+    }
+}
 
 /// How observations are published.
 pub struct PublishOptions {
@@ -58,6 +75,8 @@ pub struct PublishOptions {
     pub authorities: Option<PathBuf>,
     /// With what topics begin.
     pub topic: TopicPrefix,
+    /// How long the broker is waited for.
+    pub timeouts: BrokerTimeouts,
     /// Told, in a sentence, when there is a connection, when there is none, and what was lost.
     pub told: Box<dyn Fn(&str) + Send + Sync>,
 }
@@ -67,6 +86,7 @@ pub(crate) struct Publisher {
     link: Link,
     login: Option<BrokerLogin>,
     topics: Topics,
+    timeouts: BrokerTimeouts,
     client_id: String,
     monitoring: Arc<Monitoring>,
     told: Box<dyn Fn(&str) + Send + Sync>,
@@ -121,7 +141,7 @@ impl Publisher {
         options: PublishOptions,
         monitoring: Arc<Monitoring>,
     ) -> Result<Self, String> {
-        let PublishOptions { broker, login, authorities, topic, told } = options;
+        let PublishOptions { broker, login, authorities, topic, timeouts, told } = options;
         let link = Link::of(broker, authorities.as_deref())?;
         let agent = monitoring.agent();
         let topics = Topics::of(&topic, agent.uuid());
@@ -133,7 +153,7 @@ impl Publisher {
         let (document, item) = (AtomicU64::new(1), AtomicU64::new(1));
         let figures = Figures { document, item, ..Figures::default() };
         let said = Mutex::default();
-        Ok(Self { link, login, topics, client_id, monitoring, told, said, figures })
+        Ok(Self { link, login, topics, timeouts, client_id, monitoring, told, said, figures })
     }
 
     /// How it goes.
@@ -151,17 +171,17 @@ impl Publisher {
 
     /// Connection after connection, for ever.
     pub(crate) async fn run(self: Arc<Self>) {
-        let mut wait = SHORTEST_WAIT;
+        let mut wait = self.timeouts.retry;
         loop {
             let begun = now();
             let why = session::run(&self).await;
             self.figures.is_connected.store(false, Relaxed);
             self.tell(format!("MQTT: {why}; observations wait, and it is tried again"));
             if now() - begun > GOOD {
-                wait = SHORTEST_WAIT;
+                wait = self.timeouts.retry;
             }
             tokio::time::sleep(wait).await;
-            wait = (wait * 2).min(LONGEST_WAIT);
+            wait = (wait * 2).min(self.timeouts.longest_retry);
         }
     }
 

@@ -22,8 +22,6 @@ use tokio::task::JoinHandle;
 const COLLECTED: Duration = Duration::from_millis(100);
 /// Messages on their way: the broker has not acknowledged them.
 const MOST_ON_THEIR_WAY: usize = 64;
-/// A broker that acknowledges nothing for so long does not do so any more.
-const ACKNOWLEDGES: Duration = Duration::from_secs(20);
 /// An end that is noticed is explained within so long.
 const SAYS_WHY: Duration = Duration::from_secs(1);
 /// A connection that says nothing for so long is asked whether it is there, s.
@@ -91,10 +89,11 @@ pub(super) async fn run(publisher: &Publisher) -> String {
                 }
             }
             _ = tick.tick() => {
-                if now() - acknowledged_at > ACKNOWLEDGES {
+                if now() - acknowledged_at > publisher.timeouts.acknowledgement {
                     return format!(
                         "{} has acknowledged nothing for {} s",
-                        publisher.link.address, ACKNOWLEDGES.as_secs()
+                        publisher.link.address,
+                        publisher.timeouts.acknowledgement.as_secs_f64()
                     );
                 }
                 fill(publisher, &mut sending.outbox, false);

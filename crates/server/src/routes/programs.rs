@@ -11,7 +11,6 @@ use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
-use control::clock::now;
 use std::sync::Arc;
 
 pub(super) async fn list(State(app): State<Arc<App>>) -> Result<Response, ApiError> {
@@ -51,8 +50,8 @@ async fn write(
     body: Body,
     overwrites: bool,
 ) -> Result<Response, ApiError> {
-    app.rights().may_command(&who.session, false, now())?;
-    let text = bytes(body, LARGEST_PROGRAM).await?;
+    app.rights().may_command(&who.session, false, app.clock.now())?;
+    let text = bytes(body, LARGEST_PROGRAM, app.timeouts.body).await?;
     let saved = SavedBody { path: path.clone(), bytes: text.len() as u64 };
     let written: Result<(), FolderError> =
         on_disk(&app, move |app| app.folder.write(&path, &text, overwrites)).await?;

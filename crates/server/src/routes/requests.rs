@@ -16,7 +16,7 @@ pub(super) async fn request(
     for_stops: Option<Extension<ForStops>>,
     body: Body,
 ) -> Result<Response, ApiError> {
-    let body: RequestBody = object(body).await?;
+    let body: RequestBody = object(body, app.timeouts.body).await?;
     if for_stops.is_some() && !body.is_stop() {
         return Err(too_many());
     }

@@ -5,7 +5,7 @@ use control::RealTimeOptions;
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
 use serde_json::{Value, json};
-use server::{Certificate, KeptRuns, PublishOptions, Server, ServerOptions};
+use server::{Certificate, ClientTimeouts, Clock, KeptRuns, PublishOptions, Server, ServerOptions};
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -43,6 +43,8 @@ pub struct How {
     pub mtconnect: Option<usize>,
     pub metrics: bool,
     pub publish: Option<PublishOptions>,
+    pub timeouts: ClientTimeouts,
+    pub clock: Clock,
 }
 
 impl Default for How {
@@ -60,6 +62,8 @@ impl Default for How {
             mtconnect: Some(server::MOST_OBSERVATIONS),
             metrics: true,
             publish: None,
+            timeouts: ClientTimeouts::default(),
+            clock: Clock::default(),
         }
     }
 }
@@ -119,6 +123,8 @@ impl Served {
             mtconnect: how.mtconnect,
             metrics: how.metrics,
             publish: how.publish,
+            timeouts: how.timeouts,
+            clock: how.clock,
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()
@@ -150,6 +156,12 @@ impl Served {
             request = request.header(*name, *value);
         }
         Self::read(request.call())
+    }
+
+    /// Waits for a client no longer than this for anything.
+    pub fn waiting_at_most(longest: Duration) -> Self {
+        let timeouts = ClientTimeouts { header: longest, body: longest, answer: longest };
+        Self::of(How { timeouts, ..How::default() })
     }
 
     /// A request as it is written, outside the API.

@@ -10,7 +10,7 @@ use super::protobuf::{self, PeriodMessage};
 use super::{Group, Reader, unit_of};
 use crate::Error;
 use crate::output::NewFile;
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::KeyValue;
@@ -161,7 +161,7 @@ struct Mcap<W: Write + io::Seek> {
 impl<W: Write + io::Seek> Mcap<W> {
     fn begin(out: W, about: &About) -> io::Result<Self> {
         let options = mcap::WriteOptions::new()
-            .compression(Some(mcap::Compression::Zstd))
+            .compression(None)
             .library(concat!("leadscrew ", env!("CARGO_PKG_VERSION")));
         let mut writer = options.create(out).map_err(io::Error::other)?;
         let row = PeriodMessage::new(&about.numbers, about.has_line, about.has_state);
@@ -210,7 +210,7 @@ impl<W: Write + Send> Plain<W> {
         let properties = WriterProperties::builder()
             .set_created_by(concat!("leadscrew ", env!("CARGO_PKG_VERSION")).to_owned())
             .set_key_value_metadata(Some(facts.collect()))
-            .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            .set_compression(Compression::LZ4_RAW)
             .set_dictionary_enabled(false)
             .set_column_dictionary_enabled("state".into(), true);
         let schema = schema(about)?;

@@ -7,7 +7,7 @@ use super::{Columns, GROUP_ROWS, Rows};
 use crate::Error;
 use bus::{Sample, State};
 use parquet::{
-    basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel},
+    basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical},
     data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type},
     errors::Result as ParquetResult,
     file::{
@@ -134,7 +134,7 @@ fn properties(about: &[(&str, &str)]) -> WriterProperties {
     WriterProperties::builder()
         .set_created_by(concat!("leadscrew ", env!("CARGO_PKG_VERSION")).to_owned())
         .set_key_value_metadata(Some(about.collect()))
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_compression(Compression::LZ4_RAW)
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
         .set_column_encoding(column("line"), Encoding::DELTA_BINARY_PACKED)

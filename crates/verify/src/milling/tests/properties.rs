@@ -12,7 +12,7 @@ fn forms() -> impl Strategy<Value = MillForm> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(test_support::size::of(24, 480)))]
     /// What is removed only grows, is never more than the block has, and never more than what the
     /// mill has swept.
     #[test]

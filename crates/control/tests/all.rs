@@ -1,0 +1,11 @@
+//! What a control does that stays on: one test program, so that it is linked once.
+#![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
+
+mod absolute_encoders;
+mod axis_kinds;
+mod proving;
+mod real_time;
+mod recovery;
+mod requests;
+mod stop_lane;
+mod stops;

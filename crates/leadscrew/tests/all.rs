@@ -1,0 +1,9 @@
+//! What the library does: one test program, so that it is linked once.
+#![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
+
+mod library;
+mod never_slower;
+mod probing;
+mod single_block;
+mod state_kills;
+mod tool_life;
