@@ -95,7 +95,7 @@ pub struct Unwritten {
 }
 
 /// What is said of a sync record that is not on the disk.
-pub(crate) fn unwritten_record(why: String) -> String {
+pub(crate) fn unwritten_record(why: &str) -> String {
     format!("the sync record cannot be written: {why}")
 }
 
@@ -150,7 +150,7 @@ impl EndedRun {
         if let Some(trace) = trace {
             trace.finish()?;
         }
-        outcome.broke_off.extend(why.map(unwritten_record));
+        outcome.broke_off.extend(why.map(|why| unwritten_record(&why)));
         Ok(outcome)
     }
 

@@ -5,7 +5,7 @@
 //! waits for it: a request that changes something is accepted when it is on the disk, not before.
 //! One that is hosted waits for no disk: the answer to such a request does.
 use super::request::Refusal;
-use super::writer::{Key, Ticket, Writer};
+use super::writer::{Key, Ticket, Write, Writer};
 use crate::Refused;
 use std::path::{Path, PathBuf};
 use store::parameters::Parameters;
@@ -94,11 +94,7 @@ impl Kept {
     }
 
     /// Write something after all that was to be written before.
-    pub(super) fn write(
-        &mut self,
-        key: Key,
-        write: Box<dyn FnOnce(&mut StateFolder) -> Result<(), String> + Send>,
-    ) -> Result<(), String> {
+    pub(super) fn write(&mut self, key: Key, write: Write) -> Result<(), String> {
         let Some(Folder { writer, waits, .. }) = &mut self.folder else { return Ok(()) };
         let ticket = writer.write(key, write);
         if *waits { writer.wait_for(&ticket) } else { Ok(()) }

@@ -161,7 +161,7 @@ impl Control {
     /// What is left of a program's sync record is put on the disk.
     pub(super) fn keep_record(&mut self, record: Option<RecordWriter>) {
         let Some(record) = record else { return };
-        let finish = move |_: &mut _| record.finish().map_or(Ok(()), |w| Err(unwritten_record(w)));
+        let finish = move |_: &mut _| record.finish().map_or(Ok(()), |w| Err(unwritten_record(&w)));
         if let Err(why) = self.kept.write(Key::Record, Box::new(finish)) {
             self.events.notice(why);
         }

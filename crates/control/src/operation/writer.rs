@@ -40,7 +40,8 @@ pub(super) struct Ticket {
     key: Key,
 }
 
-type Write = Box<dyn FnOnce(&mut StateFolder) -> Result<(), String> + Send>;
+/// Writes something; why it could not, in a sentence.
+pub(super) type Write = Box<dyn FnOnce(&mut StateFolder) -> Result<(), String> + Send>;
 type Then = Box<dyn FnOnce(Result<(), String>) + Send>;
 
 /// See the module's header; dropped, it writes what waits.

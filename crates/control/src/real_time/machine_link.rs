@@ -47,11 +47,11 @@ impl MachineLink {
     pub(super) fn new(
         requests: Producer<MachineRequest>,
         stops: Arc<StopLane>,
-        first: Sample,
+        first: &Sample,
         period: Time,
         retained: Option<shm::RetainedMemory>,
     ) -> Self {
-        let Sample { feedback, truth, .. } = first;
+        let (feedback, truth) = (first.feedback, first.truth);
         let (waiting, engagement) = (VecDeque::new(), (None, None));
         Self { requests, waiting, stops, engagement, feedback, truth, period, retained, lost: None }
     }
@@ -159,7 +159,7 @@ mod tests {
         let (requests, taken) = RingBuffer::new(room);
         let stops = Arc::<StopLane>::default();
         let link =
-            MachineLink::new(requests, Arc::clone(&stops), Sample::default(), Time::s(1e-3), None);
+            MachineLink::new(requests, Arc::clone(&stops), &Sample::default(), Time::s(1e-3), None);
         (link, taken, stops)
     }
 

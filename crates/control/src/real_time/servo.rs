@@ -90,7 +90,7 @@ pub(crate) fn prepare(
         Plant::Inside(_) | Plant::Outside(_) => None,
     };
     let machine_link =
-        MachineLink::new(machine_requests, Arc::clone(stops), sample, period, retained);
+        MachineLink::new(machine_requests, Arc::clone(stops), &sample, period, retained);
     let rings = ServoRings {
         requests: asked,
         replies,

@@ -290,7 +290,7 @@ impl Lead {
         match self.control.last_kept().filter(|kept| Some(*kept) != kept_before) {
             Some(kept) if answered.is_ok() => {
                 self.control.when_kept(kept, |written| {
-                    answer(written.map_err(RefusalData::unkept).and(answered));
+                    answer(written.map_err(|why| RefusalData::unkept(&why)).and(answered));
                 });
             }
             Some(_) | None => answer(answered),
