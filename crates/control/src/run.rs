@@ -151,7 +151,8 @@ impl Running {
         Self::with(parts, None, executor)
     }
 
-    /// The next thing that the program says to its operator; `is_over`: the machine goes no further.
+    /// The next thing that the program says to its operator; `is_over`: the machine goes no
+    /// further.
     pub fn next_message(&mut self, op: u32, is_over: bool) -> Option<Message> {
         self.feeder.messages.next(op, is_over)
     }

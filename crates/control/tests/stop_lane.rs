@@ -165,8 +165,8 @@ fn an_emergency_stop_opens_the_chain_before_anything_that_waits_in_the_queue() {
     flood.end();
 }
 
-/// Periods between a request and the first setpoint of X that shows it: the control's thread looks at
-/// periods, and at nothing that was asked of it.
+/// Periods between a request and the first setpoint of X that shows it: the control's thread looks
+/// at periods, and at nothing that was asked of it.
 fn periods_until_it_acts(stop: Request, real_time: bool) -> usize {
     let (_state, _hosted, client, disk) = homed(real_time);
     let _let_go = LetGo(disk.clone());

@@ -1,5 +1,5 @@
-//! What stops, what turns on, and what an axis does that does not know where it is: in lock-step, to
-//! the period.
+//! What stops, what turns on, and what an axis does that does not know where it is: in lock-step,
+//! to the period.
 use canon::{Axis, Position};
 use control::job::ProgramOptions;
 use control::operation::{Event, Execution, Jog, Request};

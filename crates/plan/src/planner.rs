@@ -476,8 +476,8 @@ impl Planner {
         self.hand_on(job, StepKind::End);
     }
 
-    /// Blocks that were typed are done when what they say of the spindles is done; the spindles turn
-    /// on.
+    /// Blocks that were typed are done when what they say of the spindles is done; the spindles
+    /// turn on.
     fn end_typed(&mut self, job: &mut Job) {
         self.tell_spindles(job);
         self.await_spindles(job);

@@ -57,8 +57,8 @@ pub(crate) mod head {
     /// How far the axis was from its coupling at most by the control's account, mm, as bits of a
     /// double.
     pub(crate) const ERROR_BEFORE: usize = 29;
-    /// Stops that wait in no queue: the session, and flags in the lower half. The control sets them,
-    /// the servo thread takes them.
+    /// Stops that wait in no queue: the session, and flags in the lower half. The control sets
+    /// them, the servo thread takes them.
     pub(crate) const STOPS: usize = 30;
     /// Words.
     pub(crate) const SIZE: usize = 32;

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Batches go round: nothing is allocated once the run is under way, and a slow disk makes the
-//! simulation wait instead of filling the memory. A control that stays on waits for no disk: a trace
-//! whose disk is [`MOST_BATCHES`] behind is given up.
+//! simulation wait instead of filling the memory. A control that stays on waits for no disk: a
+//! trace whose disk is [`MOST_BATCHES`] behind is given up.
 use bus::Sample;
 use std::{
     sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel},

@@ -151,7 +151,7 @@ impl Control {
     pub(super) fn keep_message(&mut self, program: &str, line: u32, text: &str) {
         let (program, text) = (program.to_owned(), text.to_owned());
         let (unix_ms, time_s) = (unix_ms(), self.now().value());
-        let kept = message_log::Entry { unix_ms, time_s, program, line, text };
+        let kept = message_log::LoggedMessage { unix_ms, time_s, program, line, text };
         let write = move |folder: &mut StateFolder| {
             message_log::append(folder.path(), &kept)
                 .map_err(|why| format!("a message is not kept: {why}"))
@@ -177,9 +177,9 @@ impl Control {
 }
 
 impl Control {
-    /// From now on nothing waits for the disk: what is to be kept is written beside the control, and
-    /// answers that depend on it come when it is. `before` is called in the thread that writes,
-    /// before each write.
+    /// From now on nothing waits for the disk: what is to be kept is written beside the control,
+    /// and answers that depend on it come when it is. `before` is called in the thread that
+    /// writes, before each write.
     pub fn keep_beside(&mut self, before: Box<dyn FnMut() + Send>) {
         self.kept.write_beside(before);
     }

@@ -5,7 +5,7 @@
 //! waits for it: a request that changes something is accepted when it is on the disk, not before.
 //! One that is hosted waits for no disk: the answer to such a request does.
 use super::request::Refusal;
-use super::writer::{Key, Ticket, Write, Writer};
+use super::writer::{Key, StateWriter, Ticket, Write};
 use crate::Refused;
 use std::path::{Path, PathBuf};
 use store::parameters::Parameters;
@@ -16,27 +16,27 @@ use store::sync_record::slots;
 /// A state folder, and what was found in it; without one nothing is kept.
 #[derive(Default)]
 pub(super) struct Kept {
-    folder: Option<Folder>,
+    folder: Option<KeptFolder>,
     /// References of absolute encoders.
     pub(super) homed: Homing,
 }
 
 /// Where the folder is, who has it, and what writes into it.
-struct Folder {
-    place: Place,
-    writer: Writer,
+struct KeptFolder {
+    place: LockedFolder,
+    writer: StateWriter,
     /// A save returns when it is on the disk.
     waits: bool,
 }
 
 /// A folder that this control has locked.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct LockedFolder {
     path: PathBuf,
     lock: FolderLock,
 }
 
-impl Place {
+impl LockedFolder {
     /// Where it is.
     pub(super) fn path(&self) -> &Path {
         &self.path
@@ -59,15 +59,15 @@ impl Kept {
         found.extend(folder.claim(machine)?);
         let said = found.into_iter().map(|finding| finding.to_string()).collect();
         let homed = state.homed.clone();
-        let place = Place { path: folder.path().to_owned(), lock: folder.lock() };
-        let writer = Writer::start(folder)
+        let place = LockedFolder { path: folder.path().to_owned(), lock: folder.lock() };
+        let writer = StateWriter::start(folder)
             .map_err(|e| Refused::because(format!("cannot start a thread: {e}")))?;
-        let folder = Folder { place, writer, waits: true };
+        let folder = KeptFolder { place, writer, waits: true };
         Ok((Self { folder: Some(folder), homed }, state, said))
     }
 
     /// The folder, if there is one.
-    pub(super) fn folder(&self) -> Option<&Place> {
+    pub(super) fn folder(&self) -> Option<&LockedFolder> {
         self.folder.as_ref().map(|folder| &folder.place)
     }
 
@@ -95,7 +95,7 @@ impl Kept {
 
     /// Write something after all that was to be written before.
     pub(super) fn write(&mut self, key: Key, write: Write) -> Result<(), String> {
-        let Some(Folder { writer, waits, .. }) = &mut self.folder else { return Ok(()) };
+        let Some(KeptFolder { writer, waits, .. }) = &mut self.folder else { return Ok(()) };
         let ticket = writer.write(key, write);
         if *waits { writer.wait_for(&ticket) } else { Ok(()) }
     }

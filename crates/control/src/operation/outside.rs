@@ -9,7 +9,7 @@
 //!
 //! Places in the record are those that the machine's encoders read: the axes of a control that
 //! begins are not homed.
-use super::kept::{Kept, Place};
+use super::kept::{Kept, LockedFolder};
 use crate::Refused;
 use crate::plant::{self, Plant};
 use crate::recovery::{self, LeftTool};
@@ -157,7 +157,7 @@ impl Outside {
 
     /// Whether a control before this one has left a tool in the work, by machine, record and
     /// encoders; what is said of it.
-    fn find(&mut self, folder: Option<&Place>, machine: &MachineFile) -> Option<String> {
+    fn find(&mut self, folder: Option<&LockedFolder>, machine: &MachineFile) -> Option<String> {
         match folder.map(|folder| (folder, self.read(folder))) {
             Some((folder, Ok(record))) => {
                 self.look(record.clone(), folder.path(), machine);
@@ -190,7 +190,7 @@ impl Outside {
         })
     }
 
-    pub(super) fn read(&self, folder: &Place) -> Result<Option<SyncRecord>, Untrusted> {
+    pub(super) fn read(&self, folder: &LockedFolder) -> Result<Option<SyncRecord>, Untrusted> {
         Slots::open(folder.for_record(), &self.identity).map(|(_, kept)| kept.record)
     }
 

@@ -45,14 +45,14 @@ pub(super) type Write = Box<dyn FnOnce(&mut StateFolder) -> Result<(), String> +
 type Then = Box<dyn FnOnce(Result<(), String>) + Send>;
 
 /// See the module's header; dropped, it writes what waits.
-pub(super) struct Writer {
+pub(super) struct StateWriter {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
 #[derive(Default)]
 struct Shared {
-    state: Mutex<Waiting>,
+    state: Mutex<WaitingWrites>,
     /// Something is to be written, or it is over.
     work: Condvar,
     /// Something was written.
@@ -60,7 +60,7 @@ struct Shared {
 }
 
 #[derive(Default)]
-struct Waiting {
+struct WaitingWrites {
     writes: VecDeque<(Ticket, Write)>,
     /// Numbers of the last ticket, and of the last one that was dealt with.
     last: Option<Ticket>,
@@ -77,12 +77,12 @@ struct Waiting {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, Waiting> {
+    fn lock(&self) -> MutexGuard<'_, WaitingWrites> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Writer {
+impl StateWriter {
     pub(super) fn start(folder: StateFolder) -> std::io::Result<Self> {
         let shared = Arc::<Shared>::default();
         let own = Arc::clone(&shared);
@@ -171,7 +171,7 @@ impl Writer {
     }
 }
 
-impl Drop for Writer {
+impl Drop for StateWriter {
     fn drop(&mut self) {
         self.shared.lock().is_over = true;
         self.shared.work.notify_one();
@@ -181,7 +181,7 @@ impl Drop for Writer {
     }
 }
 
-impl Waiting {
+impl WaitingWrites {
     /// A later version of the same datum stands for it.
     fn result_of(&self, ticket: Ticket) -> Result<(), String> {
         let failed = self.failed.iter().find(|(failed, _)| failed.key == ticket.key);

@@ -1,9 +1,9 @@
 //! A machine that is in the servo thread, seen from the control's.
 //!
-//! What is asked of it goes through a ring that the servo thread empties in each period. It may find
-//! that full: a busy computer lets the control look at many periods at once. So what finds no room
-//! waits here for the next look. The engaged tool is no message but a state: only when it differs
-//! from what was sent last is it sent, and of several states the last.
+//! What is asked of it goes through a ring that the servo thread empties in each period. It may
+//! find that full: a busy computer lets the control look at many periods at once. So what finds no
+//! room waits here for the next look. The engaged tool is no message but a state: only when it
+//! differs from what was sent last is it sent, and of several states the last.
 use bus::{Feedback, Sample, Truth};
 use rtrb::Producer;
 use servo::{LaneStop, Record, StopLane};

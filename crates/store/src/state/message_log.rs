@@ -13,7 +13,7 @@ const LARGEST: u64 = 1 << 20;
 
 /// A message.
 #[derive(Clone, Debug, serde::Serialize)]
-pub struct Entry {
+pub struct LoggedMessage {
     /// When, ms since 1970.
     pub unix_ms: u64,
     /// Machine time, s.
@@ -30,7 +30,7 @@ pub struct Entry {
 ///
 /// # Errors
 /// The disk refuses.
-pub fn append(folder: &Path, entry: &Entry) -> io::Result<()> {
+pub fn append(folder: &Path, entry: &LoggedMessage) -> io::Result<()> {
     let path = folder.join(FILE);
     if fs::metadata(&path).is_ok_and(|about| about.len() >= LARGEST) {
         fs::rename(&path, folder.join(super::previous(FILE)))?;
@@ -48,7 +48,8 @@ mod tests {
     fn lines_are_appended_and_the_log_never_grows_beyond_two_files_of_its_size() {
         let folder = tempfile::tempdir().unwrap();
         let text = "x".repeat(100_000);
-        let entry = Entry { unix_ms: 1, time_s: 0.5, program: "part.ngc".into(), line: 7, text };
+        let entry =
+            LoggedMessage { unix_ms: 1, time_s: 0.5, program: "part.ngc".into(), line: 7, text };
         for _ in 0..40 {
             append(folder.path(), &entry).unwrap();
         }

@@ -1,6 +1,6 @@
 //! Requests that stop: they wait in no queue. Each acts at once by its flag
-//! ([`StopLane`](servo::StopLane)) on what moves, whatever else is asked for; what the control makes
-//! of it follows before the next job, and many that ask for the same are one.
+//! ([`StopLane`](servo::StopLane)) on what moves, whatever else is asked for; what the control
+//! makes of it follows before the next job, and many that ask for the same are one.
 use super::refusal::RefusalData;
 use crate::operation::{Accepted, Request};
 use servo::{LaneStop, StopLane};
@@ -20,7 +20,8 @@ const KINDS: [LaneStop; 4] =
 /// See the module's header.
 pub(super) struct Stops {
     lane: Arc<StopLane>,
-    /// The emergency stop chain is within reach; the one of a machine in another process is its own.
+    /// The emergency stop chain is within reach; the one of a machine in another process is its
+    /// own.
     has_chain: bool,
     is_asked: AtomicBool,
     askers: Mutex<[Vec<Answered>; KINDS.len()]>,
