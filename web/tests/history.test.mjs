@@ -10,7 +10,7 @@ const tap = 'G21 G90 G54\nT2 M6\nG43 H2\nS6000 M3\nG0 X12 Y12 Z30\nG99 G83 Z-24 
 async function execute(name, text) {
   const asked = (body) => fetch(`${server.url}/api/v1/request`, { method: 'POST', headers: { 'x-leadscrew-session': session }, body: JSON.stringify(body) }).then((answer) => answer.json());
   const session = await page.evaluate(() => JSON.parse(sessionStorage.getItem('leadscrew.session')).session);
-  await fetch(`${server.url}/api/v1/programs/${name}`, { method: 'PUT', headers: { 'x-leadscrew-session': session }, body: text });
+  await fetch(`${server.url}/api/v1/programs/${name}?replace=true`, { method: 'PUT', headers: { 'x-leadscrew-session': session }, body: text });
   const before = (await server.get('runs')).runs.length;
   for (const body of [{ request: 'load', program: name }, { request: 'start' }]) {
     const answer = await asked(body);

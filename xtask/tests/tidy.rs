@@ -47,6 +47,38 @@ fn no_file_is_longer_than_one_idea() {
     assert!(long.is_empty(), "longer than {LONGEST_FILE} lines before their tests: {long:#?}");
 }
 
+/// Files are opened by [`store::open`], which waits for no pipe, and read to a limit.
+#[test]
+fn every_file_is_read_by_the_one_reader_that_has_a_limit() {
+    // the system's own files, and those of a folder that is locked
+    let own = [
+        "crates/store/src/text.rs",
+        "crates/store/src/output.rs",
+        "crates/store/src/state/plain.rs",
+        "crates/store/src/state/lock.rs",
+        "crates/server/src/metrics/process.rs",
+        "crates/server/src/monitoring.rs",
+    ];
+    let readers =
+        ["File::open(", "fs::read(", "fs::read_to_string(", "pem_file", ".read(true).open("];
+    let mut others = Vec::new();
+    for file in sources() {
+        let name = shown(&file);
+        let is_product = name.starts_with("crates/") && name.contains("/src/");
+        let is_test = ["tests.rs", "documented.rs", "machine_keys.rs", "/tests/"]
+            .iter()
+            .any(|part| name.contains(part));
+        if !is_product || is_test || own.contains(&name.as_str()) {
+            continue;
+        }
+        let text = read(&file);
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let found = readers.iter().filter(|reader| code.contains(**reader));
+        others.extend(found.map(|reader| format!("{name}: {reader}")));
+    }
+    assert!(others.is_empty(), "not read by store::open or store::read_bytes: {others:#?}");
+}
+
 #[test]
 fn nothing_is_left_open_in_the_code() {
     let marks = [concat!("to", "do!("), concat!("unimple", "mented!("), concat!("FIX", "ME")];

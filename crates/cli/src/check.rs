@@ -10,6 +10,7 @@ use crate::say;
 use control::Refused;
 use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, add};
+use control::job::program_files;
 use control::job::table_notes::TableNotes;
 use control::job::{Session, read_program};
 use diag::Diagnostic;
@@ -17,9 +18,6 @@ use std::{
     collections::HashSet,
     path::{Path, PathBuf},
 };
-
-/// Endings of files that are taken for programs in a folder.
-const PROGRAM_ENDINGS: [&str; 8] = ["ngc", "nc", "tap", "gcode", "cnc", "mpf", "eia", "gc"];
 
 /// Of a file that is no text.
 const NO_TEXT: &str = "P0191";
@@ -308,7 +306,7 @@ pub(crate) fn programs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
         }
         let inside = programs_in(path)?;
         if inside.is_empty() {
-            let endings = PROGRAM_ENDINGS.join(", .");
+            let endings = program_files::ENDINGS.join(", .");
             let folder = path.display();
             return Err(Refused::because(format!(
                 "{folder} has no programs: expected files ending in .{endings}"
@@ -317,16 +315,6 @@ pub(crate) fn programs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
         found.extend(inside);
     }
     Ok(found)
-}
-
-/// By its ending, or a name as controls give them: `O1234`, with no ending or `.txt`.
-fn is_program(path: &Path) -> bool {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("");
-    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    PROGRAM_ENDINGS.iter().any(|e| ending.eq_ignore_ascii_case(e))
-        || (ending.is_empty() || ending.eq_ignore_ascii_case("txt"))
-            && stem.strip_prefix(['O', 'o']).is_some_and(is_number)
 }
 
 /// The programs in a folder and in those below it. Links to folders are not followed: they may lead
@@ -339,7 +327,7 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Refused> {
         let path = entry.path();
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             below.push(path);
-        } else if path.is_file() && is_program(&path) {
+        } else if path.is_file() && program_files::has_name_of_one(&path) {
             inside.push(path);
         }
     }

@@ -22,6 +22,8 @@ pub(crate) const WHOLE: u64 = 4 << 20;
 const PIECE: usize = 1 << 20;
 /// So much is kept of a line that is longer than a piece: it is refused for its length.
 const KEPT: usize = 1 << 17;
+/// Longest line that is passed over: a file without lines is no program.
+const LONGEST_LINE: usize = 64 << 20;
 
 /// Whether every piece of a program needs nothing but the one before.
 fn suits(path: &Path, setup: &interp::Setup) -> Result<bool, Refused> {
@@ -66,7 +68,7 @@ pub(crate) struct Pieces {
 impl Pieces {
     /// At the beginning of a file.
     pub(crate) fn open(path: &Path) -> Result<Self, Refused> {
-        let file = File::open(path).map_err(|e| unreadable(path, &e))?;
+        let file = store::open(path).map_err(|e| unreadable(path, &e))?;
         let buffer = Vec::with_capacity(PIECE + (PIECE >> 3));
         Ok(Self { path: path.to_owned(), file, buffer, used: 0, at_end: false, finished: false })
     }
@@ -96,12 +98,19 @@ impl Pieces {
     fn cut_line(&mut self) -> io::Result<()> {
         self.buffer.truncate(KEPT);
         let mut more = vec![0; KEPT];
+        let mut cut = 0;
         while !self.at_end {
+            if cut > LONGEST_LINE {
+                return Err(io::Error::other(format!(
+                    "a line is longer than {LONGEST_LINE} bytes: it is no program"
+                )));
+            }
             let read = match self.file.read(&mut more) {
                 Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
                 read => read?,
             };
             self.at_end = read == 0;
+            cut += read;
             if let Some(end) = memchr::memchr(b'\n', &more[..read]) {
                 self.buffer.extend_from_slice(&more[end..read]);
                 break;
@@ -131,7 +140,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Refused {
 /// It cannot be read.
 pub(crate) fn head(path: &Path, most: usize) -> Result<Vec<u8>, Refused> {
     let mut head = Vec::new();
-    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
+    let file = store::open(path).map_err(|error| unreadable(path, &error))?;
     let read = file.take(most as u64).read_to_end(&mut head);
     read.map_err(|error| unreadable(path, &error))?;
     Ok(head)

@@ -13,7 +13,7 @@ use std::time::Duration;
 /// Ctrl-C is looked for so often.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Serve a control, or make a token.
+/// Serve a control, make a token, or take one out.
 pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
     if let Some(file) = &args.new_token {
         let role = match args.token_role {
@@ -23,6 +23,11 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         let made =
             Tokens::add(file, &args.token_name, role, args.valid_for).map_err(Refused::because)?;
         return say::out(&format!("{}\n", made.token));
+    }
+    if let Some(file) = &args.revoke_token {
+        Tokens::revoke(file, &args.token_name).map_err(Refused::because)?;
+        say::err(&format!("{} is revoked\n", args.token_name));
+        return Ok(());
     }
     let control = ControlOptions {
         program: args.source.options(),

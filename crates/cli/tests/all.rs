@@ -37,6 +37,7 @@ mod programs;
 mod random_taps;
 mod recovery;
 mod rotary;
+mod served;
 mod shifted;
 mod spec;
 mod spec_pictures;

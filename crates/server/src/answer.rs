@@ -58,11 +58,16 @@ impl From<RefusalData> for ApiError {
 impl From<Denied> for ApiError {
     fn from(denied: Denied) -> Self {
         let status = match denied {
-            Denied::Unknown | Denied::Expired => StatusCode::UNAUTHORIZED,
+            Denied::Unknown
+            | Denied::NoToken
+            | Denied::Expired
+            | Denied::Revoked
+            | Denied::AnothersSession => StatusCode::UNAUTHORIZED,
             Denied::Viewer => StatusCode::FORBIDDEN,
             Denied::Held(_) | Denied::NotHolder => StatusCode::CONFLICT,
             Denied::Full => StatusCode::SERVICE_UNAVAILABLE,
             Denied::Name => StatusCode::UNPROCESSABLE_ENTITY,
+            Denied::NoSecret(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
         let error = Self::new(status, denied.to_string());
         match denied.remedy() {
@@ -77,10 +82,14 @@ impl From<FolderError> for ApiError {
         let status = match error {
             FolderError::NotAPath(_) => StatusCode::UNPROCESSABLE_ENTITY,
             FolderError::Missing(_) => StatusCode::NOT_FOUND,
-            FolderError::Exists(_) => StatusCode::CONFLICT,
+            FolderError::Exists(..) => StatusCode::CONFLICT,
             FolderError::Disk(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
-        Self::new(status, error.to_string())
+        let refusal = Self::new(status, error.to_string());
+        match error {
+            FolderError::Exists(_, remedy) => refusal.with_remedy(remedy),
+            _ => refusal,
+        }
     }
 }
 

@@ -1,11 +1,12 @@
 //! What all handlers share.
 use crate::answer::ApiError;
 use crate::clock::Clock;
+use crate::connections::Places;
 use crate::folder::Folder;
 use crate::metrics::metering::Metering;
 use crate::monitoring::Monitoring;
 use crate::mqtt::Publisher;
-use crate::rights::Rights;
+use crate::rights::{Rights, SessionId};
 use crate::runs::Runs;
 use crate::timeouts::ClientTimeouts;
 use crate::tokens::Tokens;
@@ -15,13 +16,13 @@ use control::operation::Accepted;
 use control::operation::hosted::{Client, Picture};
 use serde_json::{Map, Value};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tokio::sync::{Semaphore, oneshot, watch};
+use tokio::sync::{oneshot, watch};
 
-/// Sockets that are open at once.
-const MOST_SOCKETS: usize = 64;
+/// Sockets that are open at once, and those that viewers may have of them.
+const MOST_SOCKETS: (usize, usize) = (64, 48);
 
-/// Editors at once: each has a thread that interprets.
-const MOST_EDITORS: usize = 4;
+/// Editors at once, and those of viewers: each has a thread that interprets.
+const MOST_EDITORS: (usize, usize) = (4, 2);
 
 /// The fields of a status by their names.
 pub(crate) type Fields = Map<String, Value>;
@@ -44,14 +45,15 @@ pub(crate) struct App {
     /// How programs are read.
     pub(crate) program: ProgramOptions,
     /// Editors with a language server.
-    pub(crate) editors: Arc<Semaphore>,
-    pub(crate) tokens: Option<Tokens>,
+    pub(crate) editors: Places,
     pub(crate) watching: Watching,
     /// Told of each picture.
     pub(crate) pictures: watch::Receiver<u64>,
-    pub(crate) sockets: Arc<Semaphore>,
+    pub(crate) sockets: Places,
     /// Names by which clients may call this server, with its port.
     pub(crate) hosts: Vec<String>,
+    /// With what its addresses begin: `http` or `https`.
+    pub(crate) scheme: &'static str,
     pub(crate) timeouts: ClientTimeouts,
     /// By which sessions and tokens end.
     pub(crate) clock: Clock,
@@ -67,7 +69,7 @@ impl App {
         (folder, runs, program): (Folder, Runs, ProgramOptions),
         (tokens, watching): (Option<Tokens>, Watching),
         pictures: watch::Receiver<u64>,
-        hosts: Vec<String>,
+        (scheme, hosts): (&'static str, Vec<String>),
         (timeouts, clock): (ClientTimeouts, Clock),
     ) -> Self {
         Self {
@@ -75,15 +77,15 @@ impl App {
             folder,
             runs,
             program,
-            editors: Arc::new(Semaphore::new(MOST_EDITORS)),
-            tokens,
+            editors: Places::new(MOST_EDITORS.0, MOST_EDITORS.1),
             watching,
             pictures,
-            sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
+            sockets: Places::new(MOST_SOCKETS.0, MOST_SOCKETS.1),
             hosts,
+            scheme,
             timeouts,
+            rights: Mutex::new(Rights::new(tokens, clock.clone())),
             clock,
-            rights: Mutex::default(),
             fields: Mutex::default(),
         }
     }
@@ -117,7 +119,7 @@ impl App {
     /// Ask the control for something, for a session that may.
     pub(crate) async fn request(
         &self,
-        session: &str,
+        session: SessionId,
         body: RequestBody,
     ) -> Result<Accepted, ApiError> {
         self.rights().may_command(session, body.is_stop(), self.clock.now())?;

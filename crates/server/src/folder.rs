@@ -1,11 +1,18 @@
-//! The folder of programs: nothing outside it is read or written, whatever a path says.
+//! The folder of programs: nothing outside it is read or written, whatever a path says, and nothing
+//! in it that is no program.
 //!
 //! A path is a few plain names with `/` between them. It is resolved, links too, and what it leads
-//! to must lie in the folder.
+//! to must lie in the folder, in none that holds state or secrets ([`Closed`]), have the name of a
+//! program and be one ([`program_files`]). A file that is there is replaced only by who says which
+//! version of it he replaces, or that it may be any; the version before is kept beside it.
+use crate::tokens::hex;
 use crate::wire::{FileBody, FolderBody};
+use control::job::program_files;
 use control::operation::hosted::{RefusalData, RefusalKind};
+use sha2::{Digest, Sha256};
 use std::io::Write as _;
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::UNIX_EPOCH;
 
 /// Largest program that is written.
@@ -20,21 +27,88 @@ const MOST_FILES: usize = 2000;
 /// Why a file is not had.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FolderError {
-    /// No path within the folder, and why.
+    /// No path of a program within the folder, or no program, and why.
     NotAPath(String),
     /// There is no such file.
     Missing(String),
-    /// There is one already.
-    Exists(String),
+    /// There is one already, and it is not the one that was to be replaced.
+    Exists(String, &'static str),
     /// The disk's own reason.
     Disk(String),
 }
 
 impl core::fmt::Display for FolderError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let (Self::NotAPath(text) | Self::Missing(text) | Self::Exists(text) | Self::Disk(text)) =
+        let (Self::NotAPath(text) | Self::Missing(text) | Self::Exists(text, _) | Self::Disk(text)) =
             self;
         f.write_str(text)
+    }
+}
+
+/// Which file may be replaced.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Replaces {
+    /// None: the program is new.
+    Nothing,
+    /// The one of one of these versions.
+    Version(Vec<String>),
+    /// Whichever is there.
+    Any,
+}
+
+/// A program, and which version of it this is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct ProgramText {
+    pub(crate) text: Vec<u8>,
+    pub(crate) version: String,
+}
+
+/// A place that holds state or secrets, and is no part of the folder wherever it lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Closed {
+    place: PathBuf,
+    /// The same folder under another name, as a mount gives it.
+    file: Option<FileId>,
+}
+
+/// Device and number of a file.
+type FileId = (u64, u64);
+
+#[cfg(unix)]
+fn file_id(path: &Path) -> Option<FileId> {
+    use std::os::unix::fs::MetadataExt as _;
+    path.metadata().ok().map(|about| (about.dev(), about.ino()))
+}
+
+#[cfg(not(unix))]
+const fn file_id(_: &Path) -> Option<FileId> {
+    None
+}
+
+impl Closed {
+    fn of(place: &Path) -> Self {
+        let place = resolved(place);
+        let file = file_id(&place);
+        Self { place, file }
+    }
+
+    /// Whether a path, which is resolved, leads to it or into it.
+    fn holds(&self, path: &Path) -> bool {
+        let is_it = |folder: &Path| self.file.is_some() && file_id(folder) == self.file;
+        path.starts_with(&self.place) || path.ancestors().any(is_it)
+    }
+}
+
+/// A path without links, though its end may not be there yet.
+fn resolved(path: &Path) -> PathBuf {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let real = whole.ancestors().find_map(|part| Some((part, part.canonicalize().ok()?)));
+    match real {
+        Some((part, real)) => match whole.strip_prefix(part) {
+            Ok(rest) if !rest.as_os_str().is_empty() => real.join(rest),
+            _ => real,
+        },
+        None => whole,
     }
 }
 
@@ -42,8 +116,14 @@ impl core::fmt::Display for FolderError {
 #[derive(Clone, Debug)]
 pub(crate) struct Folder {
     root: PathBuf,
+    /// As the folder was named.
+    named: PathBuf,
     /// Folders of the server's own: where they lie is not for clients.
     own: Vec<PathBuf>,
+    closed: Vec<Closed>,
+    /// One program is written at a time, so that the one that is replaced is the one that was
+    /// compared.
+    writing: Arc<Mutex<()>>,
 }
 
 impl Folder {
@@ -56,7 +136,8 @@ impl Folder {
             .canonicalize()
             .map_err(|e| format!("cannot open the folder of programs {}: {e}", path.display()))?;
         if root.is_dir() {
-            return Ok(Self { root, own: Vec::new() });
+            let (own, closed) = (Vec::new(), Vec::new());
+            return Ok(Self { root, named: path.to_owned(), own, closed, writing: Arc::default() });
         }
         Err(format!("{} is no folder: --programs takes one", path.display()))
     }
@@ -66,12 +147,56 @@ impl Folder {
         &self.root
     }
 
-    /// This folder of the server does not stand in what clients are shown, either.
-    #[must_use]
-    pub(crate) fn hiding(mut self, folder: Option<&Path>) -> Self {
-        let whole = folder.and_then(|folder| folder.canonicalize().ok());
-        self.own.extend(folder.map(Path::to_owned).into_iter().chain(whole));
-        self
+    /// Without a folder in which all is the server's own. It does not stand in what clients are
+    /// shown, either.
+    ///
+    /// # Errors
+    /// The programs lie in it.
+    pub(crate) fn without_folder(
+        mut self,
+        what: &str,
+        folder: Option<&Path>,
+    ) -> Result<Self, String> {
+        let Some(folder) = folder else { return Ok(self) };
+        let closed = Closed::of(folder);
+        if closed.holds(&self.root) {
+            return Err(format!(
+                "the folder of programs {} lies in {what} {}: name another one with --programs",
+                self.named.display(),
+                folder.display()
+            ));
+        }
+        self.own.extend([folder.to_owned(), closed.place.clone()]);
+        self.closed.push(closed);
+        Ok(self)
+    }
+
+    /// Without the folder in which a file with secrets lies.
+    ///
+    /// # Errors
+    /// The file lies among the programs, and not in a folder of its own.
+    pub(crate) fn without_folder_of(
+        mut self,
+        what: &str,
+        file: Option<&Path>,
+    ) -> Result<Self, String> {
+        let Some(file) = file else { return Ok(self) };
+        let place = resolved(file);
+        let folder = Closed::of(place.parent().unwrap_or(&place));
+        let root = Closed::of(&self.root);
+        if folder.place == self.root || (folder.file.is_some() && folder.file == root.file) {
+            return Err(format!(
+                "{what} {} lies in the folder of programs {}: move it out, or name another folder with --programs",
+                file.display(),
+                self.named.display()
+            ));
+        }
+        // where the programs lie below it, the file itself is closed, and that is outside them
+        if !folder.holds(&self.root) {
+            self.closed.push(folder);
+        }
+        self.closed.push(Closed::of(&place));
+        Ok(self)
     }
 
     /// A text without this folder, and those of the server, in its paths.
@@ -85,7 +210,7 @@ impl Folder {
     /// A file that is there, for the control.
     ///
     /// # Errors
-    /// It is not, or it is no path within the folder.
+    /// It is not, or it is no path of a program within the folder.
     pub(crate) fn existing(&self, path: &str) -> Result<PathBuf, RefusalData> {
         self.find(path).map_err(|error| RefusalData {
             kind: RefusalKind::Request,
@@ -101,7 +226,7 @@ impl Folder {
         self.find(path).ok().or_else(|| {
             let full = self.root.join(plain(path).ok()?);
             let folder = full.parent()?.canonicalize().ok()?;
-            let is_inside = folder.starts_with(&self.root) && !full.exists();
+            let is_inside = self.is_open(&folder) && !full.exists();
             is_inside.then_some(full)
         })
     }
@@ -111,45 +236,103 @@ impl Folder {
         path.canonicalize().ok()?.strip_prefix(&self.root).ok().map(Path::to_owned)
     }
 
+    /// Whether a path, which is resolved, lies in the folder and in nothing that is closed.
+    fn is_open(&self, path: &Path) -> bool {
+        path.starts_with(&self.root) && !self.closed.iter().any(|closed| closed.holds(path))
+    }
+
     /// Where a path leads to that is there.
     fn find(&self, path: &str) -> Result<PathBuf, FolderError> {
-        let full = self.root.join(plain(path)?);
+        let relative = plain(path)?;
         let missing = || FolderError::Missing(format!("there is no program \"{}\"", short(path)));
-        let full = full.canonicalize().map_err(|_| missing())?;
-        if !full.starts_with(&self.root) {
+        let full = self.root.join(&relative).canonicalize().map_err(|_| missing())?;
+        if !self.is_open(&full) {
             return Err(outside(path));
         }
+        named_as_program(path, &[&relative, &full])?;
         if full.is_file() { Ok(full) } else { Err(missing()) }
     }
 
-    /// A program's text.
+    /// A program.
     ///
     /// # Errors
-    /// It is not there, too large, or cannot be read.
-    pub(crate) fn read(&self, path: &str) -> Result<Vec<u8>, FolderError> {
-        let full = self.find(path)?;
-        let disk =
-            |e: std::io::Error| FolderError::Disk(format!("cannot read \"{}\": {e}", short(path)));
-        let bytes = std::fs::metadata(&full).map_err(disk)?.len();
-        if bytes > LARGEST_PROGRAM as u64 {
-            return Err(FolderError::Disk(format!(
-                "\"{}\" is too large: {bytes} bytes, a program is {LARGEST_PROGRAM} at most",
-                short(path)
-            )));
-        }
-        std::fs::read(&full).map_err(disk)
+    /// It is not there, too large, no program, or cannot be read.
+    pub(crate) fn read(&self, path: &str) -> Result<ProgramText, FolderError> {
+        Self::read_at(&self.find(path)?, path)
     }
 
-    /// Write a program, whole or not at all.
+    /// The version of a program that was replaced last.
     ///
     /// # Errors
-    /// It is no path within the folder, is there already and must not be, or cannot be written.
+    /// None was.
+    pub(crate) fn read_before(&self, path: &str) -> Result<ProgramText, FolderError> {
+        let before = before(&self.find(path)?).filter(|before| before.is_file());
+        let missing = || {
+            let path = short(path);
+            FolderError::Missing(format!("there is no version of \"{path}\" before this one"))
+        };
+        Self::read_at(&before.ok_or_else(missing)?, path)
+    }
+
+    fn read_at(full: &Path, path: &str) -> Result<ProgramText, FolderError> {
+        let most = LARGEST_PROGRAM as u64;
+        let text = store::read_bytes(full, "a program that is shown", most)
+            .map_err(|e| FolderError::Disk(format!("cannot read \"{}\": {e}", short(path))))?;
+        match program_files::check_text(&text) {
+            // who has made an empty file can see that it is empty
+            Err(why) if !text.is_empty() => Err(no_program(path, why)),
+            _ => Ok(ProgramText { version: version(&text), text }),
+        }
+    }
+
+    /// Writes a program, whole or not at all; which version it is.
+    ///
+    /// # Errors
+    /// It is no path of a program within the folder, or no program; there is one already that is
+    /// not to be replaced; the disk does not take it.
     pub(crate) fn write(
         &self,
         path: &str,
         text: &[u8],
-        overwrites: bool,
-    ) -> Result<(), FolderError> {
+        replaces: &Replaces,
+    ) -> Result<String, FolderError> {
+        program_files::check_text(text).map_err(|why| no_program(path, why))?;
+        let target = self.target(path)?;
+        let _one = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_there = target.exists();
+        let disk = |e: &dyn core::fmt::Display| {
+            FolderError::Disk(format!("cannot write \"{}\": {e}", short(path)))
+        };
+        if is_there && is_same(&target, text) {
+            // it is as it was: the version before stays what it is
+            return match replaces {
+                Replaces::Nothing => Err(exists(path)),
+                Replaces::Version(_) | Replaces::Any => Ok(version(text)),
+            };
+        }
+        may_replace(path, &target, is_there, replaces)?;
+        let beside = target.parent().unwrap_or(&self.root);
+        let new = || tempfile::Builder::new().prefix(".leadscrew-").tempfile_in(beside);
+        let mut file = new().map_err(|e| disk(&e))?;
+        file.write_all(text).map_err(|e| disk(&e))?;
+        if is_there {
+            let about = target.metadata().map_err(|e| disk(&e))?;
+            file.as_file().set_permissions(about.permissions()).map_err(|e| disk(&e))?;
+        }
+        file.as_file().sync_all().map_err(|e| disk(&e))?;
+        if let Some(before) = before(&target).filter(|_| is_there) {
+            let kept = new().map_err(|e| disk(&e))?;
+            std::fs::copy(&target, kept.path()).map_err(|e| disk(&e))?;
+            kept.as_file().sync_all().map_err(|e| disk(&e))?;
+            kept.persist(before).map_err(|e| disk(&e.error))?;
+        }
+        let done = if is_there { file.persist(&target) } else { file.persist_noclobber(&target) };
+        done.map_err(|e| disk(&e.error))?;
+        Ok(version(text))
+    }
+
+    /// Where a program is to be written.
+    fn target(&self, path: &str) -> Result<PathBuf, FolderError> {
         let relative = plain(path)?;
         let full = self.root.join(&relative);
         let folder = full.parent().unwrap_or(&self.root).canonicalize().map_err(|_| {
@@ -160,29 +343,15 @@ impl Folder {
             Ok(_) => folder.join(name).canonicalize().map_err(|_| outside(path))?,
             Err(_) => folder.join(name),
         };
-        if !folder.starts_with(&self.root) || !target.starts_with(&self.root) {
+        if !self.is_open(&folder) || !self.is_open(&target) {
             return Err(outside(path));
         }
         if target.is_dir() {
             let reason = format!("\"{}\" is a folder", short(path));
             return Err(FolderError::NotAPath(reason));
         }
-        if !overwrites && target.exists() {
-            return Err(FolderError::Exists(format!("there is a \"{}\" already", short(path))));
-        }
-        let disk = |e: &dyn core::fmt::Display| {
-            FolderError::Disk(format!("cannot write \"{}\": {e}", short(path)))
-        };
-        let beside = target.parent().unwrap_or(&self.root);
-        let mut file = tempfile::Builder::new()
-            .prefix(".leadscrew-")
-            .tempfile_in(beside)
-            .map_err(|e| disk(&e))?;
-        file.write_all(text).map_err(|e| disk(&e))?;
-        file.as_file().sync_all().map_err(|e| disk(&e))?;
-        let kept = if overwrites { file.persist(&target) } else { file.persist_noclobber(&target) };
-        kept.map_err(|e| disk(&e.error))?;
-        Ok(())
+        named_as_program(path, &[&relative, &target])?;
+        Ok(target)
     }
 
     /// Its files.
@@ -203,6 +372,9 @@ impl Folder {
             }
             let Ok(kind) = entry.file_type() else { continue };
             if kind.is_dir() {
+                if !self.is_open(&entry.path()) {
+                    continue;
+                }
                 is_whole &= depth > 0 && self.list_below(&entry.path(), depth - 1, files);
                 continue;
             }
@@ -250,6 +422,72 @@ fn plain(path: &str) -> Result<PathBuf, FolderError> {
     Ok(names.iter().collect())
 }
 
+/// Which version a text is.
+fn version(text: &[u8]) -> String {
+    hex(&Sha256::digest(text)[..16])
+}
+
+/// Where the version before is kept: beside it, hidden.
+fn before(target: &Path) -> Option<PathBuf> {
+    let name = target.file_name()?.to_str()?;
+    Some(target.with_file_name(format!(".{name}.before")))
+}
+
+/// Whether a file has just this text.
+fn is_same(target: &Path, text: &[u8]) -> bool {
+    store::read_bytes(target, "a program that is replaced", text.len() as u64)
+        .is_ok_and(|there| there == text)
+}
+
+/// Whether what is there may be replaced.
+fn may_replace(
+    path: &str,
+    target: &Path,
+    is_there: bool,
+    replaces: &Replaces,
+) -> Result<(), FolderError> {
+    let path = short(path);
+    match (is_there, replaces) {
+        (false, Replaces::Nothing | Replaces::Any) | (true, Replaces::Any) => Ok(()),
+        (true, Replaces::Nothing) => Err(exists(&path)),
+        (false, Replaces::Version(_)) => Err(FolderError::Exists(
+            format!("\"{path}\" is no longer there"),
+            "write it as a new program, without If-Match",
+        )),
+        (true, Replaces::Version(known)) => {
+            let most = LARGEST_PROGRAM as u64;
+            let text = store::read_bytes(target, "a program that is replaced", most)
+                .map_err(|e| FolderError::Disk(e.to_string()))?;
+            if known.contains(&version(&text)) {
+                return Ok(());
+            }
+            Err(FolderError::Exists(
+                format!("\"{path}\" has been changed since it was read"),
+                "read it again, and write what is new with the If-Match of its ETag",
+            ))
+        }
+    }
+}
+
+fn exists(path: &str) -> FolderError {
+    FolderError::Exists(
+        format!("there is a \"{}\" already", short(path)),
+        "send If-Match with the ETag of the program that is replaced, or write to ?replace=true",
+    )
+}
+
+/// All of these have the name of a program.
+fn named_as_program(path: &str, files: &[&Path]) -> Result<(), FolderError> {
+    if files.iter().all(|file| program_files::has_name_of_one(file)) {
+        return Ok(());
+    }
+    Err(no_program(path, &program_files::names()))
+}
+
+fn no_program(path: &str, why: &str) -> FolderError {
+    FolderError::NotAPath(format!("\"{}\" is no program: {why}", short(path)))
+}
+
 fn outside(path: &str) -> FolderError {
     let reason = format!("\"{}\" leads out of the folder of programs", short(path));
     FolderError::NotAPath(reason)
@@ -291,7 +529,8 @@ mod tests {
             "a\0b",
         ] {
             assert!(folder.read(path).is_err(), "{path:?} was read");
-            assert!(folder.write(path, b"M2\n", true).is_err(), "{path:?} was written");
+            let written = folder.write(path, b"M2\n", &Replaces::Any);
+            assert!(written.is_err(), "{path:?} was written");
         }
         assert_eq!(std::fs::read(outside.path().join("secret.ngc")).expect("read"), b"M30\n");
         assert!(!outside.path().join("new.ngc").exists());
@@ -303,15 +542,112 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         std::fs::create_dir(dir.path().join("parts")).expect("made");
         let folder = Folder::open(dir.path()).expect("opened");
-        folder.write("parts/a.ngc", b"G0 X1\n", false).expect("written");
-        let again = folder.write("parts/a.ngc", b"G0 X2\n", false);
-        assert!(matches!(again, Err(FolderError::Exists(_))), "{again:?}");
-        folder.write("parts/a.ngc", b"G0 X2\n", true).expect("overwritten");
-        assert_eq!(folder.read("parts/a.ngc").expect("read"), b"G0 X2\n");
+        folder.write("parts/a.ngc", b"G0 X1\n", &Replaces::Nothing).expect("written");
+        let again = folder.write("parts/a.ngc", b"G0 X2\n", &Replaces::Nothing);
+        assert!(matches!(again, Err(FolderError::Exists(..))), "{again:?}");
+        folder.write("parts/a.ngc", b"G0 X2\n", &Replaces::Any).expect("overwritten");
+        assert_eq!(folder.read("parts/a.ngc").expect("read").text, b"G0 X2\n");
         let list = folder.list();
         assert_eq!(list.programs.len(), 1);
         assert_eq!((list.programs[0].path.as_str(), list.programs[0].bytes), ("parts/a.ngc", 6));
         let full = folder.existing("parts/a.ngc").expect("there");
         assert_eq!(folder.shown(&format!("{}: bad", full.display())), "parts/a.ngc: bad");
+    }
+
+    #[test]
+    fn who_replaces_a_program_says_which_and_the_one_before_is_kept() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let folder = Folder::open(dir.path()).expect("opened");
+        let write = |text: &[u8], replaces| folder.write("a.ngc", text, &replaces);
+        let of = |versions: &[&String]| {
+            Replaces::Version(versions.iter().map(|&version| version.clone()).collect())
+        };
+        let first = write(b"G0 X1\n", Replaces::Nothing).expect("new");
+        assert!(folder.read_before("a.ngc").is_err(), "there was none");
+        assert_eq!(folder.read("a.ngc").expect("read").version, first);
+        let second = write(b"G0 X2\n", of(&[&first])).expect("it is the one");
+        assert_eq!(folder.read_before("a.ngc").expect("kept").text, b"G0 X1\n");
+        let stale = write(b"G0 X3\n", of(&[&first]));
+        assert!(matches!(stale, Err(FolderError::Exists(..))), "{stale:?}");
+        // the same once more leaves the version before as it is
+        assert_eq!(write(b"G0 X2\n", of(&[&second])), Ok(second));
+        assert_eq!(folder.read_before("a.ngc").expect("kept").text, b"G0 X1\n");
+        assert!(matches!(write(b" \n", Replaces::Any), Err(FolderError::NotAPath(_))));
+        assert_eq!(folder.read("a.ngc").expect("read").text, b"G0 X2\n");
+        std::fs::remove_file(dir.path().join("a.ngc")).expect("removed");
+        let gone = write(b"G0 X3\n", of(&[&first]));
+        assert!(matches!(gone, Err(FolderError::Exists(..))), "{gone:?}");
+    }
+
+    #[test]
+    fn nothing_but_programs_is_read_written_or_listed() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let folder = Folder::open(dir.path()).expect("opened");
+        let files = ["key.pem", "tokens.toml", "parameters.var", "lock", "mqtt-login"];
+        for file in files {
+            std::fs::write(dir.path().join(file), "secret").expect("written");
+            let link = dir.path().join(format!("{}.ngc", file.replace('.', "-")));
+            std::os::unix::fs::symlink(dir.path().join(file), &link).expect("linked");
+            let link = link.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
+            for path in [file, &link] {
+                let read = folder.read(path);
+                assert!(matches!(read, Err(FolderError::NotAPath(_))), "{path}: {read:?}");
+                assert!(folder.existing(path).is_err(), "{path}");
+                assert!(folder.write(path, b"M2\n", &Replaces::Any).is_err(), "{path}");
+            }
+        }
+        std::fs::write(dir.path().join("key.ngc"), "-----BEGIN PRIVATE KEY-----\n")
+            .expect("written");
+        assert!(folder.read("key.ngc").is_err(), "a program's name alone makes none");
+        let secret = b"[[token]]\nname = \"mine\"\n";
+        assert!(folder.write("mine.ngc", secret, &Replaces::Any).is_err());
+        let listed = folder.list().programs;
+        assert_eq!(listed.iter().map(|file| &*file.path).collect::<Vec<_>>(), ["key.ngc"]);
+        for file in files {
+            assert_eq!(std::fs::read(dir.path().join(file)).expect("read"), b"secret", "{file}");
+        }
+    }
+
+    #[test]
+    fn what_holds_state_or_secrets_is_no_part_of_it_and_is_told_apart_or_refused() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| dir.path().join(name);
+        for folder in ["shop/out/lathe", "shop/parts", "elsewhere"] {
+            std::fs::create_dir_all(at(folder)).expect("made");
+        }
+        for file in ["shop/out/lathe/a.ngc", "shop/parts/a.ngc", "shop/t.toml", "shop/out/t.toml"] {
+            std::fs::write(at(file), "M30\n").expect("written");
+        }
+        std::os::unix::fs::symlink(at("shop/out"), at("elsewhere/link")).expect("linked");
+        std::os::unix::fs::symlink(at("shop/out/lathe"), at("shop/parts/link")).expect("linked");
+        let open = || Folder::open(&at("shop")).expect("opened");
+        let state = |folder: Folder, place: &str| {
+            folder.without_folder("the state folder", Some(&at(place)))
+        };
+        let tokens = |folder: Folder, place: &str| {
+            folder.without_folder_of("the file of tokens", Some(&at(place)))
+        };
+        for place in ["shop/out/lathe", "elsewhere/link/lathe", "shop/out/lathe/../lathe"] {
+            let folder = state(open(), place).expect("told apart");
+            assert!(folder.read("parts/a.ngc").is_ok());
+            for path in ["out/lathe/a.ngc", "out/lathe/new.ngc", "parts/link/a.ngc"] {
+                assert!(folder.read(path).is_err(), "{place}: {path}");
+                assert!(folder.write(path, b"M2\n", &Replaces::Any).is_err(), "{place}: {path}");
+                assert!(folder.place(path).is_none(), "{place}: {path}");
+            }
+            assert_eq!(folder.list().programs.len(), 1, "{place}");
+        }
+        let folder = state(open(), "shop/not/there/yet").expect("told apart");
+        std::fs::create_dir_all(at("shop/not/there/yet")).expect("made");
+        assert!(folder.write("not/there/yet/a.ngc", b"M2\n", &Replaces::Any).is_err());
+        for place in ["shop", ".", "shop/parts/.."] {
+            let why = state(open(), place).expect_err("it cannot be told apart");
+            assert!(why.contains("the state folder") && why.contains("shop"), "{why}");
+        }
+        assert!(tokens(open(), "shop/out/t.toml").expect("apart").read("out/lathe/a.ngc").is_err());
+        let why = tokens(open(), "shop/t.toml").expect_err("it lies among the programs");
+        assert!(why.contains("t.toml") && why.contains("shop"), "{why}");
+        let inner = Folder::open(&at("shop/parts")).expect("opened");
+        assert!(tokens(inner, "shop/t.toml").expect("apart").read("a.ngc").is_ok());
     }
 }

@@ -4,21 +4,23 @@
 //! A page of another site can make a browser send requests to 127.0.0.1, and a name of that site
 //! can be made to lead there (DNS rebinding). So the `Host` must be a name of this server, and an
 //! `Origin`, which every browser sends with what changes something, must be the same.
+use crate::access::{Access, Admission};
 use crate::answer::ApiError;
 use crate::app::App;
-use crate::rights::{Denied, Role};
-use crate::tokens::{Known, NoToken};
-use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
+use crate::connections::Connection;
+use crate::rights::{Denied, Shown};
+use crate::role::Role;
+use axum::extract::Request;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Header with the session's id.
+/// Header with the secret of a session.
 pub(crate) const SESSION: &str = "x-leadscrew-session";
-/// The session of clients on this computer that do not say who they are.
-const LOCAL: &str = "local";
+/// Whether what somebody was admitted with has ended is looked at so often.
+const LOOKED_AT: Duration = Duration::from_millis(500);
 
 /// What a browser may load for the page: nothing from elsewhere, no script and no style that is not
 /// a file of ours. What the page sets of styles by script goes through the CSSOM, which the policy
@@ -27,21 +29,11 @@ const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self'; \
     img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; object-src 'none'; \
     base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
 
-/// Who asks.
-#[derive(Clone, Debug)]
-pub(crate) struct Who {
-    pub(crate) session: String,
-}
-
-/// Before and after every handler.
-pub(crate) async fn guard(
-    State(app): State<Arc<App>>,
-    mut request: Request,
-    next: Next,
-) -> Response {
+/// Before and after every handler, that of the page too.
+pub(crate) async fn guard(app: Arc<App>, request: Request, next: Next) -> Response {
     let path = request.uri().path();
     let is_data = ["/api/", "/mtconnect", "/metrics"].iter().any(|base| path.starts_with(base));
-    let mut response = match look(&app, &mut request) {
+    let mut response = match look(&app, &request, is_data) {
         Ok(()) => next.run(request).await,
         Err(error) => error.into_response(),
     };
@@ -57,9 +49,9 @@ pub(crate) async fn guard(
     response
 }
 
-fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
+fn look(app: &App, request: &Request, is_data: bool) -> Result<(), ApiError> {
     let headers = request.headers();
-    let host = text(headers, header::HOST.as_str()).unwrap_or_default().to_ascii_lowercase();
+    let host = one(headers, &header::HOST)?.unwrap_or_default().to_ascii_lowercase();
     if !app.hosts.contains(&host) {
         return Err(ApiError::new(
             StatusCode::FORBIDDEN,
@@ -68,34 +60,112 @@ fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
         .with_remedy(format!("call it {}", app.hosts.join(" or "))));
     }
     let path = request.uri().path();
-    let is_socket = matches!(path, "/api/v1/ws" | "/api/v1/lsp");
+    let is_socket =
+        matches!(path, "/api/v1/ws" | "/api/v1/lsp") || headers.contains_key(header::UPGRADE);
     let changes = is_socket || !is_read(request.method());
-    if changes && headers.get_all(header::ORIGIN).iter().any(|from| !is_of(from, &host)) {
+    let is_ours = |from: &HeaderValue| is_of(from, app.scheme, &host);
+    let is_from_elsewhere = changes && !headers.get_all(header::ORIGIN).iter().all(is_ours);
+    // browsers say so of what a page of another site asks for, of reading too
+    let is_of_another_site =
+        is_data && headers.get("sec-fetch-site").is_some_and(|site| site == "cross-site");
+    if is_from_elsewhere || is_of_another_site {
         let reason = "a page from elsewhere may not lead this machine";
         return Err(ApiError::new(StatusCode::FORBIDDEN, reason));
-    }
-    let is_open =
-        !path.starts_with("/api/") || matches!(path, "/api/v1/session" | "/api/v1/openapi.json");
-    if !is_open {
-        // what a browser opens in a window of its own says who asks in its address
-        let is_opened = is_socket || is_file_of_a_run(path);
-        let asked_in_address = request.uri().query().filter(|_| is_opened).and_then(session_of);
-        let who = identify(app, headers, asked_in_address)?;
-        request.extensions_mut().insert(who);
     }
     Ok(())
 }
 
-/// A file that is opened in a window of its own.
-fn is_file_of_a_run(path: &str) -> bool {
-    let of_a_run = path.strip_prefix("/api/v1/runs/").and_then(|rest| rest.split_once('/'));
-    of_a_run.is_some_and(|(_, file)| matches!(file, "report" | "certificate"))
+/// Before the handler of an address of the table: who asks, and whether he may.
+pub(crate) async fn admit(
+    app: Arc<App>,
+    admission: Admission,
+    mut request: Request,
+    next: Next,
+) -> Response {
+    let headers = request.headers();
+    match admission.access {
+        Access::Anyone => {}
+        Access::Watcher => match watcher(&app, headers) {
+            Ok(_) if !has_place(&request, Role::Viewer) => return no_place(),
+            Ok(watcher) => drop(request.extensions_mut().insert(watcher)),
+            Err(why) => return (admission.refused)(&app, headers, why),
+        },
+        Access::Viewer | Access::Operator => {
+            let query = request.uri().query().filter(|_| admission.is_opened_in_a_window);
+            let secret = match one(headers, &HeaderName::from_static(SESSION)) {
+                Ok(secret) => secret.or(query.and_then(session_of)).filter(|id| !id.is_empty()),
+                Err(error) => return error.into_response(),
+            };
+            let token = match bearer(headers) {
+                Ok(token) => token,
+                Err(error) => return error.into_response(),
+            };
+            match app.rights().identify(token, secret, app.clock.now()) {
+                Ok(who) if admission.access == Access::Operator && who.role == Role::Viewer => {
+                    return (admission.refused)(&app, headers, Denied::Viewer);
+                }
+                Ok(who) if !has_place(&request, who.role) => return no_place(),
+                Ok(who) => drop(request.extensions_mut().insert(who)),
+                Err(why) => return (admission.refused)(&app, headers, why),
+            }
+        }
+    }
+    next.run(request).await
+}
+
+/// Whether the connection has a place among those of its role.
+fn has_place(request: &Request, role: Role) -> bool {
+    let connection = request.extensions().get::<Arc<Connection>>();
+    connection.is_none_or(|connection| connection.is_of(role))
+}
+
+fn no_place() -> Response {
+    let reason = "too many connections of viewers have something under way";
+    ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason).into_response()
+}
+
+/// Who only reads what is observed of the machine, and opens no session.
+#[derive(Clone, Debug)]
+pub(crate) struct Watcher(Shown);
+
+impl Watcher {
+    /// Until what it was admitted with has ended.
+    pub(crate) async fn ended(&self, app: &App) {
+        while app.rights().role_of(&self.0, app.clock.now()).is_ok() {
+            tokio::time::sleep(LOOKED_AT).await;
+        }
+    }
+}
+
+fn watcher(app: &App, headers: &HeaderMap) -> Result<Watcher, Denied> {
+    let token = bearer(headers).map_err(|_| Denied::NoToken)?;
+    let shown = app.rights().shown_by(token, app.clock.now())?;
+    app.rights().role_of(&shown, app.clock.now())?;
+    Ok(Watcher(shown))
+}
+
+/// Until a session has ended.
+pub(crate) async fn ended(app: &App, session: crate::rights::SessionId) {
+    while !app.rights().has_ended(session, app.clock.now()) {
+        tokio::time::sleep(LOOKED_AT).await;
+    }
+}
+
+/// A refusal in the form that all have.
+pub(crate) fn refused(_: &App, _: &HeaderMap, why: Denied) -> Response {
+    ApiError::from(why).into_response()
+}
+
+/// The token that is sent.
+pub(crate) fn bearer(headers: &HeaderMap) -> Result<Option<&str>, ApiError> {
+    let value = one(headers, &header::AUTHORIZATION)?;
+    Ok(value.and_then(|value| value.strip_prefix("Bearer ")).map(str::trim))
 }
 
 /// Is this the origin of a page of ours? One that cannot be read is not.
-fn is_of(origin: &HeaderValue, host: &str) -> bool {
+fn is_of(origin: &HeaderValue, scheme: &str, host: &str) -> bool {
     let from = origin.to_str().ok().and_then(|origin| origin.split_once("://"));
-    from.is_some_and(|(_, from)| from.eq_ignore_ascii_case(host))
+    from.is_some_and(|(by, from)| by == scheme && from.eq_ignore_ascii_case(host))
 }
 
 const fn is_read(method: &Method) -> bool {
@@ -107,46 +177,16 @@ fn session_of(query: &str) -> Option<&str> {
     query.split('&').find_map(|pair| pair.strip_prefix("session="))
 }
 
-fn text<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
-    headers.get(name).and_then(|value| value.to_str().ok())
-}
-
-/// Who asks: by session, by token, or from this computer.
-fn identify(app: &App, headers: &HeaderMap, address: Option<&str>) -> Result<Who, ApiError> {
-    let now = app.clock.now();
-    if let Some(session) = text(headers, SESSION).or(address).filter(|id| !id.is_empty()) {
-        app.rights().seen(session, now)?;
-        return Ok(Who { session: session.to_owned() });
+/// The value of a header that says who asks: there is one at most, and it is text. What cannot be
+/// read is not taken for nothing.
+fn one<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Result<Option<&'a str>, ApiError> {
+    let mut values = headers.get_all(name).iter();
+    let value = values.next().map(HeaderValue::to_str).transpose();
+    match (value, values.next()) {
+        (Ok(value), None) => Ok(value),
+        _ => Err(ApiError::new(
+            StatusCode::BAD_REQUEST,
+            format!("the header {name} is there once at most, and is text"),
+        )),
     }
-    let Known { name, role, left } = match &app.tokens {
-        None => Known { name: LOCAL.to_owned(), role: Role::Operator, left: None },
-        Some(tokens) => {
-            let bearer = text(headers, header::AUTHORIZATION.as_str());
-            let token = bearer.and_then(|value| value.strip_prefix("Bearer "));
-            tokens.find(token.unwrap_or_default(), app.clock.unix_ms()).map_err(no_token)?
-        }
-    };
-    // its id cannot be one that was drawn: those have no blank
-    let session = format!("of {name}");
-    app.rights().open(&session, &name, (role, left), now)?;
-    app.rights().seen(&session, now)?;
-    Ok(Who { session })
-}
-
-/// Who only reads what is observed of the machine needs a token where there are some, and opens no
-/// session; for how long it lasts.
-pub(crate) fn may_watch(app: &App, headers: &HeaderMap) -> Result<Option<Duration>, NoToken> {
-    let Some(tokens) = &app.tokens else { return Ok(None) };
-    let bearer = text(headers, header::AUTHORIZATION.as_str());
-    let token = bearer.and_then(|value| value.strip_prefix("Bearer "));
-    tokens.find(token.unwrap_or_default(), app.clock.unix_ms()).map(|known| known.left)
-}
-
-/// Without a token nothing is told.
-pub(crate) fn no_token(why: NoToken) -> ApiError {
-    if why == NoToken::Expired {
-        return Denied::Expired.into();
-    }
-    ApiError::new(StatusCode::UNAUTHORIZED, "a token is needed, and this is none")
-        .with_remedy("send it as Authorization: Bearer, or open a session with it")
 }

@@ -11,7 +11,8 @@
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::folder::LARGEST_PROGRAM;
-use crate::guard::Who;
+use crate::guard;
+use crate::rights::Who;
 use axum::Extension;
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
@@ -38,8 +39,6 @@ const SENT: Duration = Duration::from_secs(10);
 const TAKEN: Duration = Duration::from_secs(30);
 /// Room in the queue is looked for so often.
 const LOOK: Duration = Duration::from_millis(5);
-/// Whether a token is over is looked at so often.
-const EXPIRY: Duration = Duration::from_secs(1);
 /// How programs are named.
 const SCHEME: &str = "program:/";
 
@@ -52,7 +51,7 @@ pub(crate) async fn open(
         let reason = "this address takes a WebSocket";
         return ApiError::new(StatusCode::UPGRADE_REQUIRED, reason).into_response();
     };
-    let Ok(permit) = Arc::clone(&app.editors).try_acquire_owned() else {
+    let Some(place) = app.editors.take(who.role) else {
         let reason = "too many editors have a language server";
         return ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason).into_response();
     };
@@ -61,10 +60,10 @@ pub(crate) async fn open(
         if let Some((to_server, from_server)) = start(Arc::clone(&app)) {
             tokio::select! {
                 () = talk(socket, &app, &to_server, from_server) => {}
-                () = expired(&app, &who) => {}
+                () = guard::ended(&app, who.session) => {}
             }
         }
-        drop(permit);
+        drop(place);
     })
 }
 
@@ -94,13 +93,6 @@ fn write(from_server: &Receiver<lsp_server::Message>, frames: &mpsc::Sender<Stri
         if frames.blocking_send(value.to_string()).is_err() {
             return;
         }
-    }
-}
-
-/// Until the token of a session is over.
-async fn expired(app: &App, who: &Who) {
-    while !app.rights().has_expired(&who.session, app.clock.now()) {
-        tokio::time::sleep(EXPIRY).await;
     }
 }
 

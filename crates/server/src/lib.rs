@@ -1,17 +1,18 @@
 //! A control over the network: HTTP and WebSocket under `/api/v1`, and the page.
 //!
 //! ```text
-//!   listener ─► connection (limits, timeouts) ─► guard (Host, Origin, session) ─► routes ─┬─► control::operation::hosted::Client
+//!   listener ─► connection (limits, timeouts) ─► guard (Host, Origin) ─► routes (access) ─┬─► control::operation::hosted::Client
 //!                                                                                         ├─► folder of programs
 //!                                                                                         └─► page
 //! ```
 //!
 //! | file | is |
 //! |---|---|
-//! | `listen` | addresses, connections, their limits; `timeouts` how long a client is waited for |
-//! | `guard` | who may ask at all: Host, Origin, session, token; headers of every answer |
-//! | `rights` | sessions, and which of them commands; `clock` by which they end |
-//! | `tokens`, `tls` | the file of tokens; the certificate |
+//! | `listen` | addresses, and what is served there; `connections` those that are open, their limits; `timeouts` how long a client is waited for |
+//! | `guard`, `access` | who may ask at all: Host, Origin, session, token; headers of every answer |
+//! | `rights` | sessions, to whom they belong, which of them commands; `clock` by which they end |
+//! | `tokens`, `revoking` | the file of tokens, which is read anew when it has changed; `role` what they allow |
+//! | `tls`, `secret` | the certificate; files that are their owner's alone |
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
 //! | `mtconnect` | the `MTConnect` agent's addresses and streams |
@@ -26,9 +27,11 @@
 //! Nothing here waits for a client while the control waits, and every queue has an end.
 #![forbid(unsafe_code)]
 
+mod access;
 mod answer;
 mod app;
 mod clock;
+mod connections;
 mod folder;
 mod guard;
 mod language;
@@ -39,10 +42,13 @@ mod mqtt;
 mod mtconnect;
 mod page;
 mod reserved;
+mod revoking;
 mod rights;
+mod role;
 mod routes;
 mod runs;
 mod scope;
+mod secret;
 mod socket;
 mod timeouts;
 mod tls;
@@ -51,11 +57,12 @@ pub mod types;
 mod wire;
 
 pub use ::mtconnect::MOST_OBSERVATIONS;
+pub use access::{Access, Address};
 pub use clock::Clock;
 pub use listen::{Refused, Server, ServerOptions};
 pub use mqtt::{BrokerAddress, BrokerLogin, BrokerTimeouts, PublishOptions, TopicPrefix};
-pub use rights::Role;
-pub use routes::openapi;
+pub use role::Role;
+pub use routes::{addresses, openapi};
 pub use runs::KeptRuns;
 pub use timeouts::ClientTimeouts;
 pub use tls::Certificate;

@@ -1,9 +1,11 @@
 //! Addresses, connections and their limits.
 //!
 //! A connection has to send its header in time and to take what it has asked for, or it is closed;
-//! there are so many at once, and those beyond are for stops alone ([`reserved`]).
+//! there are so many at once, and for one more the one gives way that has been silent for longest;
+//! where none is silent it is for stops alone ([`reserved`]).
 use crate::app::{App, Watching};
 use crate::clock::Clock;
+use crate::connections::{AnsweredBody, Connection, Connections};
 use crate::folder::Folder;
 use crate::metrics::{self, metering::Metering};
 use crate::monitoring::Monitoring;
@@ -15,15 +17,18 @@ use crate::runs::{KeptRuns, Recorder, Runs};
 use crate::timeouts::ClientTimeouts;
 use crate::tls::{Certificate, Tls};
 use crate::tokens::Tokens;
-use crate::{guard, routes};
+use crate::{guard, revoking, routes};
 use axum::Router;
 use axum::extract::Request;
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use control::operation::ControlOptions;
 use control::operation::hosted::{HostOptions, Hosted};
+use hyper::body::Incoming;
+use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use std::convert::Infallible;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -31,16 +36,16 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Runtime;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 use tokio_io_timeout::TimeoutStream;
 use tokio_rustls::TlsAcceptor;
 
-/// Connections at once.
-const MOST_CONNECTIONS: usize = 256;
 /// Largest header.
 const LARGEST_HEADER: usize = 16 << 10;
 /// Threads that answer: they only wait and copy.
 const THREADS: usize = 2;
+/// One that has waited for a disk is kept for the next time: longer than a control is on.
+const KEPT: Duration = Duration::from_hours(20 * 365 * 24);
 /// Why nothing is served, in a sentence.
 #[derive(Debug)]
 pub struct Refused(pub String);
@@ -97,11 +102,21 @@ impl Server {
             options;
         may_listen(address.ip(), token_file.is_some(), certificate.is_some())?;
         let names = own_names(address.ip(), options.names);
+        let key = match &certificate {
+            Some(Certificate::Files(_, key)) => Some(key.clone()),
+            _ => None,
+        };
         let tls = certificate.map(|certificate| Tls::of(&certificate, &names)).transpose();
         let tls = tls.map_err(Refused)?;
-        let folder = Folder::open(&programs).map_err(Refused)?;
-        let folder = folder.hiding(control.state.as_deref());
-        let tokens = token_file.map(|path| Tokens::read(&path)).transpose().map_err(Refused)?;
+        let login = options.publish.as_ref().and_then(|publish| publish.login.as_ref());
+        let login = login.and_then(|login| login.file.as_deref());
+        let folder = Folder::open(&programs)
+            .and_then(|all| all.without_folder("the state folder", control.state.as_deref()))
+            .and_then(|all| all.without_folder_of("the file of tokens", token_file.as_deref()))
+            .and_then(|all| all.without_folder_of("the key", key.as_deref()))
+            .and_then(|all| all.without_folder_of("the login at the broker", login))
+            .map_err(Refused)?;
+        let tokens = token_file.as_deref().map(Tokens::read).transpose().map_err(Refused)?;
         let runs = Runs::open(control.state.as_deref(), options.kept_runs).map_err(Refused)?;
         let shows = folder.clone();
         let shown = move |text: &str| shows.shown(text);
@@ -118,15 +133,19 @@ impl Server {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(THREADS)
             .max_blocking_threads(THREADS)
+            .thread_keep_alive(KEPT)
             .thread_name("server")
             .enable_all()
             .build()
             .map_err(|e| Refused(format!("cannot start threads: {e}")))?;
+        // where the system refuses another thread, what waits for a disk has this one
+        let _ = runtime.block_on(runtime.spawn_blocking(|| ()));
         let listener = runtime
             .block_on(TcpListener::bind(address))
             .map_err(|e| Refused(format!("cannot listen on {address}: {e}")))?;
         let address = listener.local_addr().map_err(|e| Refused(e.to_string()))?;
         let hosts = hosts(&names, address.port());
+        let scheme = if tls.is_some() { "https" } else { "http" };
         let client = hosted.client();
         let monitoring = options.mtconnect.map(|most| Arc::new(Monitoring::new(&client, most)));
         let publisher = options.publish.zip(monitoring.clone());
@@ -138,8 +157,8 @@ impl Server {
         let watching = Watching { monitoring, metering, publisher };
         let open = (tokens, watching);
         let timeouts = options.timeouts;
-        let timing = (timeouts, options.clock);
-        let app = App::new(hosted.client(), (folder, runs, program), open, pictures, hosts, timing);
+        let (named, timing) = ((scheme, hosts), (timeouts, options.clock));
+        let app = App::new(hosted.client(), (folder, runs, program), open, pictures, named, timing);
         let app = Arc::new(app);
         if let Some(monitoring) = &app.watching.monitoring {
             runtime.spawn(mtconnect::feed(Arc::clone(&app), Arc::clone(monitoring), pace));
@@ -149,6 +168,9 @@ impl Server {
         }
         if let Some(publisher) = &app.watching.publisher {
             runtime.spawn(Arc::clone(publisher).run());
+        }
+        if let Some(path) = token_file {
+            runtime.spawn(revoking::watch(Arc::clone(&app), path));
         }
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
@@ -242,8 +264,8 @@ fn router(app: Arc<App>) -> Router {
                     .into_response();
             }
             for (base, what, switch) in [
-                ("/mtconnect", "an MTConnect agent", "--no-mtconnect"),
-                ("/metrics", "metrics", "--no-metrics"),
+                (mtconnect::ROOT, "an MTConnect agent", "--no-mtconnect"),
+                (metrics::ROOT, "metrics", "--no-metrics"),
             ] {
                 if request.uri().path().starts_with(base) {
                     let reason = format!("this control is served without {what}");
@@ -255,17 +277,9 @@ fn router(app: Arc<App>) -> Router {
             page.answer(&request)
         }
     };
-    let mut router = routes::router();
-    if app.watching.monitoring.is_some() {
-        router = router.merge(mtconnect::router());
-    }
-    if app.watching.metering.is_some() {
-        router = router.merge(metrics::router());
-    }
-    router
-        .fallback(rest)
-        .layer(axum::middleware::from_fn_with_state(Arc::clone(&app), guard::guard))
-        .with_state(app)
+    let guarding = Arc::clone(&app);
+    let guard = move |request, next| guard::guard(Arc::clone(&guarding), request, next);
+    routes::router(&app).fallback(rest).layer(axum::middleware::from_fn(guard)).with_state(app)
 }
 
 /// Connection after connection.
@@ -275,47 +289,49 @@ async fn accept(
     router: Router,
     timeouts: ClientTimeouts,
 ) {
-    let connections = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    let (all, beside) = (Arc::new(Connections::default()), Arc::new(Connections::default()));
     let (for_stops, mut reserved) = (reserved::router(router.clone()), Reserved::default());
-    loop {
+    for number in 0.. {
         let Ok((stream, _)) = listener.accept().await else {
             // as a rule too many files are open: some are closed meanwhile
             tokio::time::sleep(Duration::from_millis(50)).await;
             continue;
         };
+        let _ = stream.set_nodelay(true); // it is only slower without
         let tls = tls.clone();
-        match Arc::clone(&connections).try_acquire_owned() {
-            Ok(permit) => {
-                let router = router.clone();
-                tokio::spawn(async move {
-                    agree(stream, tls, router, timeouts).await;
-                    drop(permit);
-                });
-            }
-            Err(_) => {
+        let Some(connection) = all.open(number) else {
+            if let Some(connection) = beside.open(number) {
+                let router = for_stops.clone();
                 let short = ClientTimeouts { header: reserved::HEADER_COMES, ..timeouts };
-                let talk = agree(stream, tls, for_stops.clone(), short);
+                let talk = async move { serve(stream, tls, router, &connection, short).await };
                 let task = tokio::spawn(tokio::time::timeout(reserved::LASTS, talk));
                 reserved.open(task.abort_handle());
             }
-        }
+            continue;
+        };
+        let router = router.clone();
+        tokio::spawn(async move {
+            tokio::select! {
+                () = serve(stream, tls, router, &connection, timeouts) => {}
+                () = connection.gives_way() => {}
+            }
+        });
     }
 }
 
-/// Serves a connection, encrypted or not.
-async fn agree(
+async fn serve(
     stream: TcpStream,
     tls: Option<TlsAcceptor>,
     router: Router,
+    connection: &Arc<Connection>,
     timeouts: ClientTimeouts,
 ) {
-    let _ = stream.set_nodelay(true); // it is only slower without
     match tls {
-        None => talk(stream, router, timeouts).await,
+        None => talk(stream, router, connection, timeouts).await,
         Some(tls) => {
-            let agreed = tls.accept(stream);
-            if let Ok(Ok(stream)) = tokio::time::timeout(timeouts.header, agreed).await {
-                talk(stream, router, timeouts).await;
+            let agreed = tokio::time::timeout(timeouts.header, tls.accept(stream));
+            if let Ok(Ok(stream)) = agreed.await {
+                talk(stream, router, connection, timeouts).await;
             }
         }
     }
@@ -324,15 +340,26 @@ async fn agree(
 async fn talk(
     stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
     router: Router,
+    connection: &Arc<Connection>,
     timeouts: ClientTimeouts,
 ) {
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(timeouts.answer));
+    let (router, connection) = (TowerToHyperService::new(router), Arc::clone(connection));
+    let answers = service_fn(move |mut request: hyper::Request<Incoming>| {
+        let under_way = connection.asks();
+        request.extensions_mut().insert(Arc::clone(&connection));
+        let answer = router.call(request);
+        async move {
+            let response = answer.await?;
+            Ok::<_, Infallible>(response.map(|body| AnsweredBody::new(body, under_way)))
+        }
+    });
     let connection = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(timeouts.header)
         .max_buf_size(LARGEST_HEADER)
-        .serve_connection(TokioIo::new(Box::pin(stream)), TowerToHyperService::new(router))
+        .serve_connection(TokioIo::new(Box::pin(stream)), answers)
         .with_upgrades();
     let _ = connection.await; // a client that has broken off needs no answer
 }

@@ -11,16 +11,18 @@
 //! A device may stand before the request: `/mtconnect/tapping-center/current`. Nothing is kept for
 //! a client that streams but the number of its next observation: one that reads too slowly is told
 //! that it is out of range, and its stream ends.
+use crate::access::Watched;
 use crate::app::App;
-use crate::guard;
+use crate::guard::{self, Watcher};
 use crate::monitoring::{MOST_STREAMS, Monitoring};
-use crate::tokens::NoToken;
+use crate::rights::Denied;
 use ::mtconnect::{
     AssetQuery, CurrentQuery, Element, ErrorCode, JsonForm, Observable, ProbeQuery, QueryError,
     SampleQuery,
 };
-use axum::Router;
+use axum::Extension;
 use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -73,19 +75,41 @@ fn observe(app: &App, monitoring: &Monitoring, after: u64, pace: f64) -> u64 {
     last
 }
 
+/// With what its addresses begin.
+pub(crate) const ROOT: &str = "/mtconnect";
+
 /// Its addresses.
-pub(crate) fn router() -> Router<Arc<App>> {
-    let root =
-        |state: State<Arc<App>>, request: Request| async move { answer(state, "", &request) };
-    let below = |state: State<Arc<App>>, path: Result<Path<String>, _>, request: Request| {
-        let path: Result<_, axum::extract::rejection::PathRejection> = path;
-        // what is no UTF-8 names nothing that there is
-        async move { answer(state, path.as_ref().map_or("?", |Path(path)| path.as_str()), &request) }
+pub(crate) fn routes() -> Vec<Watched> {
+    let root = |state: State<Arc<App>>, watcher: Extension<Watcher>, request: Request| async move {
+        answer(state, watcher, "", &request)
     };
-    Router::new()
-        .route("/mtconnect", any(root))
-        .route("/mtconnect/", any(root))
-        .route("/mtconnect/{*path}", any(below))
+    let below = |state: State<Arc<App>>,
+                 watcher: Extension<Watcher>,
+                 path: Result<Path<String>, PathRejection>,
+                 request: Request| async move {
+        // what is no UTF-8 names nothing that there is
+        let path = path.as_ref().map_or("?", |Path(path)| path.as_str());
+        answer(state, watcher, path, &request)
+    };
+    vec![
+        Watched { path: ROOT, refused, handler: any(root) },
+        Watched { path: "/mtconnect/", refused, handler: any(root) },
+        Watched { path: "/mtconnect/{*path}", refused, handler: any(below) },
+    ]
+}
+
+/// Who is not admitted is told so in the form of the standard.
+fn refused(app: &App, headers: &HeaderMap, why: Denied) -> Response {
+    let Some(monitoring) = &app.watching.monitoring else {
+        return guard::refused(app, headers, why);
+    };
+    let text = match why {
+        Denied::NoToken => "a token is needed: send it as Authorization: Bearer".to_owned(),
+        why => why.to_string(),
+    };
+    let error = QueryError::new(ErrorCode::Unauthorized, text);
+    let document = monitoring.agent().error(&error, unix_ms());
+    Notation::asked(headers).response(status(error.code), &document)
 }
 
 /// How documents are written.
@@ -137,19 +161,24 @@ const fn status(code: ErrorCode) -> StatusCode {
     }
 }
 
-fn answer(State(app): State<Arc<App>>, path: &str, request: &Request) -> Response {
+fn answer(
+    State(app): State<Arc<App>>,
+    Extension(watcher): Extension<Watcher>,
+    path: &str,
+    request: &Request,
+) -> Response {
     let form = Notation::asked(request.headers());
     // there is one where its addresses are
     let Some(monitoring) = app.watching.monitoring.clone() else {
         return StatusCode::NOT_FOUND.into_response();
     };
-    match Asked::of(&app, &monitoring, path, request) {
+    match Asked::of(&monitoring, path, request) {
         Ok(Asked::Document(document)) => form.response(StatusCode::OK, &document),
         Ok(Asked::Schema) => {
             let kind = [(header::CONTENT_TYPE, "application/xml")];
             (kind, ::mtconnect::SCHEMA).into_response()
         }
-        Ok(Asked::Stream(stream)) => stream.begin(monitoring, form),
+        Ok(Asked::Stream(stream)) => stream.begin(app, watcher, monitoring, form),
         Err(error) => {
             let document = monitoring.agent().error(&error, unix_ms());
             form.response(status(error.code), &document)
@@ -165,21 +194,7 @@ enum Asked {
 }
 
 impl Asked {
-    fn of(
-        app: &App,
-        monitoring: &Monitoring,
-        path: &str,
-        request: &Request,
-    ) -> Result<Self, QueryError> {
-        let left = guard::may_watch(app, request.headers()).map_err(|why| {
-            QueryError::new(
-                ErrorCode::Unauthorized,
-                match why {
-                    NoToken::Unknown => "a token is needed: send it as Authorization: Bearer",
-                    NoToken::Expired => "the token has expired",
-                },
-            )
-        })?;
+    fn of(monitoring: &Monitoring, path: &str, request: &Request) -> Result<Self, QueryError> {
         if *request.method() != Method::GET {
             let text = "an agent is only read: GET";
             return Err(QueryError::new(ErrorCode::Unsupported, text));
@@ -208,9 +223,7 @@ impl Asked {
                 let document = agent.current(&query, time)?;
                 Ok(match query.interval {
                     None => Self::Document(document),
-                    Some(interval) => {
-                        Self::Stream(Stream::of(What::Current(query), interval, left))
-                    }
+                    Some(interval) => Self::Stream(Stream::of(What::Current(query), interval)),
                 })
             }
             "sample" => {
@@ -218,7 +231,7 @@ impl Asked {
                 let chunk = agent.sample(&query, time)?;
                 Ok(match query.interval {
                     None => Self::Document(chunk.document),
-                    Some(interval) => Self::Stream(Stream::of(What::Sample(query), interval, left)),
+                    Some(interval) => Self::Stream(Stream::of(What::Sample(query), interval)),
                 })
             }
             "asset" | "assets" => {
@@ -243,8 +256,6 @@ enum What {
 struct Stream {
     what: What,
     interval: Duration,
-    /// When its client's token ends.
-    until: Option<Instant>,
 }
 
 /// What comes next of a stream.
@@ -258,12 +269,17 @@ enum Next {
 }
 
 impl Stream {
-    fn of(what: What, interval: Duration, left: Option<Duration>) -> Self {
-        let until = left.map(|left| now() + left);
-        Self { what, interval: interval.max(LEAST_INTERVAL), until }
+    fn of(what: What, interval: Duration) -> Self {
+        Self { what, interval: interval.max(LEAST_INTERVAL) }
     }
 
-    fn begin(self, monitoring: Arc<Monitoring>, form: Notation) -> Response {
+    fn begin(
+        self,
+        app: Arc<App>,
+        watcher: Watcher,
+        monitoring: Arc<Monitoring>,
+        form: Notation,
+    ) -> Response {
         let Ok(permit) = Arc::clone(&monitoring.streams).try_acquire_owned() else {
             let text = format!("{MOST_STREAMS} streams are open, and no more are served");
             let error = QueryError::new(ErrorCode::InternalError, text);
@@ -272,7 +288,10 @@ impl Stream {
         };
         let (sender, documents) = mpsc::channel(1);
         tokio::spawn(async move {
-            self.run(&monitoring, form, &sender).await;
+            tokio::select! {
+                () = self.run(&monitoring, form, &sender) => {}
+                () = watcher.ended(&app) => {}
+            }
             drop(permit);
         });
         let kind = format!("multipart/x-mixed-replace;boundary={BOUNDARY}");
@@ -283,9 +302,6 @@ impl Stream {
         let mut grown = monitoring.grown.subscribe();
         let mut last_sent = None;
         loop {
-            if self.until.is_some_and(|until| now() >= until) {
-                return;
-            }
             grown.mark_unchanged();
             match self.next(monitoring, last_sent) {
                 Next::Document(document, is_more) => {

@@ -1,13 +1,17 @@
 //! WebSocket: a whole status, then what changes; events and features; requests and their answers.
 //!
 //! A client that does not read is not waited for: while a frame of it is on its way no other one is
-//! made, the next delta is against what it had last, and after [`SENT`] it is gone.
+//! made, and the next delta is against what it had last. What the systems between take on its
+//! behalf is no reading: it is asked for a sign ([`ASKED`]), which comes when it has read so far,
+//! and after [`SENT`] without one it is gone.
 use crate::answer::ApiError;
 use crate::app::{App, Fields};
-use crate::guard::Who;
+use crate::guard;
+use crate::rights::Who;
 use crate::scope::Scope;
 use crate::wire::{EventBody, FeatureBody, OperatorBody, RequestBody};
 use axum::Extension;
+use axum::body::Bytes;
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
@@ -16,10 +20,13 @@ use control::operation::hosted::Picture;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use tokio::time::MissedTickBehavior;
 
 /// A frame is sent within so long, or the client is gone.
 const SENT: Duration = Duration::from_secs(2);
+/// A client is asked so often whether it has read so far.
+const ASKED: Duration = Duration::from_millis(250);
 /// Largest message of a client.
 const LARGEST_MESSAGE: usize = crate::answer::LARGEST_JSON;
 
@@ -49,18 +56,20 @@ pub(crate) async fn open(
         let reason = "this address takes a WebSocket";
         return ApiError::new(StatusCode::UPGRADE_REQUIRED, reason).into_response();
     };
-    let Ok(permit) = Arc::clone(&app.sockets).try_acquire_owned() else {
+    let Some(place) = app.sockets.take(who.role) else {
         let reason = "too many clients have a socket open";
         return ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason).into_response();
     };
     let upgrade = upgrade.max_message_size(LARGEST_MESSAGE).max_frame_size(LARGEST_MESSAGE);
     upgrade.on_upgrade(move |socket| async move {
-        app.rights().socket(&who.session, true, app.clock.now());
-        let session = who.session.clone();
+        app.rights().socket(who.session, true, app.clock.now());
         let mut talk = Talk::new(Arc::clone(&app), who, socket);
-        let _: Result<(), Gone> = talk.until_gone().await;
-        app.rights().socket(&session, false, app.clock.now());
-        drop(permit);
+        tokio::select! {
+            Err(Gone) = talk.until_gone() => {}
+            () = guard::ended(&app, who.session) => {}
+        }
+        app.rights().socket(who.session, false, app.clock.now());
+        drop(place);
     })
 }
 
@@ -99,18 +108,28 @@ impl Talk {
         let mut pictures = self.app.pictures.clone();
         pictures.mark_unchanged(); // what there is now is told at once
         self.tell_all().await?;
+        let mut asks = tokio::time::interval(ASKED);
+        asks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        // since when a question is not answered
+        let mut asked_at: Option<Instant> = None;
         loop {
             tokio::select! {
                 said = self.socket.recv() => match said {
                     Some(Ok(Message::Text(text))) => self.hear(text.as_str()).await?,
                     Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
+                    Some(Ok(Message::Pong(_))) => asked_at = None,
                     Some(Ok(_)) => {} // a ping is answered by the library
+                },
+                _ = asks.tick() => match asked_at {
+                    Some(since) if self.app.clock.now() - since >= SENT => return Err(Gone),
+                    Some(_) => {}
+                    None => {
+                        asked_at = Some(self.app.clock.now());
+                        self.send(Message::Ping(Bytes::new())).await?;
+                    }
                 },
                 changed = pictures.changed() => {
                     changed.map_err(|_| Gone)?; // the control has ended
-                    if self.app.rights().has_expired(&self.who.session, self.app.clock.now()) {
-                        return Err(Gone);
-                    }
                     self.tell_all().await?;
                 }
             }
@@ -181,7 +200,7 @@ impl Talk {
     async fn hear(&mut self, text: &str) -> Result<(), Gone> {
         match serde_json::from_str(text) {
             Ok(Said::Request { id, request }) => {
-                let answer = self.app.request(&self.who.session, request).await;
+                let answer = self.app.request(self.who.session, request).await;
                 let shown = |text: &str| self.app.folder.shown(text);
                 let mut body = match answer {
                     Ok(accepted) => {

@@ -1,4 +1,5 @@
 //! TLS: a certificate of files, or one that is made at the start and whose fingerprint is said.
+use crate::secret;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,6 +8,9 @@ use tokio_rustls::rustls::ServerConfig;
 use tokio_rustls::rustls::crypto::ring;
 use tokio_rustls::rustls::pki_types::pem::PemObject as _;
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
+
+/// Largest file with certificates or a key.
+const LARGEST_PEM: u64 = 1 << 20;
 
 /// What the server shows of itself.
 #[derive(Clone, Debug)]
@@ -45,13 +49,18 @@ impl Tls {
 type Pair = (Vec<CertificateDer<'static>>, PrivateKeyDer<'static>);
 
 fn chain_of(path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
-    let wrong = |e| format!("cannot read the certificate {}: {e}", path.display());
-    CertificateDer::pem_file_iter(path).map_err(wrong)?.collect::<Result<_, _>>().map_err(wrong)
+    let wrong =
+        |e: &dyn core::fmt::Display| format!("cannot read the certificate {}: {e}", path.display());
+    let text = store::read_bytes(path, "a certificate", LARGEST_PEM).map_err(|e| wrong(&e))?;
+    let all: Result<_, _> = CertificateDer::pem_slice_iter(&text).collect();
+    all.map_err(|e| wrong(&e))
 }
 
 fn key_of(path: &Path) -> Result<PrivateKeyDer<'static>, String> {
-    PrivateKeyDer::from_pem_file(path)
-        .map_err(|e| format!("cannot read the key {}: {e}", path.display()))
+    let wrong = |e: &dyn core::fmt::Display| format!("cannot read the key {}: {e}", path.display());
+    secret::check(path, "the key")?;
+    let text = store::read_bytes(path, "a key", LARGEST_PEM).map_err(|e| wrong(&e))?;
+    PrivateKeyDer::from_pem_slice(&text).map_err(|e| wrong(&e))
 }
 
 fn self_signed(names: &[String]) -> Result<Pair, String> {

@@ -1,7 +1,8 @@
 //! The file of tokens: who may ask from elsewhere. A token is shown once; the file has its hash.
 //!
 //! A token is 32 bytes of the system's randomness, so that a plain SHA-256 of it tells nothing.
-use crate::rights::Role;
+use crate::role::Role;
+use crate::secret;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::io::Write as _;
@@ -10,6 +11,8 @@ use std::time::Duration;
 
 /// Largest file.
 const LARGEST: u64 = 64 << 10;
+/// A server looks so often whether its file has changed.
+pub(crate) const LOOKED_AT: Duration = Duration::from_secs(1);
 
 /// Tokens that are known.
 #[derive(Clone, Debug, Default)]
@@ -42,6 +45,8 @@ impl Token {
 /// What a token says of who sends it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Known {
+    /// Hash of the token: by this it is known, not by its name.
+    pub(crate) sha256: String,
     pub(crate) name: String,
     pub(crate) role: Role,
     /// It ends after so long; `None`: never.
@@ -83,7 +88,7 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }
 
-fn hash(token: &str) -> String {
+pub(crate) fn hash(token: &str) -> String {
     hex(&Sha256::digest(token.as_bytes()))
 }
 
@@ -95,7 +100,7 @@ impl Tokens {
     /// Read a file of tokens.
     ///
     /// # Errors
-    /// It is not there, or is none.
+    /// It is not there, others can read it, or it is none.
     pub fn read(path: &Path) -> Result<Self, String> {
         let file = read(path)?;
         if file.token.is_empty() {
@@ -133,19 +138,51 @@ impl Tokens {
         Ok(NewToken { token })
     }
 
+    /// Takes a token out of a file: a server that uses the file refuses it, and all that was opened
+    /// with it, within [`LOOKED_AT`].
+    ///
+    /// # Errors
+    /// The file is none, has no such token, or cannot be written.
+    pub fn revoke(path: &Path, name: &str) -> Result<(), String> {
+        let mut file = read(path)?;
+        let before = file.token.len();
+        file.token.retain(|token| token.name != name);
+        if file.token.len() == before {
+            let names: Vec<_> = file.token.iter().map(|token| token.name.as_str()).collect();
+            let (path, has) = (path.display(), names.join(", "));
+            return Err(format!("{path} has no token named \"{name}\": it has {has}"));
+        }
+        let text = toml::to_string(&file).map_err(|e| e.to_string())?;
+        write(path, &text).map_err(|e| format!("cannot write {}: {e}", path.display()))
+    }
+
     /// Whose token it is, and what it allows.
     ///
     /// # Errors
     /// It is not known, or its time is over.
     pub(crate) fn find(&self, token: &str, unix_ms: u64) -> Result<Known, NoToken> {
-        let (sought, now) = (hash(token), unix_ms / 1000);
-        let found = self.tokens.iter().find(|known| known.sha256 == sought);
+        self.of_hash(&hash(token), unix_ms)
+    }
+
+    /// The same, by the token's hash.
+    ///
+    /// # Errors
+    /// It is not known, or its time is over.
+    pub(crate) fn of_hash(&self, sha256: &str, unix_ms: u64) -> Result<Known, NoToken> {
+        let now = unix_ms / 1000;
+        let found = self.tokens.iter().find(|known| known.sha256 == sha256);
         let found = found.ok_or(NoToken::Unknown)?;
         if found.has_expired(now) {
             return Err(NoToken::Expired);
         }
         let role = role_of(&found.role).ok_or(NoToken::Unknown)?;
-        Ok(Known { name: found.name.clone(), role, left: found.left(now) })
+        let (sha256, name) = (found.sha256.clone(), found.name.clone());
+        Ok(Known { sha256, name, role, left: found.left(now) })
+    }
+
+    /// A token other than that of this hash has the name.
+    pub(crate) fn is_of_another(&self, name: &str, sha256: &str) -> bool {
+        self.tokens.iter().any(|token| token.name == name && token.sha256 != sha256)
     }
 }
 
@@ -160,6 +197,7 @@ fn write(path: &Path, text: &str) -> std::io::Result<()> {
 }
 
 fn read(path: &Path) -> Result<File, String> {
+    secret::check(path, "the file of tokens")?;
     let text = store::read_bytes(path, "a file of tokens", LARGEST).map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&text);
     let file: File =
@@ -195,6 +233,7 @@ mod tests {
         let tokens = Tokens::read(&path).expect("read");
         let found =
             |token: &str| tokens.find(token, unix_ms()).map(|known| (known.name, known.role));
+        assert_eq!(found(&hash(&first.token)), Err(NoToken::Unknown), "its hash is none");
         assert_eq!(found(&first.token), Ok(("desk-1".into(), Role::Operator)));
         assert_eq!(found(&second.token), Ok(("wall".into(), Role::Viewer)));
         for none in ["", "x", &first.token[1..]] {

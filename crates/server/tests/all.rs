@@ -20,6 +20,7 @@ mod mqtt;
 mod mtconnect;
 mod real_time;
 mod recovery;
+mod rights;
 mod rotary;
 mod runs;
 mod tls;

@@ -208,6 +208,69 @@ fn programs_are_listed_read_and_written_in_their_folder_alone() {
 }
 
 #[test]
+fn a_program_is_replaced_by_who_says_which_and_never_by_nothing() {
+    let served = Served::at_pace(1.0);
+    let put = |path: &str, headers: &[(&str, &str)], body: &[u8]| {
+        served.put_with(&format!("/programs/{path}"), body, headers)
+    };
+    let text = || served.get("/programs/plate.ngc").1;
+    let whole = text();
+    for method in ["PUT", "POST"] {
+        for path in ["plate.ngc", "new.ngc"] {
+            let path = format!("/api/v1/programs/{path}?replace=true");
+            let (status, answer) = served.raw(method, &path, &[]);
+            assert!(matches!(status, 400 | 422), "{method} {path}: {status} {answer}");
+        }
+    }
+    assert_eq!(text(), whole, "it is as it was");
+    assert_eq!(served.get("/programs/new.ngc").0, 404);
+    let (status, answer) = put("plate.ngc", &[], b"M30\n");
+    assert_eq!(status, 409, "{answer}");
+    assert!(answer["remedy"].as_str().unwrap().contains("If-Match"), "{answer}");
+    assert_eq!(put("plate.ngc", &[("if-match", "\"0123\"")], b"M30\n").0, 409);
+    assert_eq!(put("none.ngc", &[("if-match", "\"0123\"")], b"M30\n").0, 409);
+    assert_eq!(put("plate.ngc?replace=true", &[("content-range", "bytes 0-3/9")], b"M30\n").0, 400);
+    assert_eq!(text(), whole, "it is as it was");
+    let (status, first) = put("plate.ngc", &[("if-match", "*")], b"G0 X1\nM30\n");
+    assert_eq!(status, 200, "{first}");
+    assert_eq!(served.get("/programs/plate.ngc?before=true").1, whole);
+    let known = format!("\"{}\"", first["version"].as_str().unwrap());
+    assert_eq!(put("plate.ngc", &[("if-match", &known)], b"G0 X2\nM30\n").0, 200);
+    assert_eq!(put("plate.ngc", &[("if-match", &known)], b"G0 X3\nM30\n").0, 409, "it is another");
+    assert_eq!(text(), "G0 X2\nM30\n");
+    assert_eq!(served.get("/programs").1["programs"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_number_that_no_machine_has_is_refused_and_leaves_no_trace() {
+    let state = tempfile::tempdir().unwrap();
+    let served = Served::keeping(1.0, state.path(), 1);
+    let before = served.get("/offsets").1;
+    for request in [
+        r#"{"request":"set_work_offset","work_offset":"G54","axis":"X","at_mm":1e300}"#,
+        r#"{"request":"set_work_offset","work_offset":"G55","axis":"Z","at_mm":-1e9}"#,
+        r#"{"request":"touch_off","axis":"Y","at_mm":1e9}"#,
+        r#"{"request":"jog_increment","axis":"X","by_mm":1e6}"#,
+        r#"{"request":"jog_to","axis":"X","to_mm":1e6}"#,
+        r#"{"request":"jog_continuous","axis":"X","mm_per_min":1e9}"#,
+        r#"{"request":"handwheel","axis":"X","by_mm":-1e6}"#,
+        r#"{"request":"turn_spindle","spindle":0,"rpm":1e9}"#,
+        r#"{"request":"orient_spindle","spindle":0,"angle_deg":1e9}"#,
+        r#"{"request":"block_skip","level":200,"on":true}"#,
+        r#"{"request":"search","line":0}"#,
+        r#"{"request":"limit_tool","tool":1,"uses":0}"#,
+        r#"{"request":"edit_tool","tool":1,"field":"length","value_mm":1e9}"#,
+        r#"{"request":"feed_override","percent":-1}"#,
+    ] {
+        let (status, answer) = served.post_with("/request", request.as_bytes(), &[]);
+        assert_eq!(status, 422, "{request}: {answer}");
+        let reason = answer["reason"].as_str().unwrap();
+        assert!(reason.contains("from") && reason.contains("found"), "{request}: {reason}");
+    }
+    assert_eq!(served.get("/offsets").1, before);
+}
+
+#[test]
 fn a_program_that_is_refused_says_where_and_why() {
     let served = Served::at_pace(1.0);
     assert_eq!(served.put("/programs/bad.ngc", b"G21 G90\nG1 X10\nM30\n").0, 200);

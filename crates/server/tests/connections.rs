@@ -22,21 +22,29 @@ fn a_thousand_connections_at_once_leave_the_operator_his_status_and_take_little_
     let mut operator = served.socket("");
     operator.next("status");
     let before = resident();
-    let open: Vec<TcpStream> = (0..1000)
-        .filter_map(|_| {
-            let mut stream = TcpStream::connect(served.server.address()).ok()?;
-            // one that is refused may be closed already
-            let _ = stream.write_all(b"GET /api/v1/status HTTP/1.1\r\nHost: ");
-            Some(stream)
-        })
-        .collect();
-    assert!(open.len() > 500, "{} were opened", open.len());
     let mut seq = operator.next("delta")["seq"].as_u64().unwrap();
-    for _ in 0..100 {
+    let mut next = || {
         let next = operator.next("delta")["seq"].as_u64().unwrap();
         assert_eq!(next, seq + 1, "none is missing");
         seq = next;
-    }
+    };
+    let open: Vec<TcpStream> = std::thread::scope(|scope| {
+        let opens = scope.spawn(|| {
+            let open = (0..1000).filter_map(|_| {
+                let mut stream = TcpStream::connect(served.server.address()).ok()?;
+                // one that has given way may be closed already
+                let _ = stream.write_all(b"GET /api/v1/status HTTP/1.1\r\nHost: ");
+                Some(stream)
+            });
+            open.collect()
+        });
+        while !opens.is_finished() {
+            next();
+        }
+        opens.join().unwrap()
+    });
+    assert!(open.len() > 500, "{} were opened", open.len());
+    (0..100).for_each(|_| next());
     operator.send(
         &json!({ "type": "request", "id": 7, "request": { "request": "power", "on": true } }),
     );
@@ -46,14 +54,17 @@ fn a_thousand_connections_at_once_leave_the_operator_his_status_and_take_little_
     drop(open);
 }
 
-/// Clients hold all connections open and say nothing: a stop is asked for and answered.
+/// On all connections a request is under way whose body does not come: a stop is answered.
 #[test]
 fn where_all_connections_are_taken_a_stop_finds_one_and_nothing_else_does() {
     let served = Served::at_pace(1.0);
+    let address = served.server.address();
     let open: Vec<TcpStream> = (0..400)
         .filter_map(|_| {
-            let mut stream = TcpStream::connect(served.server.address()).ok()?;
-            let _ = stream.write_all(b"GET /api/v1/status HTTP/1.1\r\nHost: "); // it may be closed already
+            let mut stream = TcpStream::connect(address).ok()?;
+            let head = format!("POST /api/v1/request HTTP/1.1\r\nHost: {address}\r\n");
+            let _ = stream.write_all(head.as_bytes()); // it may be closed already
+            let _ = stream.write_all(b"Content-Length: 30\r\n\r\n{");
             Some(stream)
         })
         .collect();

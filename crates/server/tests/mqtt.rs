@@ -1,7 +1,7 @@
 //! What an MQTT broker gets: a real server, and a broker that breaks off where the test wants it
 //! to.
 
-use crate::common::{How, Served};
+use crate::common::{How, Served, write_secret};
 use serde_json::{Value, json};
 use server::{BrokerAddress, BrokerLogin, BrokerTimeouts, PublishOptions, TopicPrefix};
 use std::io::{Read as _, Write as _};
@@ -253,7 +253,7 @@ fn what_is_no_longer_kept_is_said_to_be_lost_and_the_last_values_come_all_the_sa
 fn a_last_will_and_a_login_are_in_the_first_packet() {
     let folder = tempfile::TempDir::new().unwrap();
     let file = folder.path().join("login");
-    std::fs::write(&file, "mill-7\nopen sesame\n").unwrap();
+    write_secret(&file, b"mill-7\nopen sesame\n");
     let (address, heard) = broker(vec![Conduct::Takes]);
     let login = BrokerLogin::read(&file).unwrap();
     let (served, _) = publishing(address, Some(login), short(), How::default());
@@ -275,7 +275,7 @@ fn a_last_will_and_a_login_are_in_the_first_packet() {
 fn what_is_no_broker_or_refuses_is_one_sentence_and_the_machine_goes_on() {
     let login = || {
         let folder = tempfile::TempDir::new().unwrap();
-        std::fs::write(folder.path().join("login"), "a\nb\n").unwrap();
+        write_secret(&folder.path().join("login"), b"a\nb\n");
         BrokerLogin::read(&folder.path().join("login")).ok()
     };
     for (conduct, login, says) in [

@@ -13,7 +13,7 @@ const SPOT: &str = "G21 G90 G54\nT1 M6\nG43 H1\nS5000 M3\nG0 X12 Y12 Z30\nG99 G8
 
 /// The list, when it has so many runs: they are written beside the control.
 fn runs(served: &Served, query: &str, count: usize) -> Vec<Value> {
-    for _ in 0..2000 {
+    for _ in 0..12_000 {
         let (status, list) = served.get(&format!("/runs{query}"));
         assert_eq!(status, 200, "{list}");
         let runs = list["runs"].as_array().unwrap();

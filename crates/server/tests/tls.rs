@@ -1,6 +1,6 @@
 //! TLS: who trusts the certificate is answered, and what is not TLS is not.
 
-use crate::common::Served;
+use crate::common::{Served, write_secret};
 use server::Certificate;
 use sha2::{Digest as _, Sha256};
 use std::io::{Read as _, Write as _};
@@ -26,7 +26,7 @@ fn over_tls_the_same_is_answered_as_without() {
     let der = made.cert.der().clone();
     let (certificate, key) = (dir.path().join("c.pem"), dir.path().join("k.pem"));
     std::fs::write(&certificate, pem("CERTIFICATE", &der)).unwrap();
-    std::fs::write(&key, pem("PRIVATE KEY", &made.signing_key.serialize_der())).unwrap();
+    write_secret(&key, pem("PRIVATE KEY", &made.signing_key.serialize_der()).as_bytes());
     let served = Served::secured(Certificate::Files(certificate, key));
     assert!(served.server.url().starts_with("https://"));
     assert_eq!(served.server.fingerprint().unwrap().len(), 32 * 3 - 1);

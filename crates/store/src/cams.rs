@@ -189,7 +189,7 @@ pub fn parse(text: &str) -> Result<CamFile, Vec<Diagnostic>> {
 /// It cannot be read, is no text, or too large without having too many rows.
 pub fn table_text(path: &Path) -> Result<String, Error> {
     const WHAT: &str = "a lift table";
-    let file = std::fs::File::open(path).map_err(|cause| Error::file("read", path, cause))?;
+    let file = crate::open(path).map_err(|cause| Error::file("read", path, cause))?;
     let mut bytes = Vec::new();
     let read = file.take(LIFT_TABLE_LIMIT + 1).read_to_end(&mut bytes);
     read.map_err(|cause| Error::file("read", path, cause))?;

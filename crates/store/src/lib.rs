@@ -32,5 +32,5 @@ mod text;
 
 pub use error::{Error, Refusal};
 pub use text::{
-    MOST_FINDINGS, PROGRAM_LIMIT, SMALL_FILE_LIMIT, read_bytes, read_stream, read_text,
+    MOST_FINDINGS, PROGRAM_LIMIT, SMALL_FILE_LIMIT, open, read_bytes, read_stream, read_text,
 };

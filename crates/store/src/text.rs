@@ -26,12 +26,21 @@ pub const PROGRAM_LIMIT: u64 = 256 << 20;
 /// # Errors
 /// When the file cannot be opened or read, or is larger than `limit`.
 pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>, Error> {
+    let file = open(path).map_err(|cause| Error::file("read", path, cause))?;
+    read_stream(file, path, what, limit)
+}
+
+/// A file that is to be read: the one place where files are opened, which does not wait for the
+/// writer of a named pipe. Who reads it has a limit.
+///
+/// # Errors
+/// It cannot be opened, or is such a pipe.
+pub fn open(path: &Path) -> io::Result<File> {
     if is_named_pipe(path) {
         let why = "it is a named pipe, which waits for a writer, and no file; what another program writes is read from standard input, by the name -";
-        return Err(Error::file("read", path, io::Error::other(why)));
+        return Err(io::Error::other(why));
     }
-    let file = File::open(path).map_err(|cause| Error::file("read", path, cause))?;
-    read_stream(file, path, what, limit)
+    File::open(path)
 }
 
 /// Whether no process may ever write to it. One that a process holds open, such as a shell's

@@ -680,7 +680,11 @@ path: string,
 /**
  * Its size.
  */
-bytes: number, };
+bytes: number, 
+/**
+ * Which version of the program it is: its `ETag`, without the quotes.
+ */
+version: string, };
 
 export type OffsetBody = { 
 /**

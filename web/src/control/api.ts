@@ -40,17 +40,21 @@ export async function get<T>(path: string): Promise<T> {
   return (await (await ask(path)).json()) as T;
 }
 
-export async function getText(path: string): Promise<string> {
-  return (await ask(path)).text();
-}
-
 export async function send<T>(path: string, body: unknown, signal?: AbortSignal): Promise<T> {
   const init = { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) };
   return (await (await ask(path, signal ? { ...init, signal } : init)).json()) as T;
 }
 
-export async function put(path: string, text: string): Promise<Response> {
-  return ask(path, { method: 'PUT', headers: { 'content-type': 'text/plain' }, body: text });
+/** A program's text, and which version of it this is. */
+export async function getVersion(path: string): Promise<{ text: string; version: string | null }> {
+  const response = await ask(path);
+  return { text: await response.text(), version: response.headers.get('etag') };
+}
+
+/** Writes a program. `replaces`: the version that it replaces, `*` whichever is there, null none. */
+export async function put(path: string, text: string, replaces: string | null): Promise<string | null> {
+  const headers = { 'content-type': 'text/plain', ...(replaces ? { 'if-match': replaces } : {}) };
+  return (await ask(path, { method: 'PUT', headers, body: text })).headers.get('etag');
 }
 
 /** An address of a file of the control, for a window of its own. */

@@ -1,5 +1,5 @@
 // Programs in the control's folder: load, upload.
-import { put, Refused, send } from './api';
+import { getVersion, put, Refused, send } from './api';
 import { findings } from './findings.svelte';
 import { messages } from './messages.svelte';
 import { sentenceOf } from './requests';
@@ -19,9 +19,25 @@ export async function loadProgram(name: string): Promise<boolean> {
   }
 }
 
-export async function saveProgram(name: string, text: string): Promise<boolean> {
+/** The versions of programs that were read or written last: what is saved replaces these and no others. */
+const versions = new Map<string, string | null>();
+
+const address = (name: string) => `/programs/${name.split('/').map(encodeURIComponent).join('/')}`;
+
+export async function readProgram(name: string): Promise<string> {
+  const { text, version } = await getVersion(address(name));
+  versions.set(name, version);
+  return text;
+}
+
+/** Saves a program; `isNew`: a file from elsewhere. What would replace another version than the one that was read is asked for. */
+export async function saveProgram(name: string, text: string, isNew = false): Promise<boolean> {
+  const save = async (replaces: string | null) => { versions.set(name, await put(address(name), text, replaces)); };
   try {
-    await put(`/programs/${name.split('/').map(encodeURIComponent).join('/')}`, text);
+    await save(isNew ? null : (versions.get(name) ?? null)).catch(async (error: unknown) => {
+      if (!isOfAnother(error) || !confirm(t.replaces(error.message))) throw error;
+      await save('*');
+    });
     return true;
   } catch (error) {
     messages.say('refused', sentenceOf(error));
@@ -29,11 +45,16 @@ export async function saveProgram(name: string, text: string): Promise<boolean> 
   }
 }
 
+/** Refused because another version is there. */
+function isOfAnother(error: unknown): error is Refused {
+  return error instanceof Refused && error.status === 409 && error.remedy?.includes('If-Match') === true;
+}
+
 /** A file that was dropped is put into the folder of programs, and loaded. */
 export async function dropProgram(event: DragEvent): Promise<void> {
   event.preventDefault();
   const file = event.dataTransfer?.files[0];
-  if (file && (await saveProgram(file.name, await file.text())) && (await loadProgram(file.name))) {
+  if (file && (await saveProgram(file.name, await file.text(), true)) && (await loadProgram(file.name))) {
     messages.say('note', t.loadedFile(file.name));
   }
 }

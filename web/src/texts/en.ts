@@ -116,6 +116,7 @@ export const t = {
   modesByHand: 'By hand',
   stepHint: (unit: string) => `A touch moves by one step, ${unit}; a rotary axis by degrees.`,
   loadedFile: (name: string) => `${name} is loaded.`,
+  replaces: (why: string) => `${why}. Replace it? The version that is there is kept.`,
 
   view: 'View',
   viewOf: 'Tool path',

@@ -118,13 +118,15 @@ Examples:
     /// Serve a control that stays on over HTTP and WebSocket, with its page
     #[command(
         after_help = "It says its address, and runs until Ctrl-C; the machine is simulated, and its time runs as on the wall.
-docs/api.md says what can be asked. Only this computer is answered; others take tokens and a certificate.
+docs/api.md says what can be asked, docs/security.md who may ask it. Only this computer is answered; others take
+tokens and a certificate. Keep state, tokens and keys apart from the programs.
 
 Examples:
   leadscrew serve --programs programs                  then open the address that it says
-  leadscrew serve --machine lathe --port 0 --state out/lathe
+  leadscrew serve --machine lathe --programs programs --port 0 --state out/lathe
   leadscrew serve --new-token out/tokens.toml --token-name wall --token-role viewer
-  leadscrew serve --listen 0.0.0.0 --host-name shop-1 --token-file out/tokens.toml --self-signed"
+  leadscrew serve --revoke-token out/tokens.toml --token-name wall
+  leadscrew serve --programs programs --listen 0.0.0.0 --token-file out/tokens.toml --self-signed"
     )]
     Serve(ServeArgs),
     /// Run the simulated machine, its drives and encoders as a process of its own

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 const MQTT_HELP: &str = "Publish what the MTConnect agent observes to this MQTT broker: mqtt://HOST or mqtt://HOST:PORT, and mqtts:// for TLS";
-const LOGIN_HELP: &str = "User and password at the broker, the first two lines of this file [default: LEADSCREW_MQTT_USER and LEADSCREW_MQTT_PASSWORD]";
+const LOGIN_HELP: &str = "User and password at the broker, the first two lines of this file, which its owner alone reads (0600) [default: LEADSCREW_MQTT_USER and LEADSCREW_MQTT_PASSWORD]";
 
 /// `leadscrew serve`.
 #[derive(Args, Debug, Clone)]
@@ -22,7 +22,8 @@ pub(crate) struct ServeArgs {
     /// Port at which clients call; 0 takes one that is free
     #[arg(long, value_name = "N", default_value_t = 8383)]
     pub(crate) port: u16,
-    /// Folder of programs: clients list, read, write and load what lies in it, and nothing else
+    /// Folder of programs: clients list, read, write and load the programs in it, and nothing else;
+    /// what holds state, tokens or a key is no part of it
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub(crate) programs: PathBuf,
     /// Control the machine simulator that listens here, a Unix socket, instead of a machine within
@@ -55,13 +56,14 @@ pub(crate) struct ServeArgs {
     /// Kernel and machine in a servo thread of their own, by the clock
     #[arg(long)]
     pub(crate) real_time: bool,
-    /// Answer only who has a token of this file
+    /// Answer only who has a token of this file, which its owner alone reads (0600); it is read
+    /// anew when it has changed
     #[arg(long, value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
     /// Certificate (PEM) with those that vouch for it
     #[arg(long, value_name = "FILE", requires = "key")]
     pub(crate) certificate: Option<PathBuf>,
-    /// Its key (PEM)
+    /// Its key (PEM), which its owner alone reads (0600)
     #[arg(long, value_name = "FILE", requires = "certificate")]
     pub(crate) key: Option<PathBuf>,
     /// Make a self-signed certificate, and say its fingerprint
@@ -91,8 +93,12 @@ pub(crate) struct ServeArgs {
     /// Make a token, add its hash to this file, say it once and end
     #[arg(long, value_name = "FILE", conflicts_with = "token_file")]
     pub(crate) new_token: Option<PathBuf>,
-    /// Name of the token that is made
-    #[arg(long, value_name = "NAME", requires = "new_token", default_value = "operator")]
+    /// Take a token out of this file and end: a server that uses the file refuses it, and all that
+    /// was opened with it, a second later
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["token_file", "new_token"])]
+    pub(crate) revoke_token: Option<PathBuf>,
+    /// Name of the token that is made, or taken out
+    #[arg(long, value_name = "NAME", default_value = "operator")]
     pub(crate) token_name: String,
     /// What the token that is made allows
     #[arg(long, value_enum, requires = "new_token", default_value_t = TokenRole::Operator)]

@@ -16,6 +16,7 @@ pub mod mill_stock;
 mod operations;
 pub mod options;
 pub mod preflight;
+pub mod program_files;
 pub mod restart;
 mod session;
 mod stock_comments;

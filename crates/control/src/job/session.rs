@@ -8,6 +8,7 @@ use crate::job::drawn::Drawn;
 use crate::job::interruption::Interruption;
 use crate::job::operations::Before;
 use crate::job::options::{DecimalPoint, ProgramOptions};
+use crate::job::program_files;
 use canon::ToolLibrary;
 use std::{
     io::Read,
@@ -341,6 +342,9 @@ fn taps(options: &ProgramOptions, machine: &MachineFile) -> plan::Unsynchronised
 pub fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
     if path != Path::new("-") {
         let mut text = store::read_bytes(path, "a program in memory", store::PROGRAM_LIMIT)?;
+        let path = path.display();
+        program_files::not_foreign(&text)
+            .map_err(|why| Refused::because(format!("{path} is no program: {why}")))?;
         gcode::end_lines_with_lf(&mut text);
         return Ok(text);
     }

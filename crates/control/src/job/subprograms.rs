@@ -15,6 +15,7 @@
 use crate::Refused;
 use crate::job::drawn::Drawn;
 use crate::job::options::ProgramOptions;
+use crate::job::program_files;
 use gcode::Grammar;
 use std::path::{Path, PathBuf};
 use store::machine::MachineFile;
@@ -58,6 +59,10 @@ pub fn find(
             )));
         }
         let mut source = store::read_bytes(&path, "a subprogram", store::PROGRAM_LIMIT)?;
+        if let Err(why) = program_files::not_foreign(&source) {
+            let file = path.display();
+            return Err(Refused::because(format!("{file} is called, and is no program: {why}")));
+        }
         gcode::end_lines_with_lf(&mut source);
         wanted.extend(called(&source));
         let path = path.display().to_string();
@@ -90,7 +95,14 @@ fn named(folder: &Path, name: &str, grammar: Grammar) -> Option<PathBuf> {
         Err(_) => vec![name.to_owned()],
     };
     let files = stems.iter().flat_map(|stem| FANUC_ENDINGS.map(|ending| format!("{stem}{ending}")));
-    files.into_iter().find_map(|file| within(folder, &file))
+    // a name that has an ending has that of a program: M98 <key.pem> finds none
+    let mut files = files.filter(|file| !file.contains('.') || is_fanucs(file));
+    files.find_map(|file| within(folder, &file))
+}
+
+/// Whether a file ends as Fanuc's programs do.
+fn is_fanucs(file: &str) -> bool {
+    FANUC_ENDINGS.iter().any(|ending| !ending.is_empty() && file.ends_with(ending))
 }
 
 /// The folders in which files are looked for, in order. One that is not there is refused: it is a
@@ -158,6 +170,8 @@ mod tests {
         assert_eq!(found("7"), Some(root.path().join("7")));
         assert_eq!(found("POCKET"), Some(root.path().join("POCKET.TAP")));
         assert_eq!(found("../POCKET"), None);
+        std::fs::write(root.path().join("key.pem"), "secret").unwrap();
+        assert_eq!(found("key.pem"), None, "M98 <key.pem> calls no program");
         assert_eq!(named(root.path(), "7", Grammar::Rs274), None);
     }
 

@@ -7,12 +7,13 @@ use super::data::Data;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
+use super::message::MessageStatus;
 use super::meters::Meters;
 use super::outside::{self, Outside};
 use super::proving::Begun;
+use super::ranges;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
-use super::status::MessageStatus;
 use super::under_way::{InWork, Loaded, UnderWay};
 use crate::job::{Before, Operations, ProgramOptions, Session};
 use crate::observers::Workpiece;
@@ -181,6 +182,8 @@ impl Control {
             base,
         };
         control.take_kept(state);
+        let state = control.options.state.as_deref();
+        ranges::check_kept(&control.data.parameters, &control.base.machine, state)?;
         for finding in found {
             control.events.notice(finding);
         }
@@ -226,9 +229,7 @@ impl Control {
     /// What the request needs and is not so, or what is wrong with it: nothing is changed, nothing
     /// moves.
     pub fn request(&mut self, request: &Request) -> Result<Accepted, Refusal> {
-        for need in request.needs() {
-            self.meets(need).map_err(Refusal::State)?;
-        }
+        self.admits(request)?;
         match request {
             Request::Power(on) => self.switch_power(*on),
             Request::EmergencyStop(pressed) => self.press_emergency_stop(*pressed),

@@ -2,6 +2,7 @@
 use super::control::Control;
 use super::event::Alarm;
 use super::kept::kept_parameters;
+use super::ranges;
 use super::request::Refusal;
 use super::writer::{Key, Ticket};
 use crate::clock::unix_ms;
@@ -231,8 +232,9 @@ fn said_of(last: &LastProgram) -> String {
 
 /// What a program leaves behind, as the control takes it.
 pub(super) fn take_left(control: &mut Control, left: Left) {
-    control.data.parameters = left.parameters;
+    let before = core::mem::replace(&mut control.data.parameters, left.parameters);
     control.data.leave(left.rest);
+    hold_to_ranges(control, &before);
     for (mut tool, entry) in left.tools {
         // an entry that the program has not changed is the table's: geometry and wear together
         let changed = |is: f64, was: f64| (is - was).abs() > 1e-9;
@@ -244,4 +246,19 @@ pub(super) fn take_left(control: &mut Control, left: Left) {
         }
         control.data.tools.insert(tool);
     }
+}
+
+/// A work offset that no request could have set is not taken from a program, either: the one before
+/// stays, and that is said.
+fn hold_to_ranges(control: &mut Control, before: &interp::Parameters) {
+    let wrong = ranges::out_of_range(&control.data.parameters, &control.base.machine);
+    if wrong.is_empty() {
+        return;
+    }
+    for (number, why) in wrong {
+        let value = before.get(number).unwrap_or(0.0);
+        control.data.parameters.set(number, value);
+        control.events.notice(format!("a program has set it: {why}; it stays at {value}"));
+    }
+    control.forget_modes(); // they know the offset that is not taken
 }

@@ -1,7 +1,7 @@
 //! What the kernel and the program say becomes what the operator hears: notices, messages, alarms.
 use super::control::Control;
 use super::event::{Alarm, Event};
-use super::status::MessageStatus;
+use super::message::MessageStatus;
 use crate::messages::Message;
 
 /// Alarms that are remembered.

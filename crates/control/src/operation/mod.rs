@@ -40,6 +40,7 @@ mod kept;
 mod kernel_events;
 mod left_in_work;
 mod manual;
+mod message;
 mod meters;
 mod offsets;
 mod outside;
@@ -47,6 +48,7 @@ mod programs;
 mod proof;
 mod proving;
 mod questions;
+mod ranges;
 mod recording;
 mod request;
 mod signals;
@@ -62,6 +64,7 @@ pub use control::{Control, ControlOptions};
 pub use ended::EndedProgram;
 pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
+pub use message::MessageStatus;
 pub use outside::LeftInWork;
 pub use proof::ProofMark;
 pub use proving::{Begun, Found, Proven, Proving};
@@ -69,8 +72,8 @@ pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
-    AxisStatus, FeatureCount, MessageStatus, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
-    Status, Switches, WaitingStatus, said_of,
+    AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
+    Switches, WaitingStatus, said_of,
 };
 pub use timing::{Timed, Timing};
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};

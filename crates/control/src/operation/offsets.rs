@@ -1,15 +1,16 @@
 //! Work offsets, touch off, and what the control believes of its tools.
 use super::control::Control;
-use super::request::{Accepted, Refusal, ToolField};
+use super::ranges;
+use super::request::{Accepted, Refusal, Request, ToolField};
 use canon::{Axis, Tool};
 use units::{Coordinate, Length};
 
 /// Number of the parameter that holds X of the work offset G54; those of G55 follow 20 later.
 const G54: usize = 5221;
 /// Work offsets that there are: G54 to G59.3.
-const SYSTEMS: u8 = 9;
+pub(super) const SYSTEMS: u8 = 9;
 /// What a tool may measure, mm: more is no tool.
-const LONGEST: f64 = 2000.0;
+pub(super) const LONGEST: f64 = 2000.0;
 
 /// What a tool may wear, mm: what is more is a slip of the pen.
 const MOST_WEAR: f64 = 10.0;
@@ -57,6 +58,8 @@ impl Control {
         if !(1..=SYSTEMS).contains(&system) {
             return Err(Refusal::because("work offsets are G54 to G59.3, numbered 1 to 9"));
         }
+        // a touch off sets what no request has named
+        ranges::check(&Request::SetWorkOffset(system, axis, at), &self.base.machine)?;
         let before = self.zero_of(system, axis);
         if !self.data.parameters.set(parameter(system, axis), at.value()) {
             return Err(Refusal::because("a work offset needs a number"));
@@ -127,7 +130,7 @@ impl Control {
     }
 }
 
-const fn parameter(system: u8, axis: Axis) -> usize {
+pub(super) const fn parameter(system: u8, axis: Axis) -> usize {
     G54 + 20 * (system as usize - 1) + axis.index()
 }
 

@@ -135,10 +135,8 @@ impl Control {
     /// Ask for something; what takes long is left to be proved, and then to be completed. Until
     /// then nothing has changed.
     pub fn begin(&mut self, request: &Request) -> Begun {
-        for need in request.needs() {
-            if let Err(need) = self.meets(need) {
-                return Begun::Answered(Err(Refusal::State(need)));
-            }
+        if let Err(why) = self.admits(request) {
+            return Begun::Answered(Err(why));
         }
         if let Some(fit) = self.proved_already(request) {
             return Begun::Answered(self.execute_fit(request, fit));

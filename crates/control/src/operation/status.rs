@@ -1,5 +1,6 @@
 //! How a control is: all that a panel shows, as plain values with their units in their names.
 use super::control::Control;
+use super::message::MessageStatus;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Need, Power};
 use units::{Length, Spin, Time};
@@ -183,18 +184,6 @@ pub struct Status {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub real_time: Option<crate::RealTimeFigures>,
-}
-
-/// What a program has said to its operator.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
-pub struct MessageStatus {
-    /// The message.
-    pub text: String,
-    /// Its line.
-    pub line: u32,
-    /// Machine time at which it was heard, s.
-    pub time_s: f64,
 }
 
 impl Control {

@@ -13,10 +13,10 @@ mod publishing;
 mod registry;
 mod text;
 
+use crate::access::Watched;
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::guard;
-use axum::Router;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -49,9 +49,12 @@ fn count(app: &App, metering: &Metering, after: u64) -> u64 {
     last
 }
 
+/// With what its address begins.
+pub(crate) const ROOT: &str = "/metrics";
+
 /// Its address.
-pub(crate) fn router() -> Router<Arc<App>> {
-    Router::new().route("/metrics", any(answer))
+pub(crate) fn routes() -> Vec<Watched> {
+    vec![Watched { path: ROOT, refused: guard::refused, handler: any(answer) }]
 }
 
 async fn answer(State(app): State<Arc<App>>, request: Request) -> Response {
@@ -59,9 +62,6 @@ async fn answer(State(app): State<Arc<App>>, request: Request) -> Response {
     let Some(metering) = &app.watching.metering else {
         return StatusCode::NOT_FOUND.into_response();
     };
-    if let Err(why) = guard::may_watch(&app, request.headers()) {
-        return guard::no_token(why).into_response();
-    }
     if !matches!(*request.method(), Method::GET | Method::HEAD) {
         let error = ApiError::new(StatusCode::METHOD_NOT_ALLOWED, "metrics are only read: GET");
         return ([(header::ALLOW, "GET, HEAD")], error).into_response();

@@ -1,7 +1,8 @@
 //! Which broker, as which user, below which topics: what is written on the command line and in
 //! files.
+use crate::secret;
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What comes with an address that has no port.
 const PORT: u16 = 1883;
@@ -125,6 +126,8 @@ impl TopicPrefix {
 pub struct BrokerLogin {
     pub(crate) user: String,
     pub(crate) password: String,
+    /// The file that has it.
+    pub(crate) file: Option<PathBuf>,
 }
 
 impl fmt::Debug for BrokerLogin {
@@ -142,12 +145,11 @@ impl BrokerLogin {
         let cannot = |why: &dyn fmt::Display| {
             format!("cannot read user and password from {}: {why}", path.display())
         };
-        let length = std::fs::metadata(path).map_err(|e| cannot(&e))?.len();
-        if length > LONGEST_LOGIN {
-            return Err(cannot(&format!("it has more than {LONGEST_LOGIN} bytes")));
-        }
-        let text = std::fs::read_to_string(path).map_err(|e| cannot(&e))?;
-        Self::of(&text).ok_or_else(|| {
+        secret::check(path, "the login at the broker")?;
+        let what = "a file with user and password";
+        let text = store::read_text(path, what, LONGEST_LOGIN).map_err(|e| cannot(&e))?;
+        let login = Self::of(&text).map(|login| Self { file: Some(path.to_owned()), ..login });
+        login.ok_or_else(|| {
             cannot(&"expected two lines: the user in the first, the password in the second")
         })
     }
@@ -165,7 +167,7 @@ impl BrokerLogin {
         let password = (VARIABLES[1], password.unwrap_or_default());
         Some(
             text((VARIABLES[0], user))
-                .and_then(|user| Ok(Self { user, password: text(password)? })),
+                .and_then(|user| Ok(Self { user, password: text(password)?, file: None })),
         )
     }
 
@@ -173,7 +175,10 @@ impl BrokerLogin {
         let mut lines = text.lines();
         let (user, password) = (lines.next()?, lines.next()?);
         let is_all = !user.is_empty() && lines.all(str::is_empty);
-        is_all.then(|| Self { user: user.to_owned(), password: password.to_owned() })
+        is_all.then(|| {
+            let (user, password) = (user.to_owned(), password.to_owned());
+            Self { user, password, file: None }
+        })
     }
 }
 

@@ -17,6 +17,9 @@ pub(super) trait Bytes: AsyncRead + AsyncWrite + Send + Sync + Unpin {}
 
 impl<T: AsyncRead + AsyncWrite + Send + Sync + Unpin> Bytes for T {}
 
+/// Largest file of certificates: all authorities of a system are half of it.
+const LARGEST_PEM: u64 = 1 << 20;
+
 /// How a broker is reached.
 #[derive(Clone)]
 pub(super) struct Link {
@@ -43,7 +46,9 @@ impl Link {
             let cannot = |why: &dyn fmt::Display| {
                 format!("cannot read certificates of {}: {why}", path.display())
             };
-            for certificate in CertificateDer::pem_file_iter(path).map_err(|e| cannot(&e))? {
+            let what = "a file of certificates";
+            let text = store::read_bytes(path, what, LARGEST_PEM).map_err(|e| cannot(&e))?;
+            for certificate in CertificateDer::pem_slice_iter(&text) {
                 let certificate = certificate.map_err(|e| cannot(&e))?;
                 roots.add(certificate).map_err(|e| cannot(&e))?;
             }

@@ -9,6 +9,7 @@ mod shows;
 
 pub use openapi::openapi;
 
+use crate::access::{Access, Address, Admission, Watched};
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::wire::{
@@ -16,6 +17,8 @@ use crate::wire::{
     OperatorBody, OperatorOrder, ProgramBody, RequestBody, RunDetailBody, RunTraceBody, RunsBody,
     SavedBody, SessionBody, SessionOrder, ToolBody,
 };
+use crate::{guard, metrics, mtconnect};
+use Access::{Anyone, Operator, Viewer};
 use axum::Router;
 use axum::http::StatusCode;
 use axum::routing::{MethodRouter, get, post, put};
@@ -26,25 +29,44 @@ use std::sync::Arc;
 /// An address, and what it does.
 struct Route {
     method: &'static str,
-    /// Below `/api/v1`, as axum writes it.
+    /// Below its base, as axum writes it.
     path: &'static str,
     summary: &'static str,
+    admission: Admission,
     body: Shape,
     answer: Shape,
     handler: MethodRouter<Arc<App>>,
 }
 
-/// What all addresses begin with.
+impl Route {
+    /// An address that is not of the API: programs that watch know it.
+    fn of_watchers(watched: Watched) -> Self {
+        let Watched { path, refused, handler } = watched;
+        let admission =
+            Admission { access: Access::Watcher, is_opened_in_a_window: false, refused };
+        let (body, answer) = (Shape::Nothing, Shape::Any);
+        Self { method: "any", path, summary: "", admission, body, answer, handler }
+    }
+
+    /// Its session may stand in its address.
+    const fn opened_in_a_window(mut self) -> Self {
+        self.admission.is_opened_in_a_window = true;
+        self
+    }
+}
+
+/// What all addresses of the API begin with.
 const BASE: &str = "/api/v1";
 
 fn row(
     method: &'static str,
     path: &'static str,
-    summary: &'static str,
+    (access, summary): (Access, &'static str),
     [body, answer]: [Shape; 2],
     handler: MethodRouter<Arc<App>>,
 ) -> Route {
-    Route { method, path, summary, body, answer, handler }
+    let admission = Admission { access, is_opened_in_a_window: false, refused: guard::refused };
+    Route { method, path, summary, admission, body, answer, handler }
 }
 
 /// All of them.
@@ -60,35 +82,35 @@ fn of_the_control() -> Vec<Route> {
         row(
             "get",
             "/status",
-            "How the control is",
+            (Viewer, "How the control is"),
             [no, Shape::of::<Status>()],
             get(shows::status),
         ),
         row(
             "get",
             "/events",
-            "What has happened since the event `after`",
+            (Viewer, "What has happened since the event `after`"),
             [no, Shape::of::<EventsBody>()],
             get(shows::events),
         ),
         row(
             "post",
             "/request",
-            "Ask the control for something",
+            (Operator, "Ask the control for something"),
             [Shape::of::<RequestBody>(), Shape::of::<AcceptedBody>()],
             post(requests::request),
         ),
         row(
             "get",
             "/machine",
-            "The machine",
+            (Viewer, "The machine"),
             [no, Shape::of::<MachineBody>()],
             get(shows::machine),
         ),
         row(
             "get",
             "/program",
-            "The program that is loaded, or null",
+            (Viewer, "The program that is loaded, or null"),
             [no, Shape::of::<ProgramBody>()],
             get(shows::program),
         ),
@@ -102,22 +124,28 @@ fn of_programs() -> Vec<Route> {
         row(
             "get",
             "/programs",
-            "The folder of programs",
+            (Viewer, "The folder of programs"),
             [no, Shape::of::<FolderBody>()],
             get(programs::list),
         ),
-        row("get", "/programs/{*path}", "A program's text", [no, Shape::Text], get(programs::read)),
+        row(
+            "get",
+            "/programs/{*path}",
+            (Viewer, "A program's text"),
+            [no, Shape::Text],
+            get(programs::read),
+        ),
         row(
             "put",
             "/programs/{*path}",
-            "Write a program",
+            (Operator, "Write a program"),
             [Shape::Text, Shape::of::<SavedBody>()],
             put(programs::save),
         ),
         row(
             "post",
             "/programs/{*path}",
-            "Write a program that is not there yet",
+            (Operator, "Write a program that is not there yet"),
             [Shape::Text, Shape::of::<SavedBody>()],
             post(programs::upload),
         ),
@@ -131,22 +159,28 @@ fn of_lists() -> Vec<Route> {
         row(
             "get",
             "/offsets",
-            "Work offsets",
+            (Viewer, "Work offsets"),
             [no, Shape::list_of::<OffsetBody>()],
             get(shows::offsets),
         ),
-        row("get", "/tools", "Tools", [no, Shape::list_of::<ToolBody>()], get(shows::tools)),
+        row(
+            "get",
+            "/tools",
+            (Viewer, "Tools"),
+            [no, Shape::list_of::<ToolBody>()],
+            get(shows::tools),
+        ),
         row(
             "get",
             "/features",
-            "What was cut, as it was judged",
+            (Viewer, "What was cut, as it was judged"),
             [no, Shape::list_of::<FeatureBody>()],
             get(shows::features),
         ),
         row(
             "get",
             "/alarms",
-            "Alarms, oldest first",
+            (Viewer, "Alarms, oldest first"),
             [no, Shape::list_of::<AlarmBody>()],
             get(shows::alarms),
         ),
@@ -160,29 +194,37 @@ fn of_runs() -> Vec<Route> {
         row(
             "get",
             "/runs",
-            "Programs that were executed, the latest first",
+            (Viewer, "Programs that were executed, the latest first"),
             [no, Shape::of::<RunsBody>()],
             get(runs::list),
         ),
         row(
             "get",
             "/runs/{id}",
-            "A run: features and alarms",
+            (Viewer, "A run: features and alarms"),
             [no, Shape::of::<RunDetailBody>()],
             get(runs::detail),
         ),
-        row("get", "/runs/{id}/report", "Its report, a page", [no, Shape::Text], get(runs::report)),
+        row(
+            "get",
+            "/runs/{id}/report",
+            (Viewer, "Its report, a page"),
+            [no, Shape::Text],
+            get(runs::report),
+        )
+        .opened_in_a_window(),
         row(
             "get",
             "/runs/{id}/certificate",
-            "Its certificate",
+            (Viewer, "Its certificate"),
             [no, Shape::Any],
             get(runs::certificate),
-        ),
+        )
+        .opened_in_a_window(),
         row(
             "get",
             "/runs/{id}/trace",
-            "Signals of its trace, least and greatest value by column",
+            (Viewer, "Signals of its trace, least and greatest value by column"),
             [no, Shape::of::<RunTraceBody>()],
             get(runs::trace),
         ),
@@ -196,39 +238,47 @@ fn of_clients() -> Vec<Route> {
         row(
             "post",
             "/session",
-            "Open a session",
+            (Anyone, "Open a session"),
             [Shape::of::<SessionOrder>(), Shape::of::<SessionBody>()],
             post(sessions::open),
         ),
         row(
             "get",
             "/operator",
-            "Who commands",
+            (Viewer, "Who commands"),
             [no, Shape::of::<OperatorBody>()],
             get(sessions::operator),
         ),
         row(
             "post",
             "/operator",
-            "Ask for the right to command, hand it over, keep it, give it back",
+            (Operator, "Ask for the right to command, hand it over, keep it, give it back"),
             [Shape::of::<OperatorOrder>(), Shape::of::<OperatorBody>()],
             post(sessions::order),
         ),
         row(
             "get",
             "/ws",
-            "WebSocket: status, events, features, scope, requests",
+            (Viewer, "WebSocket: status, events, features, scope, requests"),
             [no, Shape::Nothing],
             get(crate::socket::open),
-        ),
+        )
+        .opened_in_a_window(),
         row(
             "get",
             "/lsp",
-            "WebSocket: the language server",
+            (Viewer, "WebSocket: the language server"),
             [no, Shape::Nothing],
             get(crate::language::open),
+        )
+        .opened_in_a_window(),
+        row(
+            "get",
+            "/openapi.json",
+            (Anyone, "This document"),
+            [no, Shape::Any],
+            get(shows::document),
         ),
-        row("get", "/openapi.json", "This document", [no, Shape::Any], get(shows::document)),
     ]
 }
 
@@ -242,9 +292,34 @@ async fn on_disk<T: Send + 'static>(
     done.map_err(|e| ApiError::new(StatusCode::INTERNAL_SERVER_ERROR, e.to_string()))
 }
 
-/// The router of the API.
-pub(crate) fn router() -> Router<Arc<App>> {
-    table().into_iter().fold(Router::new(), |router, row| {
-        router.route(&format!("{BASE}{}", row.path), row.handler)
+/// All addresses of the server but those of the page's files.
+fn all() -> Vec<(String, Route)> {
+    let api = table().into_iter().map(|route| (format!("{BASE}{}", route.path), route));
+    let watched = mtconnect::routes().into_iter().chain(metrics::routes());
+    let watched = watched.map(Route::of_watchers);
+    api.chain(watched.map(|route| (route.path.to_owned(), route))).collect()
+}
+
+/// Who may use which address: of all that the router is made from.
+pub fn addresses() -> Vec<Address> {
+    let address = |(path, route): (String, Route)| Address {
+        method: route.method,
+        path,
+        access: route.admission.access,
+    };
+    all().into_iter().map(address).collect()
+}
+
+/// The router of all addresses that are served: nobody comes to a handler unless he is admitted.
+pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
+    let is_served = |path: &str| {
+        (app.watching.monitoring.is_some() || !path.starts_with(mtconnect::ROOT))
+            && (app.watching.metering.is_some() || !path.starts_with(metrics::ROOT))
+    };
+    let served = all().into_iter().filter(|(path, _)| is_served(path));
+    served.fold(Router::new(), |router, (path, route)| {
+        let (app, admission) = (Arc::clone(app), route.admission);
+        let admit = move |request, next| guard::admit(Arc::clone(&app), admission, request, next);
+        router.route(&path, route.handler.layer(axum::middleware::from_fn(admit)))
     })
 }

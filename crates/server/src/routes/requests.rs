@@ -1,8 +1,8 @@
 //! What the control is asked for.
 use crate::answer::{ApiError, json, object};
 use crate::app::App;
-use crate::guard::Who;
 use crate::reserved::{ForStops, too_many};
+use crate::rights::Who;
 use crate::wire::{AcceptedBody, RequestBody};
 use axum::Extension;
 use axum::body::Body;
@@ -20,6 +20,6 @@ pub(super) async fn request(
     if for_stops.is_some() && !body.is_stop() {
         return Err(too_many());
     }
-    let accepted = app.request(&who.session, body).await?;
+    let accepted = app.request(who.session, body).await?;
     Ok(json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text))))
 }

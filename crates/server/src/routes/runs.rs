@@ -2,7 +2,7 @@
 use super::on_disk;
 use crate::answer::{ApiError, json};
 use crate::app::App;
-use crate::runs::{CERTIFICATE, REPORT, Search, TraceQuery};
+use crate::runs::{CERTIFICATE, REPORT, Search, TraceQuery, read as read_file};
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{Path, Query, State};
 use axum::http::{StatusCode, header};
@@ -61,7 +61,7 @@ pub(super) async fn certificate(
 }
 
 async fn file(app: &Arc<App>, id: String, name: &'static str) -> Result<Vec<u8>, ApiError> {
-    let read = move |app: &App| std::fs::read(app.runs.file(&id, name)?).ok();
+    let read = move |app: &App| read_file(&app.runs.file(&id, name)?);
     on_disk(app, read).await?.ok_or_else(missing)
 }
 

@@ -22,6 +22,8 @@ const MOST_LISTED: usize = 200;
 const HIDDEN: char = '.';
 /// What the list says of a run, and all that it made.
 const RUN: &str = "run.json";
+/// Largest file of a run that is answered whole: a trace is read by its columns.
+const LARGEST_FILE: u64 = 256 << 20;
 /// The page for people.
 pub(crate) const REPORT: &str = "report.html";
 /// What programs rely on.
@@ -116,7 +118,7 @@ impl Runs {
         struct Stored {
             run: RunBody,
         }
-        let text = fs::read(self.path(id).join(RUN)).ok()?;
+        let text = read(&self.path(id).join(RUN))?;
         serde_json::from_slice::<Stored>(&text).ok().map(|stored| stored.run)
     }
 
@@ -137,7 +139,7 @@ impl Runs {
 
     /// All that is known of a run, as JSON.
     pub(crate) fn detail(&self, id: &str) -> Option<Vec<u8>> {
-        fs::read(self.file(id, RUN)?).ok()
+        read(&self.file(id, RUN)?)
     }
 
     /// Columns of a run's trace; `None`: there is none.
@@ -178,6 +180,11 @@ pub(crate) struct TraceQuery {
     from_s: Option<f64>,
     to_s: Option<f64>,
     columns: Option<usize>,
+}
+
+/// A file of a run; `None`: there is none, or it is none that was kept.
+pub(crate) fn read(path: &Path) -> Option<Vec<u8>> {
+    store::read_bytes(path, "a file of a run", LARGEST_FILE).ok()
 }
 
 /// Bytes of the files of a folder.

@@ -226,4 +226,6 @@ pub(crate) struct SavedBody {
     /// Its size.
     #[ts(type = "number")]
     pub bytes: u64,
+    /// Which version of the program it is: its `ETag`, without the quotes.
+    pub version: String,
 }

@@ -28,6 +28,14 @@ pub fn shop(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../programs").join(name)
 }
 
+/// A file that its owner alone reads.
+pub fn write_secret(path: &Path, text: &[u8]) {
+    use std::os::unix::fs::OpenOptionsExt as _;
+    let mut options = std::fs::OpenOptions::new();
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(path).unwrap();
+    file.write_all(text).unwrap();
+}
+
 /// How it is served; what is usual stands in it.
 pub struct How {
     pub machine: &'static str,
@@ -193,6 +201,14 @@ impl Served {
 
     pub fn put(&self, path: &str, body: &[u8]) -> (u16, Value) {
         Self::read(self.agent.put(self.url(path)).send(body))
+    }
+
+    pub fn put_with(&self, path: &str, body: &[u8], headers: &[(&str, &str)]) -> (u16, Value) {
+        let mut request = self.agent.put(self.url(path));
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        Self::read(request.send(body))
     }
 
     pub fn post(&self, path: &str, body: &Value) -> (u16, Value) {

@@ -53,7 +53,7 @@ impl Reader {
     /// # Errors
     /// When the file cannot be opened or is no trace.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let file = File::open(path).map_err(|cause| Error::file("read", path, cause))?;
+        let file = crate::open(path).map_err(|cause| Error::file("read", path, cause))?;
         let opened = guarded(|| SerializedFileReader::new(file).map_err(|e| e.to_string()));
         let file = opened.map_err(|cause| failed(path, &cause))?;
         Ok(Self { path: path.to_owned(), file, next: 0 })
