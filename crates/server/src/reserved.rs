@@ -1,7 +1,7 @@
 //! Connections that are kept for stops: beside all others, however many those are.
 //!
 //! ```text
-//!   256 connections are open ─► the next ones, 16 at once: one request each, within a second
+//!   a request is under way on 256 ─► the next ones, 16 at once: one request each, within a second
 //!                                  ├─ a stop: asked of the control
 //!                                  └─ anything else: 503        one more: the oldest of them is closed
 //! ```
