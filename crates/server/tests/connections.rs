@@ -56,7 +56,7 @@ fn a_thousand_connections_at_once_leave_the_operator_his_status_and_take_little_
 
 /// On all connections a request is under way whose body does not come: a stop is answered.
 #[test]
-#[ignore = "its clients are answered at once, so their connections give way: it needs 256 requests under way"]
+#[ignore = "needs 256 requests that stay under way: these are answered at once"]
 fn where_all_connections_are_taken_a_stop_finds_one_and_nothing_else_does() {
     let served = Served::at_pace(1.0);
     let address = served.server.address();
