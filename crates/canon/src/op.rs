@@ -13,6 +13,21 @@ pub struct Op {
     pub kind: OpKind,
 }
 
+/// No text has an operation there.
+const TYPED: Span = Span { file: u16::MAX, line: 0, start: 0, end: 0 };
+
+impl Op {
+    /// The end of blocks that were typed, which have no word for it: spindles turn on.
+    pub const fn end_of_typed() -> Self {
+        Self { span: TYPED, kind: OpKind::End }
+    }
+
+    /// It ends blocks that were typed: no block has ordered it.
+    pub fn ends_typed(&self) -> bool {
+        matches!(self.kind, OpKind::End) && self.span == TYPED
+    }
+}
+
 /// What an operation orders.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OpKind {

@@ -99,6 +99,9 @@ impl WorkFrame {
             EventKind::HomingStopped { axis } => {
                 format!("homing of {} was stopped: it is not homed", axis.letter())
             }
+            EventKind::StoppedBySwitch { axis } => {
+                format!("{} stands on its limit switch", axis.letter())
+            }
             EventKind::Operator(notice) => notice.to_string(),
             EventKind::OutputSet(Output { number, signal: Signal::Digital { on }, .. }) => {
                 format!("digital output {number} {}", if *on { "on" } else { "off" })

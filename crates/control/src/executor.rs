@@ -16,7 +16,9 @@ use crate::timings::TickTimes;
 use crate::{Plant, RealTimeFigures};
 use bus::{Command, Feedback, Machine as _, Sample, State};
 use kernel::{Kernel, Request};
+use servo::StopLane;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Duration;
 use units::Axis;
 
@@ -31,6 +33,8 @@ pub struct Executor {
     pub machine: MachineHandle,
     /// How long its ticks take.
     pub ticks: TickTimes,
+    /// Stops that wait in no queue.
+    pub stops: Arc<StopLane>,
     /// What the operating system has refused of what real time needs, in sentences.
     pub refused: Vec<String>,
     time: TimeKeeping,
@@ -57,6 +61,7 @@ impl Executor {
             kernel: kernel.into(),
             machine: machine.into(),
             ticks: TickTimes::new(false),
+            stops: Arc::default(),
             refused: Vec::new(),
             time: TimeKeeping::LockStep,
             last: Box::default(),
@@ -91,7 +96,8 @@ impl Executor {
             return;
         };
         let is_elsewhere = matches!(machine, Plant::Hal(_));
-        let (kernel_link, machine_link, prepared) = real_time::prepare(kernel, machine);
+        let (kernel_link, machine_link, prepared) =
+            real_time::prepare(kernel, machine, &self.stops);
         let kernel = std::mem::replace(&mut self.kernel, KernelHandle::There(kernel_link));
         let machine = std::mem::replace(&mut self.machine, MachineHandle::There(machine_link));
         let (KernelHandle::Here(kernel), MachineHandle::Here(machine)) = (kernel, machine) else {
@@ -154,7 +160,7 @@ impl Executor {
         observe: impl FnOnce(&mut KernelHandle, &mut MachineHandle, &Sample),
     ) -> &Sample {
         self.begin_real_time();
-        let Self { kernel, machine, ticks, time, last, .. } = self;
+        let Self { kernel, machine, ticks, stops, time, last, .. } = self;
         if let TimeKeeping::RealTime(thread) = time {
             if let Some(record) = thread.next() {
                 kernel.see(&record);
@@ -175,6 +181,9 @@ impl Executor {
             last.answer.sample = Sample { feedback, report, ..Sample::default() };
             return last.sample();
         };
+        let flags = stops.take();
+        servo::stop(ticked, flags);
+        real_time::strike(moved, flags);
         answer(ticked, moved, ticks, last);
         observe(kernel, machine, last.sample());
         if let (Some(kernel), Some(machine)) = (kernel.here(), machine.here()) {

@@ -4,6 +4,7 @@ use crate::KernelHandle;
 use crate::Services;
 use crate::ahead::MotionAhead;
 use crate::job::Source;
+use crate::messages::{Message, Messages};
 use crate::observers::Observing;
 use crate::override_pace::Pace;
 use canon::{Op, OpKind};
@@ -40,6 +41,8 @@ pub struct Feeder {
     is_at_end: bool,
     /// What kept each tap from being faster, by the index of its operation.
     pub(super) limiting: BTreeMap<u32, String>,
+    /// What the program says, until the machine has come there.
+    pub(super) messages: Messages,
     /// Indices of the operations that tap.
     taps: BTreeSet<u32>,
     /// What is wrong with a program that is interpreted while it runs, and what cannot be planned:
@@ -60,6 +63,7 @@ impl Feeder {
             ahead: MotionAhead::default(),
             is_at_end: false,
             limiting: BTreeMap::new(),
+            messages: Messages::default(),
             taps: BTreeSet::new(),
             refused: Vec::new(),
         }
@@ -135,8 +139,15 @@ impl Feeder {
                 self.waiting = Some((index, op));
                 return;
             }
-            if let OpKind::Tap(_) = &op.kind {
-                self.taps.insert(index);
+            match &op.kind {
+                OpKind::Tap(_) => {
+                    self.taps.insert(index);
+                }
+                OpKind::Message(text) => {
+                    let message = Message { line: op.span.line, text: text.clone() };
+                    self.messages.push(index, message);
+                }
+                _ => {}
             }
             services.op(index, &op);
             observers.op(index, &op, self.ops.frame());

@@ -21,6 +21,7 @@ mod executor;
 mod feeder;
 mod handles;
 pub mod job;
+mod messages;
 mod missed;
 pub mod observers;
 pub mod operation;

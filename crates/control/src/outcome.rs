@@ -1,6 +1,6 @@
 //! What is known of a run when it is over.
 use crate::job::Left;
-use crate::observers::{ToolUseCount, Workpiece};
+use crate::observers::{ToolUseCount, TraceThread, Workpiece};
 use crate::services::{CamHost, RecordWriter};
 use crate::{Executor, Feeder, Observers, RealTimeFigures, Services, TickTimes, Timings};
 use bus::State;
@@ -86,6 +86,19 @@ pub(crate) fn unobserved(figures: &RealTimeFigures) -> Option<String> {
     })
 }
 
+/// What of a run is still to be put on the disk.
+pub struct Unwritten {
+    /// Every period.
+    pub trace: Option<TraceThread>,
+    /// The sync record.
+    pub record: Option<RecordWriter>,
+}
+
+/// What is said of a sync record that is not on the disk.
+pub(crate) fn unwritten_record(why: &str) -> String {
+    format!("the sync record cannot be written: {why}")
+}
+
 /// A run of which nothing more is executed.
 pub struct EndedRun {
     pub(crate) feeder: Feeder,
@@ -126,11 +139,23 @@ impl EndedRun {
         self.observers.tool_use.as_mut().map(ToolUseCount::take).unwrap_or_default()
     }
 
-    /// All is over: what came of it.
+    /// All is over: what came of it, when all of it is on the disk.
     ///
     /// # Errors
     /// The trace cannot be written.
     pub fn finish(self, executor: &mut Executor) -> Result<Outcome, store::Error> {
+        let (mut outcome, unwritten) = self.finish_beside(executor);
+        let Unwritten { trace, record } = unwritten;
+        let why = record.and_then(RecordWriter::finish);
+        if let Some(trace) = trace {
+            trace.finish()?;
+        }
+        outcome.broke_off.extend(why.map(|why| unwritten_record(&why)));
+        Ok(outcome)
+    }
+
+    /// All is over: what came of it, and what is still to be put on the disk.
+    pub fn finish_beside(self, executor: &mut Executor) -> (Outcome, Unwritten) {
         let Self { feeder, services, observers, begun, now, periods, real_time, .. } = self;
         let (mut faults, mut broke_off) = (self.faults, self.broke_off);
         // a way out of a thread after the last stop is no part of the cycle
@@ -144,18 +169,13 @@ impl EndedRun {
         timings.stop(periods, took);
         let lost = machine.lost().filter(|why| !broke_off.contains(why));
         let recovered = record_writer.as_ref().and_then(RecordWriter::recovered);
-        let unwritten = record_writer.and_then(RecordWriter::finish);
-        let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));
-        if let Some(trace) = trace {
-            trace.finish()?;
-        }
-        broke_off.extend(lost.into_iter().chain(unwritten));
+        broke_off.extend(lost);
         if faults.is_empty() {
             faults.extend_from_slice(kernel.faults());
         }
         cams.end(feeder.planner.worn());
         cams.keep(polygons.said, polygons.kept);
-        Ok(Outcome {
+        let outcome = Outcome {
             features: told_of_recovery(features, recovered),
             recorder: observers.recorder,
             watch: observers.watch,
@@ -180,6 +200,7 @@ impl EndedRun {
             withdrawn: stops.withdrawn,
             left: feeder.ops.left(),
             broke_off,
-        })
+        };
+        (outcome, Unwritten { trace, record: record_writer })
     }
 }

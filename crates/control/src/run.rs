@@ -6,6 +6,7 @@ use crate::job::Operations;
 use crate::job::Session;
 use crate::job::preflight::planner;
 use crate::job::restart::Restart;
+use crate::messages::Message;
 use crate::observers::{self, Observing, ToolUseCount, TraceThread, Workpiece};
 use crate::outcome::{EndedRun, Outcome, unobserved};
 use crate::services::RecordWriter;
@@ -150,6 +151,12 @@ impl Running {
         Self::with(parts, None, executor)
     }
 
+    /// The next thing that the program says to its operator; `is_over`: the machine goes no
+    /// further.
+    pub fn next_message(&mut self, op: u32, is_over: bool) -> Option<Message> {
+        self.feeder.messages.next(op, is_over)
+    }
+
     /// What the kernel has said since the last time; without an operator nothing is kept.
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.heard)
@@ -260,6 +267,9 @@ impl Running {
     /// One servo period; it breaks off when the program is over.
     pub fn period(&mut self, executor: &mut Executor) -> ControlFlow<()> {
         if self.is_stopped(executor) {
+            // said now: the handle to a servo thread is gone when the run has ended
+            let lost = executor.machine.lost().filter(|why| !self.broke_off.contains(why));
+            self.broke_off.extend(lost);
             if self.is_attended {
                 return ControlFlow::Break(());
             }

@@ -1,7 +1,7 @@
 //! How long a run may stand still before it is given up: every wait of the control has its own
 //! limit, but an operator's has none.
 use crate::KernelHandle;
-use bus::{AXES, Command};
+use bus::{AXES, Command, State};
 use units::{Coordinate, Time};
 
 /// A run may stand for this much longer than all of it was planned to take: waits differ from their
@@ -38,7 +38,9 @@ impl StallGuard {
         let waiting = kernel.waiting();
         let ends_by_itself = waiting.is_some_and(|waiting| waiting.limit.is_some());
         let at = command.axes.each_ref().map(|axis| axis.position);
-        if at != self.last || ends_by_itself {
+        // an axis that follows a spindle moves on through a hold: it goes nowhere
+        let is_held = operator.wants_rest() && kernel.report().state == State::Held;
+        if !is_held && (at != self.last || ends_by_itself) {
             (self.last, self.moved) = (at, now);
         }
         if now - self.moved >= self.stands {
@@ -51,7 +53,7 @@ impl StallGuard {
                     .map_or_else(String::new, |waiting| format!(": it waits for {}", waiting.what))
             };
             let stands = self.stands.value();
-            return Some(format!("given up after {stands:.0} s in which no axis moved{why}"));
+            return Some(format!("given up after {stands:.0} s in which nothing went on{why}"));
         }
         let whole = self.stands * SLOWEST;
         let planned = self.planned.filter(|_| now - begun >= whole)?.value();

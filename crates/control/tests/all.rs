@@ -7,3 +7,5 @@ mod proving;
 mod real_time;
 mod recovery;
 mod requests;
+mod stop_lane;
+mod stops;

@@ -154,6 +154,11 @@ pub enum EventKind {
         /// Which.
         axis: Axis,
     },
+    /// A limit switch has ended a move by hand that led onto it.
+    StoppedBySwitch {
+        /// Which.
+        axis: Axis,
+    },
     /// What the operator should know of an order.
     Operator(Notice),
     /// Waiting for the operator.

@@ -29,7 +29,8 @@ use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
 use crate::track::Track;
 use crate::waits::{
-    await_angle, await_speed, await_tool, begin_change, begin_pause, fade, record, revolve, settle,
+    await_angle, await_speed, await_tool, begin_change, begin_pause, consult, engage, fade, record,
+    revolve, settle,
 };
 use bus::{Feedback, State};
 use motion::WayOut;
@@ -93,12 +94,13 @@ pub(crate) enum Activity {
     Recording { waited_s: f64 },
     /// Waiting until a spindle is on its gear.
     Engaging(u8),
-    /// Waiting until one superposition can begin, or all have faded.
-    Fading,
-    /// Waiting for a spindle's turns: where it began.
-    Revolving(units::Angle),
-    /// Waiting for what runs the kernel.
-    Consulting,
+    /// Waiting until one superposition can begin, or all have faded; for so long no spindle has
+    /// turned.
+    Fading { still_s: f64 },
+    /// Waiting for a spindle's turns: where it began, and for how long it has not turned.
+    Revolving { from: units::Angle, still_s: f64 },
+    /// Waiting for what runs the kernel; for so long.
+    Consulting { waited_s: f64 },
     /// Waiting for the operator.
     Pausing,
     /// Done within the period in which it began.
@@ -150,14 +152,14 @@ impl Activity {
                 drives.release(*follower);
                 Self::AtOnce
             }
-            StepKind::Superpose(_) | StepKind::AwaitFades => Self::Fading,
+            StepKind::Superpose(_) | StepKind::AwaitFades => Self::Fading { still_s: 0.0 },
             StepKind::Revolve { spindle, .. } => match drives.spindles.get(usize::from(*spindle)) {
-                Some(Some(control)) => Self::Revolving(control.now().angle),
+                Some(Some(control)) => Self::Revolving { from: control.now().angle, still_s: 0.0 },
                 _ => {
                     return Err((FaultKind::NotConfigured, Subject::Spindle(*spindle), 0.0, 0.0));
                 }
             },
-            StepKind::Consult(_) => Self::Consulting,
+            StepKind::Consult(_) => Self::Consulting { waited_s: 0.0 },
             StepKind::ChangeTool { tool, by_hand } => {
                 begin_change(*tool, *by_hand, drives, context)
             }
@@ -213,20 +215,18 @@ impl Activity {
     ) -> Result<StepProgress, Finding> {
         let waits = context.config.waits;
         match self {
-            Self::Idle
-            | Self::Pausing
-            | Self::ChangingByHand { .. }
-            | Self::Consulting
-            | Self::Ended => Ok(StepProgress::Busy),
-            Self::Engaging(follower) => {
-                if !drives.coupled.is_locked(*follower) {
-                    return Ok(StepProgress::Busy);
-                }
-                context.note(EventKind::SpindlesCoupled { follower: *follower });
-                Ok(StepProgress::Done(0.0))
+            Self::Idle | Self::Pausing | Self::ChangingByHand { .. } | Self::Ended => {
+                Ok(StepProgress::Busy)
             }
-            Self::Fading => fade(step, dt, drives),
-            Self::Revolving(from) => Ok(revolve(step, *from, dt, drives)),
+            Self::Consulting { waited_s } => {
+                *waited_s += dt;
+                consult(*waited_s)
+            }
+            Self::Engaging(follower) => Ok(engage(*follower, drives, context)),
+            Self::Fading { still_s } => fade(step, dt, drives, (still_s, waits.at_speed)),
+            Self::Revolving { from, still_s } => {
+                revolve(step, *from, dt, drives, (still_s, waits.at_speed))
+            }
             Self::AtOnce => Ok(StepProgress::Done(dt)),
             Self::Moving(moving, _) => {
                 let (track, exact_stop) = match step {
@@ -329,9 +329,9 @@ impl Activity {
             | Self::Changing { .. }
             | Self::Recording { .. }
             | Self::Engaging(_)
-            | Self::Fading
-            | Self::Revolving(_)
-            | Self::Consulting
+            | Self::Fading { .. }
+            | Self::Revolving { .. }
+            | Self::Consulting { .. }
             | Self::AtOnce
             | Self::Ended => false,
         }
@@ -344,9 +344,11 @@ impl Activity {
             Self::Moving(_, state) => *state,
             Self::Threading | Self::Probing(_) => State::Feed,
             Self::Settling { .. } => State::Settle,
-            Self::Dwelling { .. } | Self::AwaitingInput { .. } | Self::Revolving(_) => State::Dwell,
-            Self::Engaging(_) | Self::Fading => State::Couple,
-            Self::Consulting => State::Measure,
+            Self::Dwelling { .. } | Self::AwaitingInput { .. } | Self::Revolving { .. } => {
+                State::Dwell
+            }
+            Self::Engaging(_) | Self::Fading { .. } => State::Couple,
+            Self::Consulting { .. } => State::Measure,
             Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } | Self::Recording { .. } => {
                 State::SpindleWait
             }

@@ -82,6 +82,10 @@ pub enum FaultKind {
     ProbeNotReached,
     /// A probing move begins with the probe as it shall end.
     ProbeNotReady,
+    /// A spindle whose turns are counted does not turn.
+    TurnsNotMade,
+    /// What runs the kernel has not answered a question in time.
+    NotAnswered,
     /// A step orders an axis or spindle that is not configured.
     NotConfigured,
     /// A step begins where the axes are not.
@@ -108,6 +112,8 @@ pub enum FaultKind {
     ControlSenseless,
     /// What runs the kernel is being unloaded.
     ComponentUnloaded,
+    /// The servo thread does not take what the control asks of it.
+    RequestsNotTaken,
     /// The home switch is not where it is searched.
     HomeSwitchNotFound,
     /// The home switch stays actuated.
@@ -135,7 +141,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 51] = [
+    pub const ALL: [Self; 54] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -165,6 +171,8 @@ impl FaultKind {
         Self::PhaseNotReached,
         Self::RecordNotWritten,
         Self::ProbeNotReached,
+        Self::TurnsNotMade,
+        Self::NotAnswered,
         Self::NotConfigured,
         Self::SetpointJump,
         Self::TableMissing,
@@ -180,6 +188,7 @@ impl FaultKind {
         Self::ControlSilent,
         Self::ControlSenseless,
         Self::ComponentUnloaded,
+        Self::RequestsNotTaken,
         Self::HomeSwitchNotFound,
         Self::HomeSwitchNotReleased,
         Self::IndexNotFound,

@@ -7,13 +7,14 @@
 //! ```
 //!
 //! A continuous jog is a lease: who wants the axis to go on says so again before it ends. A
-//! client that is lost, or a control that hangs, leaves no axis moving.
+//! client that is lost, or a control that hangs, leaves no axis moving. A limit switch ends what
+//! leads further onto it, whether or not the axis knows where it is.
 use crate::axis::Target;
 use crate::drives::{Drives, Finding};
 use crate::waits::is_not_oriented;
-use bus::{AXES, SPINDLES};
+use bus::{AXES, Feedback, SPINDLES};
 use motion::{Goal, OnlineLimits, OnlineState};
-use units::{Angle, Orientation, Spin, Time};
+use units::{Angle, Axis, Orientation, Spin, Time};
 
 /// How one axis is moved by hand, in its own unit and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +49,8 @@ pub enum ManualRefusal {
 pub(crate) struct Manual {
     moving: [Option<(ManualOrder, OnlineState)>; AXES],
     turning: [Option<SpindleByHand>; SPINDLES],
+    /// A limit switch has ended a move of this axis, and that was not said yet.
+    stopped: Option<Axis>,
 }
 
 /// How a spindle is turned by hand.
@@ -98,6 +101,11 @@ impl Manual {
         self.turning = [None; SPINDLES];
     }
 
+    /// The axis that a limit switch has stopped since the last time.
+    pub(crate) const fn take_stopped(&mut self) -> Option<Axis> {
+        self.stopped.take()
+    }
+
     /// One period; `rests`: all shall come to rest.
     ///
     /// # Errors
@@ -106,7 +114,7 @@ impl Manual {
         &mut self,
         (now, oriented): (Time, Time),
         rests: bool,
-        period_s: f64,
+        (period_s, feedback): (f64, &Feedback),
         drives: &mut Drives,
     ) -> Result<(), Finding> {
         let mut found = Ok(());
@@ -133,10 +141,14 @@ impl Manual {
                 None => {}
             }
         }
-        for (moving, axis) in self.moving.iter_mut().zip(&mut drives.axes) {
+        for (index, (moving, axis)) in self.moving.iter_mut().zip(&mut drives.axes).enumerate() {
             let (Some((order, state)), Some(axis)) = (moving.as_mut(), axis.as_mut()) else {
                 continue;
             };
+            if leads_onto(order.goal, state.position, feedback.axes[index].limit_switches) {
+                (order.goal, order.lease) = (Goal::Speed(0.0), None);
+                self.stopped = Some(Axis::ALL[index]);
+            }
             let is_over = order.lease.is_some_and(|end| now >= end);
             let goal = if rests || is_over { Goal::Speed(0.0) } else { order.goal };
             *state = state.next(goal, &order.limits, order.ends, period_s);
@@ -155,6 +167,15 @@ impl Manual {
         }
         found
     }
+}
+
+/// A goal lies beyond a limit switch that is actuated.
+const fn leads_onto(goal: Goal, position: f64, [negative, positive]: [bool; 2]) -> bool {
+    let by = match goal {
+        Goal::Speed(speed) => speed,
+        Goal::Position(place) => place - position,
+    };
+    negative && by < 0.0 || positive && by > 0.0
 }
 
 impl ManualOrder {

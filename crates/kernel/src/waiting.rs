@@ -49,6 +49,10 @@ pub enum WaitFor {
     },
     /// What was measured is made use of.
     Measurement,
+    /// A spindle makes its turns.
+    SpindleTurns(u8),
+    /// What is superposed fades.
+    Fade,
 }
 
 impl WaitFor {
@@ -87,6 +91,8 @@ impl fmt::Display for WaitFor {
                 write!(f, "operator: M{}", u8::from(*optional))
             }
             Self::Measurement => f.write_str("measurement"),
+            Self::SpindleTurns(index) => write!(f, "turns of spindle {index}"),
+            Self::Fade => f.write_str("superposition faded"),
         }
     }
 }

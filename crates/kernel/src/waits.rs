@@ -11,6 +11,9 @@ use crate::spindle::SpindleLoop;
 use crate::waiting::WaitFor;
 use units::{Angle, Orientation, Time};
 
+/// How long what runs the kernel may take to answer a question.
+pub(crate) const CONSULT_WAIT: Time = Time::s(60.0);
+
 /// A tool goes into the work only when its way out is written down, where that is done.
 pub(crate) fn record(
     step: &StepKind,
@@ -82,15 +85,55 @@ pub(crate) fn settle(
 }
 
 /// A superposition begins when the one before has faded; all are awaited where a step says so.
-pub(crate) fn fade(step: &StepKind, dt: f64, drives: &mut Drives) -> Result<StepProgress, Finding> {
+pub(crate) fn fade(
+    step: &StepKind,
+    dt: f64,
+    drives: &mut Drives,
+    still: (&mut f64, Time),
+) -> Result<StepProgress, Finding> {
     if let StepKind::Superpose(order) = step {
         if drives.coupled.is_fading(order.on) {
-            return Ok(StepProgress::Busy);
+            return turns_on(drives, None, dt, still);
         }
         drives.superpose(order)?;
         return Ok(StepProgress::Done(dt));
     }
-    Ok(if drives.coupled.has_faded() { StepProgress::Done(dt) } else { StepProgress::Busy })
+    if drives.coupled.has_faded() {
+        return Ok(StepProgress::Done(dt));
+    }
+    turns_on(drives, None, dt, still)
+}
+
+/// What counts turns goes on while a spindle turns: this one, or any.
+fn turns_on(
+    drives: &Drives,
+    spindle: Option<u8>,
+    dt: f64,
+    (still_s, limit): (&mut f64, Time),
+) -> Result<StepProgress, Finding> {
+    /// What turns slower stands, rev/s.
+    const STANDS: f64 = 1e-3;
+    let of = |index: usize| spindle.is_none_or(|spindle| usize::from(spindle) == index);
+    let loops = drives.spindles.iter().enumerate().filter(|(index, _)| of(*index));
+    let spins = loops.filter_map(|(_, spindle)| spindle.as_ref());
+    let turns = spins.map(|spindle| spindle.now().spin.value().abs()).fold(0.0, f64::max);
+    *still_s = if turns < STANDS { *still_s + dt } else { 0.0 };
+    let of = spindle.map_or(Subject::Machine, Subject::Spindle);
+    within(*still_s, limit, FaultKind::TurnsNotMade, of)
+}
+
+/// A spindle locks onto its gear.
+pub(crate) fn engage(follower: u8, drives: &Drives, context: &mut Context) -> StepProgress {
+    if !drives.coupled.is_locked(follower) {
+        return StepProgress::Busy;
+    }
+    context.note(EventKind::SpindlesCoupled { follower });
+    StepProgress::Done(0.0)
+}
+
+/// What runs the kernel answers a question in time.
+pub(crate) fn consult(waited_s: f64) -> Result<StepProgress, Finding> {
+    within(waited_s, CONSULT_WAIT, FaultKind::NotAnswered, Subject::Machine)
 }
 
 pub(crate) fn await_speed(
@@ -179,9 +222,18 @@ pub(crate) fn await_tool(
 }
 
 /// A spindle turns so often from where it was.
-pub(crate) fn revolve(step: &StepKind, from: Angle, dt: f64, drives: &Drives) -> StepProgress {
-    let StepKind::Revolve { spindle, turns } = step else { return StepProgress::Done(dt) };
+pub(crate) fn revolve(
+    step: &StepKind,
+    from: Angle,
+    dt: f64,
+    drives: &Drives,
+    still: (&mut f64, Time),
+) -> Result<StepProgress, Finding> {
+    let StepKind::Revolve { spindle, turns } = step else { return Ok(StepProgress::Done(dt)) };
     let now = drives.spindles[usize::from(*spindle)].as_ref().map(SpindleLoop::now);
     let turned = now.map_or(*turns, |now| now.angle - from);
-    if turned.abs() < turns.abs() { StepProgress::Busy } else { StepProgress::Done(0.0) }
+    if turned.abs() < turns.abs() {
+        return turns_on(drives, Some(*spindle), dt, still);
+    }
+    Ok(StepProgress::Done(0.0))
 }

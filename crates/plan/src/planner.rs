@@ -393,6 +393,7 @@ impl Planner {
                 self.tell_spindles(&mut job);
                 self.hand_on(&mut job, StepKind::Pause { optional: *optional });
             }
+            OpKind::End if op.ends_typed() => self.end_typed(&mut job),
             OpKind::End => self.end(&mut job),
             OpKind::Overrides { feed, spindle } => {
                 self.allow_spindle_override(&mut job, *spindle);
@@ -472,6 +473,14 @@ impl Planner {
         if self.spindles.iter().any(|state| state.throwing) {
             self.await_spindles(job); // the last hole's chips too
         }
+        self.hand_on(job, StepKind::End);
+    }
+
+    /// Blocks that were typed are done when what they say of the spindles is done; the spindles
+    /// turn on.
+    fn end_typed(&mut self, job: &mut Job) {
+        self.tell_spindles(job);
+        self.await_spindles(job);
         self.hand_on(job, StepKind::End);
     }
 

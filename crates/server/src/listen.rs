@@ -2,7 +2,7 @@
 //!
 //! A connection has to send its header in time and to take what it has asked for, or it is closed;
 //! there are so many at once, and for one more the one gives way that has been silent for longest;
-//! where none is silent it is answered 503.
+//! where none is silent it is for stops alone ([`reserved`]).
 use crate::app::{App, Watching};
 use crate::clock::Clock;
 use crate::connections::{AnsweredBody, Connection, Connections};
@@ -12,6 +12,7 @@ use crate::monitoring::Monitoring;
 use crate::mqtt::{PublishOptions, Publisher};
 use crate::mtconnect;
 use crate::page::Page;
+use crate::reserved::{self, Reserved};
 use crate::runs::{KeptRuns, Recorder, Runs};
 use crate::timeouts::ClientTimeouts;
 use crate::tls::{Certificate, Tls};
@@ -32,7 +33,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt as _};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Runtime;
 use tokio::sync::watch;
@@ -45,15 +46,6 @@ const LARGEST_HEADER: usize = 16 << 10;
 const THREADS: usize = 2;
 /// One that has waited for a disk is kept for the next time: longer than a control is on.
 const KEPT: Duration = Duration::from_hours(20 * 365 * 24);
-/// Nothing else can be done about a full queue of connections.
-const REFUSED_CONNECTION: &[u8] =
-    b"HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/json\r\n\
-    content-length: 73\r\nconnection: close\r\n\r\n\
-    {\"accepted\":false,\"reason\":\"too many connections are open\",\"remedy\":null}";
-
-/// The same within TLS: a fatal alert, `internal_error`, before there is a key.
-const REFUSED_HANDSHAKE: &[u8] = &[21, 3, 3, 0, 2, 2, 80];
-
 /// Why nothing is served, in a sentence.
 #[derive(Debug)]
 pub struct Refused(pub String);
@@ -132,8 +124,11 @@ impl Server {
         let program = control.program.clone();
         let (told, pictures) = watch::channel(0);
         let published = Box::new(move || told.send_modify(|count| *count += 1));
-        let hosted = Hosted::start(control, HostOptions { pace, published, recording })
-            .map_err(|refused| Refused(refused.sentence()))?;
+        let hosted = Hosted::start(
+            control,
+            HostOptions { pace, published, recording, ..HostOptions::default() },
+        )
+        .map_err(|refused| Refused(refused.sentence()))?;
         recorder.tell(hosted.client());
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -294,20 +289,28 @@ async fn accept(
     router: Router,
     timeouts: ClientTimeouts,
 ) {
-    let all = Arc::new(Connections::default());
+    let (all, beside) = (Arc::new(Connections::default()), Arc::new(Connections::default()));
+    let (for_stops, mut reserved) = (reserved::router(router.clone()), Reserved::default());
     for number in 0.. {
         let Ok((stream, _)) = listener.accept().await else {
             // as a rule too many files are open: some are closed meanwhile
             tokio::time::sleep(Duration::from_millis(50)).await;
             continue;
         };
+        let _ = stream.set_nodelay(true); // it is only slower without
+        let tls = tls.clone();
         let Some(connection) = all.open(number) else {
-            tokio::spawn(refuse(stream, tls.is_some()));
+            if let Some(connection) = beside.open(number) {
+                let router = for_stops.clone();
+                let short = ClientTimeouts { header: reserved::HEADER_COMES, ..timeouts };
+                let talk = async move { serve(stream, tls, router, &connection, short).await };
+                let task = tokio::spawn(tokio::time::timeout(reserved::LASTS, talk));
+                reserved.open(task.abort_handle());
+            }
             continue;
         };
-        let (router, tls) = (router.clone(), tls.clone());
+        let router = router.clone();
         tokio::spawn(async move {
-            let _ = stream.set_nodelay(true); // it is only slower without
             tokio::select! {
                 () = serve(stream, tls, router, &connection, timeouts) => {}
                 () = connection.gives_way() => {}
@@ -332,13 +335,6 @@ async fn serve(
             }
         }
     }
-}
-
-/// In the language that the client speaks: of TLS it is an alert.
-async fn refuse(mut stream: TcpStream, is_tls: bool) {
-    let said = stream.write_all(if is_tls { REFUSED_HANDSHAKE } else { REFUSED_CONNECTION });
-    // the client may be gone already
-    let _ = tokio::time::timeout(Duration::from_secs(1), said).await;
 }
 
 async fn talk(
@@ -371,31 +367,6 @@ async fn talk(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_refused_connection_is_answered_with_a_body_of_the_length_it_says() {
-        let text = std::str::from_utf8(REFUSED_CONNECTION).expect("text");
-        let (head, body) = text.split_once("\r\n\r\n").expect("an empty line");
-        assert!(head.contains(&format!("content-length: {}", body.len())), "{}", body.len());
-    }
-
-    #[test]
-    fn a_refused_handshake_is_understood_by_who_speaks_tls() {
-        use tokio_rustls::rustls::{
-            AlertDescription, ClientConfig, ClientConnection, Error, RootCertStore, crypto::ring,
-            pki_types::ServerName,
-        };
-        let config = ClientConfig::builder_with_provider(Arc::new(ring::default_provider()))
-            .with_safe_default_protocol_versions()
-            .expect("versions")
-            .with_root_certificates(RootCertStore::empty())
-            .with_no_client_auth();
-        let name = ServerName::try_from("localhost").expect("a name");
-        let mut client = ClientConnection::new(Arc::new(config), name).expect("a client");
-        client.read_tls(&mut &*REFUSED_HANDSHAKE).expect("bytes");
-        let told = client.process_new_packets().expect_err("it is refused");
-        assert_eq!(told, Error::AlertReceived(AlertDescription::InternalError));
-    }
 
     #[test]
     fn what_other_computers_reach_takes_tokens_and_a_certificate() {

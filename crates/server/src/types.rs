@@ -9,8 +9,8 @@ use crate::wire::{
 use control::RealTimeFigures;
 use control::operation::hosted::FindingData;
 use control::operation::{
-    AxisStatus, FeatureCount, LeftInWork, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
-    Status, Switches, WaitingStatus,
+    AxisStatus, FeatureCount, LeftInWork, MessageStatus, NeedStatus, Overrides, ProgramStatus,
+    SpindleStatus, Status, Switches, WaitingStatus,
 };
 use ts_rs::{Config, TS};
 
@@ -42,6 +42,7 @@ pub fn typescript() -> String {
         WaitingStatus,
         ProgramStatus,
         LeftInWork,
+        MessageStatus,
         FeatureCount,
         RequestBody,
         ToolFieldName,

@@ -53,3 +53,32 @@ fn a_thousand_connections_at_once_leave_the_operator_his_status_and_take_little_
     assert!(grown < MOST_GROWTH, "{} connections took {grown} bytes", open.len());
     drop(open);
 }
+
+/// On all connections a request is under way whose body does not come: a stop is answered.
+#[test]
+#[ignore = "needs 256 requests that stay under way: these are answered at once"]
+fn where_all_connections_are_taken_a_stop_finds_one_and_nothing_else_does() {
+    let served = Served::at_pace(1.0);
+    let address = served.server.address();
+    let open: Vec<TcpStream> = (0..400)
+        .filter_map(|_| {
+            let mut stream = TcpStream::connect(address).ok()?;
+            let head = format!("POST /api/v1/request HTTP/1.1\r\nHost: {address}\r\n");
+            let _ = stream.write_all(head.as_bytes()); // it may be closed already
+            let _ = stream.write_all(b"Content-Length: 30\r\n\r\n{");
+            Some(stream)
+        })
+        .collect();
+    assert!(open.len() > 300, "{} were opened", open.len());
+    let (status, answer) = served.request(&json!({ "request": "power", "on": true }));
+    assert_eq!(status, 503, "{answer}");
+    assert_eq!(served.get("/status").0, 503);
+    for stop in
+        [json!({ "request": "jog_stop" }), json!({ "request": "emergency_stop", "on": true })]
+    {
+        served.accepted(stop);
+    }
+    let (status, answer) = served.request(&json!({ "request": "feed_hold" }));
+    assert_eq!(status, 409, "{answer}");
+    drop(open);
+}

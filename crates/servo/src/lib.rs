@@ -8,6 +8,7 @@
 //!                ◄──────────────── Replied ────
 //!     observers ◄── Record: sample, picture ───    after each tick
 //!     services  ◄── Said: events, answers, … ──
+//!     any thread ── StopLane: flags ───────────►   before all others, in the next period
 //! ```
 //!
 //! [`Seat`] is the right-hand side over rings of any kind ([`Rings`]): within a process they hold
@@ -21,9 +22,11 @@ mod check;
 mod message;
 mod period;
 mod seat;
+mod stop_lane;
 
 pub use bytes::{Unreadable, decode, encode};
 pub use check::{Senseless, check_request, check_step};
 pub use message::{Record, Replied, Said, SetUp};
 pub use period::{PeriodAnswer, answer};
 pub use seat::{Rings, Seat};
+pub use stop_lane::{LaneStop, StopLane, stop};

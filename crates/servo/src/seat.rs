@@ -1,5 +1,6 @@
 //! The kernel in its servo thread, between the rings.
 use crate::message::{Replied, Said};
+use crate::stop_lane::stop;
 use kernel::{Kernel, Reply, Request};
 use motion::{Readable, Step};
 
@@ -18,8 +19,12 @@ pub trait Rings {
     fn steps_waiting(&self) -> usize;
     /// A step is done with.
     fn release(&mut self, step: Step<Self::Storage>);
+    /// There is room for something to say.
+    fn can_say(&self) -> bool;
     /// Say something; what there is no room for is lost.
     fn say(&mut self, said: Said);
+    /// Flags of the [`StopLane`](crate::StopLane), taken.
+    fn stops(&mut self) -> u32;
 }
 
 /// A kernel, and its side of the rings.
@@ -52,10 +57,14 @@ impl<R: Rings> Seat<R> {
         self.number
     }
 
-    /// Before a tick: requests are answered, and steps go into the kernel's queue.
-    pub fn before_tick(&mut self) {
+    /// Before a tick: stops act, requests are answered, and steps go into the kernel's queue. The
+    /// flags of the stops.
+    pub fn before_tick(&mut self) -> u32 {
+        let flags = self.rings.stops();
+        stop(&mut self.kernel, flags);
         self.serve();
         self.take_steps();
+        flags
     }
 
     /// After a tick: what the kernel has said is handed on, and the period is over; its number.
@@ -140,16 +149,21 @@ impl<R: Rings> Seat<R> {
         self.rings.release(step);
     }
 
+    /// What there is no room for stays with the kernel: what the control must answer comes first,
+    /// and of events the kernel keeps the last ones.
     fn say(&mut self) {
         let Self { kernel, rings, .. } = self;
-        if let Some(answered) = kernel.take_answer() {
-            rings.say(Said::Answered(answered));
-        }
-        while let Some(request) = kernel.next_record_request() {
-            rings.say(Said::Record(request));
-        }
-        while let Some(event) = kernel.next_event() {
-            rings.say(Said::Event(event));
+        while rings.can_say() {
+            let said = if let Some(answered) = kernel.take_answer() {
+                Said::Answered(answered)
+            } else if let Some(request) = kernel.next_record_request() {
+                Said::Record(request)
+            } else if let Some(event) = kernel.next_event() {
+                Said::Event(event)
+            } else {
+                return;
+            };
+            rings.say(said);
         }
     }
 }

@@ -167,6 +167,18 @@ impl ControlSide {
         self.word(head::ALIVE).store(u64::from(self.session) << 32 | u64::from(count), Release);
     }
 
+    /// Stops for the next servo period, beside all rings.
+    pub fn stop(&self, flags: u32) {
+        if flags != 0 {
+            let joined = |before: u64| {
+                // what a control before has left is not of this session
+                let kept = if (before >> 32) as u32 == self.session { before as u32 } else { 0 };
+                Some(u64::from(self.session) << 32 | u64::from(kept | flags))
+            };
+            let _ = self.word(head::STOPS).fetch_update(Release, Relaxed, joined); // it never declines
+        }
+    }
+
     /// As many steps wait on the other side as do in the usual course.
     pub fn has_enough_steps(&self) -> bool {
         self.steps.waiting() >= STEPS_USUAL

@@ -12,7 +12,7 @@ use crate::ring::{Place, WORD};
 /// First word: `LEADSCRW`.
 pub(crate) const MAGIC: u64 = u64::from_be_bytes(*b"LEADSCRW");
 /// Of this layout and of the messages in it. Both ends come from one build; another one is refused.
-pub(crate) const VERSION: u64 = 4;
+pub(crate) const VERSION: u64 = 5;
 
 /// Words of the header.
 pub(crate) mod head {
@@ -57,6 +57,9 @@ pub(crate) mod head {
     /// How far the axis was from its coupling at most by the control's account, mm, as bits of a
     /// double.
     pub(crate) const ERROR_BEFORE: usize = 29;
+    /// Stops that wait in no queue: the session, and flags in the lower half. The control sets
+    /// them, the servo thread takes them.
+    pub(crate) const STOPS: usize = 30;
     /// Words.
     pub(crate) const SIZE: usize = 32;
 }

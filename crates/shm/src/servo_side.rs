@@ -10,7 +10,7 @@ use rustix::io::Errno;
 use servo::{Record, Replied, Rings, Said, SetUp, check_request, check_step, decode, encode};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::Arc;
-use std::sync::atomic::Ordering::{Acquire, Release};
+use std::sync::atomic::Ordering::{AcqRel, Acquire, Release};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// The memory, as the component has made it.
@@ -243,10 +243,21 @@ impl Rings for ServoSide {
 
     fn release(&mut self, _: Step<Inline>) {}
 
+    fn can_say(&self) -> bool {
+        !self.said.is_full()
+    }
+
     fn say(&mut self, said: Said) {
         let Self { bytes, session, .. } = self;
         if let Some(length) = encode(&said, &mut bytes[..]) {
-            let _ = self.said.push(*session, &bytes[..length]); // a control that does not listen misses it
+            let _ = self.said.push(*session, &bytes[..length]); // there was room before
         }
+    }
+
+    fn stops(&mut self) -> u32 {
+        let word = self.word(head::STOPS);
+        // a period in which nothing is asked writes nothing
+        let asked = if word.load(Relaxed) == 0 { 0 } else { word.swap(0, AcqRel) };
+        if (asked >> 32) as u32 == self.session { asked as u32 } else { 0 }
     }
 }

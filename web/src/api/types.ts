@@ -84,6 +84,10 @@ is_tool_in_work: boolean,
  */
 left_in_work?: LeftInWork, 
 /**
+ * What the program has said last to the operator, since it was started.
+ */
+message?: MessageStatus, 
+/**
  * Features of the workpiece.
  */
 features: FeatureCount, 
@@ -320,6 +324,20 @@ not_known_whole: string | null,
  * Why no recovery takes it out; `null`: `recover` does.
  */
 refused: string | null, };
+
+export type MessageStatus = { 
+/**
+ * The message.
+ */
+text: string, 
+/**
+ * Its line.
+ */
+line: number, 
+/**
+ * Machine time at which it was heard, s.
+ */
+time_s: number, };
 
 export type FeatureCount = { 
 /**

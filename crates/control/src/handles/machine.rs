@@ -121,6 +121,14 @@ impl MachineHandle {
         }
     }
 
+    /// The machine has been sent which tool is in its work.
+    pub(crate) fn has_engaged(&self) -> bool {
+        match self {
+            Self::Here(_) => true,
+            Self::There(link) => link.has_engaged(),
+        }
+    }
+
     /// What a component of HAL keeps of a tool in the work.
     pub(crate) fn retained(&self) -> Option<shm::RetainedState> {
         match self {

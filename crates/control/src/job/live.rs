@@ -72,7 +72,7 @@ impl Live {
     fn end_of_typed(&mut self) -> Option<Op> {
         let ends = self.checked.is_typed() && self.read.is_over() && !self.has_ended;
         self.has_ended |= ends;
-        ends.then_some(Op { span: diag::Span::default(), kind: OpKind::End })
+        ends.then(Op::end_of_typed)
     }
 
     /// What is left out is taken to have been answered as the check has assumed.

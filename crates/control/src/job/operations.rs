@@ -15,6 +15,7 @@ use diag::Diagnostic;
 use interp::{CodesInForce, OpsRest, Parameters, ToolEntry};
 use std::collections::VecDeque;
 use std::sync::Arc;
+use units::Spin;
 
 /// Operations that are looked at ahead for where a polygon is cut.
 const LOOK_AHEAD: usize = 1000;
@@ -127,8 +128,10 @@ type Asking = (Vec<u8>, interp::Setup, Option<OpsRest>);
 pub struct Before {
     /// What a text before it has left in force; `None`: the control was switched on just now.
     pub rest: Option<OpsRest>,
-    /// It is typed: it ends without M2, and its modes stay in force.
+    /// It is typed: it ends without M2, its modes stay in force, and spindles turn on.
     pub is_typed: bool,
+    /// The programmed speeds at which spindles turn already.
+    pub turning: [Spin; bus::SPINDLES],
 }
 
 /// What a program leaves in the control when it has ended.
@@ -150,7 +153,7 @@ impl Operations {
 
     /// Interpret a text on a control that is on.
     pub fn after(before: Before, source: &[u8], setup: &interp::Setup) -> Self {
-        let Before { rest, is_typed } = before;
+        let Before { rest, is_typed, .. } = before;
         let again = rest.clone();
         let mut read = interp::Ops::of_piece(source, setup, rest, is_typed);
         let (mut ops, mut frames) = (Vec::new(), Vec::<(usize, ProgramFrame)>::new());
@@ -169,8 +172,7 @@ impl Operations {
             ops.push(op);
         }
         if is_typed {
-            let span = ops.last().map(|op| op.span).unwrap_or_default();
-            ops.push(Op { span, kind: OpKind::End }); // what is typed ends without a word of its own
+            ops.push(Op::end_of_typed());
         }
         let (stand_ins, known): (Vec<Tool>, Vec<Tool>) =
             read.tools().iter().cloned().partition(|tool| tool.stand_in);

@@ -211,10 +211,10 @@ impl Session {
     ) {
         self.standing = Some((place, tool));
         (self.parameters, self.tools) = (parameters, tools);
-        let Before { rest, is_typed } = before;
+        let Before { rest, is_typed, turning } = before;
         let setup = self.interp_setup();
         let rest = rest.map(|rest| rest.for_next_text(&setup, tool));
-        self.before = Before { rest, is_typed };
+        self.before = Before { rest, is_typed, turning };
     }
 
     /// The tool in the spindle when a program begins.

@@ -7,6 +7,7 @@ use super::data::Data;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
+use super::message::MessageStatus;
 use super::meters::Meters;
 use super::outside::{self, Outside};
 use super::proving::Begun;
@@ -21,13 +22,12 @@ use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
 use bus::{AXES, State};
 use canon::{Axis, Position, ToolUse, ToolWear};
 use kernel::{Kernel, Pause, WaitFor};
+use servo::StopLane;
 use sim::Faulty;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use store::state::LastProgram;
 use units::Coordinate;
-
-/// Alarms that are remembered.
-const MOST_ALARMS: usize = 200;
 
 /// What a control is switched on with.
 #[derive(Clone, Debug)]
@@ -92,6 +92,8 @@ pub struct Control {
     /// Folder in which programs are recorded.
     pub(super) runs: Option<PathBuf>,
     pub(super) ended: Option<EndedProgram>,
+    /// What the program has said last.
+    pub(super) message: Option<MessageStatus>,
     /// Which of the machines of this file it is: what is simulated scatters by it.
     pub(super) seed: u64,
     drives_were_ready: bool,
@@ -173,6 +175,7 @@ impl Control {
             meters: Meters::default(),
             runs: None,
             ended: None,
+            message: None,
             seed,
             drives_were_ready: false,
             told_features: 0,
@@ -201,9 +204,15 @@ impl Control {
         Ok(control)
     }
 
+    /// Stops that wait in no queue, for any thread; and whether the emergency stop chain is within
+    /// reach.
+    pub(super) fn stops(&self) -> (Arc<StopLane>, bool) {
+        (Arc::clone(&self.executor.stops), self.outside.is_none())
+    }
+
     /// Modes are those of a control that was switched on just now.
     pub(super) fn forget_modes(&mut self) {
-        let before = Before { rest: None, is_typed: true };
+        let before = Before { is_typed: true, ..Before::default() };
         let setup = interp::Setup {
             parameters: self.data.parameters.clone(),
             tools: self.data.tools.clone(),
@@ -369,6 +378,7 @@ impl Control {
             self.meters.sample(under_way.running.sample());
             under_way.follow(&self.executor);
             self.hear(&heard);
+            self.hear_program(false);
             if goes_on.is_break() {
                 self.end_program();
             } else {
@@ -386,6 +396,7 @@ impl Control {
             self.go_on_without_program();
         }
         self.take_alarms();
+        self.say_unkept();
         self.follow_machine();
         let is_ready = self.executor.kernel.is_ready();
         if is_ready && !self.drives_were_ready {
@@ -395,57 +406,6 @@ impl Control {
             self.events.push(Event::DrivesReady);
         }
         self.drives_were_ready = is_ready;
-    }
-
-    /// What the kernel says becomes what the operator hears.
-    fn hear(&mut self, heard: &[kernel::Event]) {
-        use kernel::EventKind;
-        for event in heard {
-            match &event.kind {
-                EventKind::Operator(notice) => self.events.notice(notice.to_string()),
-                EventKind::FollowingWarning { axis, error } => {
-                    let (letter, by) = (axis.letter(), axis.reading(*error));
-                    self.events.notice(format!("{letter}: following error {by:.4}"));
-                }
-                EventKind::SyncWarning { error } => {
-                    self.events.notice(format!("line {}: sync error {error}", event.line));
-                }
-                EventKind::Homed { axis, deviation } => {
-                    self.keep_homed(*axis);
-                    let (letter, deviation) = (axis.letter(), deviation.map(|by| axis.reading(by)));
-                    self.events.notice(match deviation {
-                        None => format!("{letter} is homed"),
-                        Some(by) => format!("{letter} is homed, {by:+.4} from before"),
-                    });
-                }
-                EventKind::HomingStopped { axis } => {
-                    self.events
-                        .notice(format!("{} was stopped before it was homed", axis.letter()));
-                }
-                EventKind::ToolChanged { tool } => {
-                    self.events.notice(format!("tool {tool} is in the spindle"));
-                }
-                _ => {}
-            }
-        }
-    }
-
-    /// Faults of the kernel become alarms, each once.
-    fn take_alarms(&mut self) {
-        let faults = self.executor.kernel.faults();
-        self.told_faults = self.told_faults.min(faults.len());
-        let new: Vec<_> = faults[self.told_faults..].to_vec();
-        self.told_faults = faults.len();
-        for fault in new {
-            let program = self.under_way.as_ref().map(|under_way| under_way.name.clone());
-            let alarm = Alarm::of(&fault, program);
-            if self.alarms.len() == MOST_ALARMS {
-                self.alarms.remove(0);
-            }
-            self.keep_alarm(&alarm);
-            self.alarms.push(alarm.clone());
-            self.events.push(Event::Alarm(alarm));
-        }
     }
 
     /// What a program that is under way does, by what the kernel does.

@@ -3,6 +3,7 @@ use super::event::Alarm;
 use crate::Outcome;
 use crate::job::Session;
 use crate::job::preflight::Proved;
+use crate::observers::TraceThread;
 use std::path::PathBuf;
 use store::output::Folder;
 
@@ -10,6 +11,8 @@ use store::output::Folder;
 pub struct EndedProgram {
     /// The folder of the run, with its trace; it vanishes if it is not finished.
     pub folder: Folder,
+    /// What writes its trace: to be waited for before the folder is finished.
+    pub trace: Option<TraceThread>,
     /// Its name.
     pub name: String,
     /// Where it lies.

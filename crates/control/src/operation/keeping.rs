@@ -4,11 +4,14 @@ use super::event::Alarm;
 use super::kept::kept_parameters;
 use super::ranges;
 use super::request::Refusal;
+use super::writer::{Key, Ticket};
 use crate::clock::unix_ms;
 use crate::config;
 use crate::job::Left;
 use canon::Axis;
-use store::state::{AlarmRecord, HomedAxis, LastProgram, Settings, State};
+use store::state::{
+    AlarmRecord, HomedAxis, LastProgram, Settings, State, StateFolder, message_log,
+};
 use units::{Length, Time};
 
 /// References that differ by no more are the same, mm or degrees.
@@ -54,13 +57,13 @@ impl Control {
     /// Parameters, work offsets among them, are on the disk.
     pub(super) fn keep_parameters(&mut self) -> Result<(), Refusal> {
         let parameters = kept_parameters(&self.data.parameters);
-        self.kept.save(|folder| folder.save_parameters(&parameters))
+        self.kept.save(Key::Parameters, move |folder| folder.save_parameters(&parameters))
     }
 
     /// The tools are on the disk.
     pub(super) fn keep_tools(&mut self) -> Result<(), Refusal> {
-        let tools = &self.data.tools;
-        self.kept.save(|folder| folder.save_tools(tools))
+        let tools = self.data.tools.clone();
+        self.kept.save(Key::Tools, move |folder| folder.save_tools(&tools))
     }
 
     /// Overrides and switches are on the disk.
@@ -75,13 +78,13 @@ impl Control {
             block_skip: self.options.program.block_skip.clone(),
             ..Settings::default()
         };
-        self.kept.save(|folder| folder.save_settings(&settings))
+        self.kept.save(Key::Settings, move |folder| folder.save_settings(&settings))
     }
 
     /// Which program it is, and how far it has come, is on the disk.
     pub(super) fn keep_program(&mut self) -> Result<(), Refusal> {
         let Some(last) = self.last_program.clone() else { return Ok(()) };
-        self.kept.save(|folder| folder.save_last_program(&last))
+        self.kept.save(Key::Program, move |folder| folder.save_last_program(&last))
     }
 
     /// What a program has changed; that it could not be kept is said, for nothing waits for an
@@ -104,7 +107,8 @@ impl Control {
         let mut homed = self.kept.homed.clone();
         homed.axis.retain(|kept| kept.axis != letter);
         homed.axis.push(HomedAxis { axis: letter, zero, epoch });
-        match self.kept.save(|folder| folder.save_homed(&homed)) {
+        let saved = homed.clone();
+        match self.kept.save(Key::Homing, move |folder| folder.save_homed(&saved)) {
             Ok(()) => self.kept.homed = homed,
             Err(why) => self.events.notice(why.to_string()),
         }
@@ -144,6 +148,20 @@ impl Control {
         homing.iter().any(absolute)
     }
 
+    /// What a program has said is in the log, a line of JSON each.
+    pub(super) fn keep_message(&mut self, program: &str, line: u32, text: &str) {
+        let (program, text) = (program.to_owned(), text.to_owned());
+        let (unix_ms, time_s) = (unix_ms(), self.now().value());
+        let kept = message_log::LoggedMessage { unix_ms, time_s, program, line, text };
+        let write = move |folder: &mut StateFolder| {
+            message_log::append(folder.path(), &kept)
+                .map_err(|why| format!("a message is not kept: {why}"))
+        };
+        if let Err(why) = self.kept.write(Key::Message, Box::new(write)) {
+            self.events.notice(why);
+        }
+    }
+
     pub(super) fn keep_alarm(&mut self, alarm: &Alarm) {
         let kept = AlarmRecord {
             number: u32::from(alarm.number),
@@ -153,8 +171,38 @@ impl Control {
             program: alarm.program.clone(),
             line: (alarm.line > 0).then_some(alarm.line),
         };
-        if let Err(why) = self.kept.save(|folder| folder.save_alarm(kept)) {
+        if let Err(why) = self.kept.save(Key::Alarm, move |folder| folder.save_alarm(kept)) {
             self.events.notice(why.to_string());
+        }
+    }
+}
+
+impl Control {
+    /// From now on nothing waits for the disk: what is to be kept is written beside the control,
+    /// and answers that depend on it come when it is. `before` is called in the thread that
+    /// writes, before each write.
+    pub fn keep_beside(&mut self, before: Box<dyn FnMut() + Send>) {
+        self.kept.write_beside(before);
+    }
+
+    /// What was to be kept last.
+    pub(in crate::operation) fn last_kept(&self) -> Option<Ticket> {
+        self.kept.last()
+    }
+
+    /// Call this when it is on the disk, or cannot be written, and why.
+    pub(super) fn when_kept(
+        &self,
+        ticket: Ticket,
+        then: impl FnOnce(Result<(), String>) + Send + 'static,
+    ) {
+        self.kept.when_written(ticket, then);
+    }
+
+    /// What could not be kept is said.
+    pub(super) fn say_unkept(&mut self) {
+        for why in self.kept.take_failed() {
+            self.events.notice(why);
         }
     }
 }

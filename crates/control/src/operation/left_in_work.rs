@@ -3,11 +3,13 @@
 use super::control::Control;
 use super::outside::{LeftInWork, Outside, OutsideKind, on_hal};
 use super::request::{Accepted, Refusal};
+use super::writer::Key;
 use crate::job::Session;
 use crate::job::restart::Restart;
+use crate::outcome::unwritten_record;
 use crate::recovery::{self, LeftTool, WayOut};
 use crate::services::{RecordWriter, sync_record};
-use store::sync_record::slots::{Slots, StateFolder};
+use store::sync_record::slots::Slots;
 use store::sync_record::{Stage, SyncRecord};
 use units::{Length, Time};
 use wire::Engagement;
@@ -146,11 +148,23 @@ impl Control {
             outside.left = None;
             return Ok(());
         };
-        Slots::discard(StateFolder::of(folder), &recovery::no_tool(&outside.identity)).map_err(
-            |why| Refusal::because(format!("the sync record cannot be discarded: {why}")),
-        )?;
+        let (folder, no_tool) = (folder.for_record(), recovery::no_tool(&outside.identity));
+        let discard = move |_: &mut _| {
+            Slots::discard(folder, &no_tool)
+                .map_err(|why| format!("the sync record cannot be discarded: {why}"))
+        };
+        self.kept.write(Key::Record, Box::new(discard)).map_err(Refusal::because)?;
         outside.left = None;
         Ok(())
+    }
+
+    /// What is left of a program's sync record is put on the disk.
+    pub(super) fn keep_record(&mut self, record: Option<RecordWriter>) {
+        let Some(record) = record else { return };
+        let finish = move |_: &mut _| record.finish().map_or(Ok(()), |w| Err(unwritten_record(&w)));
+        if let Err(why) = self.kept.write(Key::Record, Box::new(finish)) {
+            self.events.notice(why);
+        }
     }
 
     /// The loss of the machine that the operator has been told.
@@ -188,15 +202,21 @@ impl Control {
     /// The record says that the tool is out.
     fn record_is_out(&mut self) {
         let (Some(outside), Some(folder)) = (&self.outside, self.kept.folder()) else { return };
-        let Ok((mut slots, found)) = Slots::open(StateFolder::of(folder), &outside.identity) else {
-            return; // it is not to be trusted: a start says so
+        let (folder, identity) = (folder.for_record(), outside.identity.clone());
+        let write = move |_: &mut _| {
+            let Ok((mut slots, found)) = Slots::open(folder, &identity) else {
+                return Ok(()); // it is not to be trusted: a start says so
+            };
+            let in_work = found.record.filter(|record| record.stage.is_in_work());
+            let Some(record) = in_work else { return Ok(()) };
+            slots.write(&SyncRecord { stage: Stage::Recovered, ..record }).map_err(|why| {
+                format!(
+                    "the tool is out, but the sync record cannot be written: {why}; free the disk"
+                )
+            })
         };
-        let in_work = found.record.filter(|record| record.stage.is_in_work());
-        let Some(record) = in_work else { return };
-        if let Err(why) = slots.write(&SyncRecord { stage: Stage::Recovered, ..record }) {
-            self.events.notice(format!(
-                "the tool is out, but the sync record cannot be written: {why}; free the disk"
-            ));
+        if let Err(why) = self.kept.write(Key::Record, Box::new(write)) {
+            self.events.notice(why);
         }
     }
 
@@ -210,7 +230,11 @@ impl Control {
         let (Some(outside), Some(folder)) = (&self.outside, self.kept.folder()) else {
             return Ok(None);
         };
-        let (slots, found) = Slots::open(StateFolder::of(folder), &outside.identity)
+        if self.kept.is_writing_record() {
+            let why = "the sync record of what was in the work before is still being written: ask again when the disk has taken it";
+            return Err(Refusal::because(why));
+        }
+        let (slots, found) = Slots::open(folder.for_record(), &outside.identity)
             .map_err(|why| Refusal::because(why.to_string()))?;
         let checksum = crc32fast::hash(text);
         let of_this = |record: &SyncRecord| {

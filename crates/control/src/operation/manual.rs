@@ -8,6 +8,9 @@ use motion::{Goal, OnlineLimits};
 use store::machine::Axis as AxisFile;
 use units::{Angle, Coordinate, CoordinateSpeed, Spin};
 
+/// How far an axis is jogged at once that does not know where it is, mm or °.
+const MOST_NOT_HOMED: Coordinate = Coordinate::new(10.0);
+
 impl Control {
     /// The axis in the machine's file.
     pub(super) fn axis_file(&self, axis: Axis) -> Result<&AxisFile, Refusal> {
@@ -26,14 +29,24 @@ impl Control {
         let file = self.axis_file(axis)?;
         let at = self.executor.kernel.setpoint(axis).unwrap_or(Coordinate::ZERO);
         let is_homed = self.is_homed(axis);
-        let ends = if is_homed {
-            (file.travel.from, file.travel.to)
-        } else {
-            (Coordinate::new(f64::NEG_INFINITY), Coordinate::new(f64::INFINITY))
+        let ends = match jog {
+            _ if is_homed => (file.travel.from, file.travel.to),
+            Jog::Continuous(_) => {
+                (Coordinate::new(f64::NEG_INFINITY), Coordinate::new(f64::INFINITY))
+            }
+            Jog::Increment(_) | Jog::Handwheel(_) | Jog::To(_) => {
+                (at - MOST_NOT_HOMED, at + MOST_NOT_HOMED)
+            }
         };
-        let (approach, fastest) = (file.approach.speed, file.rapid);
-        // an axis that does not know where it is goes no faster than it may run into its end
-        let most = if is_homed { fastest } else { approach };
+        let (approach, most) = if is_homed {
+            (file.approach.speed, file.rapid)
+        } else {
+            // its switches stop it before its end; one without comes to its end slowly
+            let homing = &file.homing;
+            let search = if file.ends.is_some() { homing.fast } else { homing.slow };
+            let slow = file.approach.speed.min(search);
+            (slow, slow)
+        };
         let to = |to: Coordinate| (Goal::Position(to.value()), approach, None);
         let mut sent_to = None;
         let (goal, speed, lease) = match jog {
@@ -61,6 +74,13 @@ impl Control {
                 if to < ends.0 { (ends.0, at - ends.0) } else { (ends.1, ends.1 - at) };
             let [to, end, left] =
                 [to, end, left.max(Coordinate::ZERO)].map(|place| axis.reading(place));
+            if !is_homed {
+                let (letter, unit) = (axis.letter(), axis.kind().unit());
+                let most = MOST_NOT_HOMED.value();
+                return Err(Refusal::because(format!(
+                    "{letter} is not homed: it is jogged by {most:.0}{unit} at most until it is"
+                )));
+            }
             return Err(Refusal::because(format!(
                 "{} would go to {to}: its travel ends at {end}, {left} from here",
                 axis.letter()
@@ -68,9 +88,9 @@ impl Control {
         }
         if speed > most {
             let (letter, unit) = (axis.letter(), axis.kind().unit());
-            let why = if is_homed { "its rapid" } else { "its approach speed until it is homed" };
+            let why = if is_homed { ", its rapid" } else { " until it is homed" };
             return Err(Refusal::because(format!(
-                "{letter} is jogged at {:.0}{unit}/min at most, {why}",
+                "{letter} is jogged at {:.0}{unit}/min at most{why}",
                 most.in_per_min()
             )));
         }

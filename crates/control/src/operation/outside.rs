@@ -9,7 +9,7 @@
 //!
 //! Places in the record are those that the machine's encoders read: the axes of a control that
 //! begins are not homed.
-use super::kept::Kept;
+use super::kept::{Kept, LockedFolder};
 use crate::Refused;
 use crate::plant::{self, Plant};
 use crate::recovery::{self, LeftTool};
@@ -17,7 +17,7 @@ use bus::Feedback;
 use shm::{RetainedState, RunDownKind};
 use std::path::Path;
 use store::machine::MachineFile;
-use store::sync_record::slots::{Slots, StateFolder};
+use store::sync_record::slots::Slots;
 use store::sync_record::{Identity, SyncRecord, Untrusted};
 use units::Time;
 use wire::{Engagement, Evidence, Hello, Observed, Remote, Sense, Stop, Welcome};
@@ -157,11 +157,7 @@ impl Outside {
 
     /// Whether a control before this one has left a tool in the work, by machine, record and
     /// encoders; what is said of it.
-    fn find(
-        &mut self,
-        folder: Option<&store::state::StateFolder>,
-        machine: &MachineFile,
-    ) -> Option<String> {
+    fn find(&mut self, folder: Option<&LockedFolder>, machine: &MachineFile) -> Option<String> {
         match folder.map(|folder| (folder, self.read(folder))) {
             Some((folder, Ok(record))) => {
                 self.look(record.clone(), folder.path(), machine);
@@ -194,11 +190,8 @@ impl Outside {
         })
     }
 
-    pub(super) fn read(
-        &self,
-        folder: &store::state::StateFolder,
-    ) -> Result<Option<SyncRecord>, Untrusted> {
-        Slots::open(StateFolder::of(folder), &self.identity).map(|(_, kept)| kept.record)
+    pub(super) fn read(&self, folder: &LockedFolder) -> Result<Option<SyncRecord>, Untrusted> {
+        Slots::open(folder.for_record(), &self.identity).map(|(_, kept)| kept.record)
     }
 
     pub(super) fn look(

@@ -159,7 +159,7 @@ impl Control {
             first,
             restart,
         });
-        self.is_hold_asked = false;
+        (self.is_hold_asked, self.message) = (false, None);
         self.enter(mode);
         self.execution_after(ExecutionEvent::Start);
         Ok(())
@@ -211,6 +211,9 @@ impl Control {
     /// A program is over: it has ended, was given up, or an alarm has stopped it. What it leaves
     /// stays in force.
     pub(super) fn end_program(&mut self) {
+        if self.executor.kernel.report().state == State::Ended {
+            self.hear_program(true);
+        }
         let Some(under_way) = self.under_way.take() else { return };
         let is_typed = under_way.proved.operations.is_typed();
         let name = under_way.name.clone();
@@ -235,30 +238,29 @@ impl Control {
         if !has_ended {
             self.everything_was_stopped();
         }
-        match ended.finish(&mut self.executor) {
-            Ok(outcome) => {
-                let told = self.told_loss();
-                for why in outcome.broke_off.iter().filter(|why| told.as_ref() != Some(*why)) {
-                    self.events.notice(why.clone());
-                }
-                let UnderWay { name, path, text, session, proved, first, folder, .. } = under_way;
-                if let Some(folder) = folder {
-                    let (alarms, seed) = (Vec::new(), self.seed);
-                    let ended = EndedProgram {
-                        folder,
-                        name,
-                        path,
-                        text,
-                        session,
-                        proved,
-                        outcome,
-                        alarms,
-                        seed,
-                    };
-                    self.ended = Some(ended.alone(first));
-                }
-            }
-            Err(why) => self.events.notice(format!("this run is not kept: {why}")),
+        let (outcome, unwritten) = ended.finish_beside(&mut self.executor);
+        self.keep_record(unwritten.record);
+        let told = self.told_loss();
+        for why in outcome.broke_off.iter().filter(|why| told.as_ref() != Some(*why)) {
+            self.events.notice(why.clone());
+        }
+        let UnderWay { path, text, session, proved, first, folder, .. } = under_way;
+        if let Some(folder) = folder {
+            let name = name.clone();
+            let (alarms, seed, trace) = (Vec::new(), self.seed, unwritten.trace);
+            let ended = EndedProgram {
+                folder,
+                trace,
+                name,
+                path,
+                text,
+                session,
+                proved,
+                outcome,
+                alarms,
+                seed,
+            };
+            self.ended = Some(ended.alone(first));
         }
         let is_stopped_by_alarm = !self.executor.kernel.faults().is_empty();
         if !is_stopped_by_alarm {

@@ -33,7 +33,8 @@ pub struct Proving {
     options: ProgramOptions,
     pub(super) path: PathBuf,
     pub(super) name: String,
-    pub(super) text: Vec<u8>,
+    /// `None`: it is read when it is proved.
+    pub(super) text: Option<Vec<u8>>,
     before: Before,
     basis: Basis,
     interruption: Interruption,
@@ -99,6 +100,8 @@ impl Proving {
         let most = self.planned_up_to;
         let of = path.clone();
         let proved = (|| {
+            // here, and not where it was asked for: a control waits for no disk
+            let text = text.map_or_else(|| read_program(&path), Ok)?;
             let mut session = Session::load(&options, &path, &text)?;
             let Basis { position, mounted, parameters, tools, .. } = basis.clone();
             session.on_control((position, mounted), parameters, tools, before);
@@ -114,9 +117,9 @@ impl Proving {
                 return Err(Refused::program(name.clone(), text.clone(), drawn, findings).into());
             }
             let timeline = proved.known.planned.map(|_| noting.timeline);
-            Ok((session, proved, timeline))
+            Ok((session, text, proved, timeline))
         })();
-        let result = proved.map(|(session, proved, timeline)| Fit {
+        let result = proved.map(|(session, text, proved, timeline)| Fit {
             path,
             name,
             text,
@@ -170,13 +173,13 @@ impl Control {
     /// The text of a request that has one.
     pub(super) fn proving(&self, request: &Request) -> Result<Option<Proving>, Refusal> {
         let (path, name, text) = match request {
-            Request::Load(path) => (path.clone(), path.display().to_string(), read_program(path)?),
+            Request::Load(path) => (path.clone(), path.display().to_string(), None),
             Request::Search(_) | Request::Start => {
                 let Some(loaded) = &self.loaded else { return Ok(None) };
-                (loaded.path.clone(), loaded.name.clone(), loaded.shown.text.clone())
+                (loaded.path.clone(), loaded.name.clone(), Some(loaded.shown.text.clone()))
             }
             Request::ManualDataInput(text) => {
-                (Path::new("-").to_owned(), "MDI".into(), text.as_bytes().to_vec())
+                (Path::new("-").to_owned(), "MDI".into(), Some(text.as_bytes().to_vec()))
             }
             _ => return Ok(None),
         };
@@ -187,7 +190,7 @@ impl Control {
             path,
             name,
             text,
-            before: Before { rest: self.data.rest.clone(), is_typed },
+            before: self.before(is_typed),
             basis: self.basis(),
             interruption: Interruption::default(),
             planned_up_to: PLANNED_AT_ONCE,
@@ -234,9 +237,17 @@ impl Control {
 
     /// What a program would meet that is read now.
     pub fn found(&self) -> Found {
-        let before = Before { rest: self.data.rest.clone(), is_typed: false };
+        let before = self.before(false);
         let stands = self.is_homed_all() && self.under_way.is_none();
         Found { basis: self.basis(), before, stands }
+    }
+
+    /// What a text finds in force that begins now.
+    fn before(&self, is_typed: bool) -> Before {
+        let kernel = &self.executor.kernel;
+        let share = kernel.operator().spindle_share();
+        let turning = std::array::from_fn(|spindle| kernel.ordered_spin(spindle) / share);
+        Before { rest: self.data.rest.clone(), is_typed, turning }
     }
 
     pub(super) fn basis(&self) -> Basis {

@@ -80,6 +80,7 @@ fn begin(
     ];
     let columns = Columns::of(&session.machine);
     let writer = Writer::create(&folder.path(TRACE), columns, &about).map_err(|e| e.to_string())?;
-    let trace = TraceThread::start(writer).map_err(|e| format!("no thread for the trace: {e}"))?;
+    let trace =
+        TraceThread::start_beside(writer).map_err(|e| format!("no thread for the trace: {e}"))?;
     Ok((folder, trace))
 }

@@ -1,8 +1,9 @@
 //! How a control is: all that a panel shows, as plain values with their units in their names.
 use super::control::Control;
+use super::message::MessageStatus;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Need, Power};
-use units::{Length, Time};
+use units::{Length, Spin, Time};
 use verify::{Feature, Verdict};
 
 /// An axis.
@@ -169,6 +170,10 @@ pub struct Status {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub left_in_work: Option<super::LeftInWork>,
+    /// What the program has said last to the operator, since it was started.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub message: Option<MessageStatus>,
     /// Features of the workpiece.
     pub features: FeatureCount,
     /// Alarms that no reset has cleared.
@@ -221,6 +226,7 @@ impl Control {
             sync_error_um: report.sync_error.map(Length::in_um),
             is_tool_in_work: self.is_tap_in_thread(),
             left_in_work: self.left_in_work(),
+            message: self.message.clone(),
             features: self.counted(),
             alarms: self.uncleared(),
             unmet: self.unmet(),
@@ -278,9 +284,12 @@ impl Control {
     }
 
     fn spindles(&self, feedback: &bus::Feedback) -> Vec<SpindleStatus> {
+        let kernel = &self.executor.kernel;
+        // without power nothing is ordered
+        let ordered = |index| if kernel.is_off() { Spin::ZERO } else { kernel.ordered_spin(index) };
         let spindles = self.base.machine.spindles.iter().zip(&feedback.spindles).enumerate();
         let status = |(index, (_, feedback)): (usize, (_, &bus::SpindleFeedback))| SpindleStatus {
-            ordered_rpm: self.executor.kernel.ordered_spin(index).in_rpm(),
+            ordered_rpm: ordered(index).in_rpm(),
             measured_rpm: self.meters.speed(index).in_rpm(),
             load_percent: self.meters.load(&self.base.machine, index).map(percent),
             angle_deg: feedback.angle.value().rem_euclid(1.0) * 360.0,

@@ -105,6 +105,7 @@ impl Bridge {
     /// Hand on what there is.
     fn turn(&mut self) -> Result<(), String> {
         self.side.beat();
+        self.side.stop(self.rings.stops());
         self.is_moved()?;
         self.send_steps();
         self.send_requests()?;

@@ -7,7 +7,7 @@ use kernel::{
 };
 use plan::Step;
 use rtrb::{Consumer, Producer};
-use servo::{Record, Replied, Said};
+use servo::{LaneStop, Record, Replied, Said, StopLane};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Acquire};
@@ -35,6 +35,7 @@ pub(super) struct KernelRings {
 pub struct KernelLink {
     rings: KernelRings,
     is_over: Arc<AtomicBool>,
+    stops: Arc<StopLane>,
     /// Requests that have no reply yet: that of one that was given up may still come, before those
     /// of the requests after it.
     owed: usize,
@@ -55,10 +56,16 @@ pub struct KernelLink {
 }
 
 impl KernelLink {
-    pub(super) fn new(rings: KernelRings, is_over: Arc<AtomicBool>, picture: &Picture) -> Self {
+    pub(super) fn new(
+        rings: KernelRings,
+        is_over: Arc<AtomicBool>,
+        stops: Arc<StopLane>,
+        picture: &Picture,
+    ) -> Self {
         let mut link = Self {
             rings,
             is_over,
+            stops,
             owed: 0,
             picture: *picture,
             number: 0,
@@ -134,8 +141,17 @@ impl KernelLink {
         self.faults.extend(self.picture.faults.iter().flatten());
     }
 
-    /// Ask, and wait for the reply: less than a period.
+    /// Ask, and wait for the reply: less than a period. A request that is not taken is not lost
+    /// without a word: an alarm halts the machine.
     pub(crate) fn ask(&mut self, request: Request) -> Option<Reply> {
+        let reply = self.ask_once(request);
+        if reply.is_none() && !self.is_over.load(Acquire) {
+            self.stops.ask(LaneStop::NotTaken);
+        }
+        reply
+    }
+
+    fn ask_once(&mut self, request: Request) -> Option<Reply> {
         self.rings.requests.push(request).ok()?;
         self.owed += 1;
         let (end, mut looks) = (now() + ANSWER, 0);
@@ -228,7 +244,7 @@ mod tests {
         let (_saying, said) = RingBuffer::new(4);
         let rings = KernelRings { requests, replies: replied, steps, spent, said };
         let is_over = Arc::new(AtomicBool::new(true));
-        let mut link = KernelLink::new(rings, Arc::clone(&is_over), &picture);
+        let mut link = KernelLink::new(rings, Arc::clone(&is_over), Arc::default(), &picture);
         assert!(link.ask(Request::ClearOutputs).is_none(), "it has replied to nothing");
         is_over.store(false, Release);
         for (number, reply) in [(1, Reply::Done), (2, Reply::Is(true))] {
@@ -236,5 +252,36 @@ mod tests {
         }
         assert!(matches!(link.ask(Request::Clear), Some(Reply::Is(true))));
         assert_eq!((link.number, std::iter::from_fn(|| asked.pop().ok()).count()), (2, 2));
+        assert_eq!(link.stops.take(), 0, "every request was answered, or the thread was over");
+    }
+
+    #[test]
+    fn a_request_that_is_not_taken_halts_the_machine_with_an_alarm() {
+        let file = config::machine_file::load("tapping-center").expect("a built-in machine");
+        let picture = Kernel::new(config::control(&file, None, false)).picture();
+        let (requests, _asked) = RingBuffer::new(0);
+        let (_replies, replied) = RingBuffer::new(4);
+        let (steps, _sent) = RingBuffer::new(4);
+        let (_back, spent) = RingBuffer::new(4);
+        let (_saying, said) = RingBuffer::new(4);
+        let rings = KernelRings { requests, replies: replied, steps, spent, said };
+        let stops = Arc::<StopLane>::default();
+        let mut link = KernelLink::new(rings, Arc::default(), Arc::clone(&stops), &picture);
+        assert!(link.ask(Request::ClearOutputs).is_none(), "there is no room for it");
+        let mut kernel = Kernel::new(config::control(&file, None, false));
+        servo::stop(&mut kernel, stops.take());
+        let mut feedback = bus::Feedback::default();
+        for axis in &mut feedback.axes {
+            axis.ready = true;
+        }
+        for spindle in &mut feedback.spindles {
+            spindle.ready = true;
+        }
+        for _ in 0..10 {
+            kernel.tick(&feedback);
+            feedback.time += file.control.period;
+        }
+        let kinds: Vec<_> = kernel.faults().iter().map(|fault| fault.kind).collect();
+        assert_eq!(kinds, [FaultKind::RequestsNotTaken]);
     }
 }

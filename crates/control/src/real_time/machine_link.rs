@@ -1,11 +1,21 @@
 //! A machine that is in the servo thread, seen from the control's.
-use bus::{Feedback, Truth};
+//!
+//! What is asked of it goes through a ring that the servo thread empties in each period. It may
+//! find that full: a busy computer lets the control look at many periods at once. So what finds no
+//! room waits here for the next look. The engaged tool is no message but a state: only when it
+//! differs from what was sent last is it sent, and of several states the last.
+use bus::{Feedback, Sample, Truth};
 use rtrb::Producer;
-use servo::Record;
+use servo::{LaneStop, Record, StopLane};
 use shm::{RetainedState, ToolInWork};
 use sim::Fault;
+use std::collections::VecDeque;
+use std::sync::Arc;
 use units::Time;
 use wire::Engagement;
+
+/// Requests that wait for room in the ring; one more, and the machine is halted with an alarm.
+const WAITING: usize = 64;
 
 /// What is asked of the machine beside its commands.
 #[derive(Clone, Debug)]
@@ -19,24 +29,57 @@ pub(super) enum MachineRequest {
 
 /// See the module's header.
 pub struct MachineLink {
-    pub(super) requests: Producer<MachineRequest>,
-    pub(super) feedback: Feedback,
-    pub(super) truth: Option<Truth>,
-    pub(super) period: Time,
+    requests: Producer<MachineRequest>,
+    waiting: VecDeque<MachineRequest>,
+    stops: Arc<StopLane>,
+    /// The tool that the machine shall know to be in its work, and the one that was sent last.
+    engagement: (Option<Engagement>, Option<Engagement>),
+    feedback: Feedback,
+    truth: Option<Truth>,
+    period: Time,
     /// What a component of HAL keeps of a tool in the work: written and read without the servo
     /// thread.
-    pub(super) retained: Option<shm::RetainedMemory>,
-    pub(super) lost: Option<String>,
+    retained: Option<shm::RetainedMemory>,
+    lost: Option<String>,
 }
 
 impl MachineLink {
+    pub(super) fn new(
+        requests: Producer<MachineRequest>,
+        stops: Arc<StopLane>,
+        first: &Sample,
+        period: Time,
+        retained: Option<shm::RetainedMemory>,
+    ) -> Self {
+        let (feedback, truth) = (first.feedback, first.truth);
+        let (waiting, engagement) = (VecDeque::new(), (None, None));
+        Self { requests, waiting, stops, engagement, feedback, truth, period, retained, lost: None }
+    }
+
     pub(crate) fn see(&mut self, record: &Record) {
         (self.feedback, self.truth) = (record.heard, record.sample.truth);
+        self.send();
     }
 
     fn ask(&mut self, request: MachineRequest) {
-        if self.requests.push(request).is_err() {
-            self.lose("the servo thread does not take requests any more");
+        if self.waiting.len() == WAITING {
+            self.stops.ask(LaneStop::NotTaken);
+        } else {
+            self.waiting.push_back(request);
+        }
+        self.send();
+    }
+
+    /// As much of what waits as there is room for.
+    fn send(&mut self) {
+        while !self.requests.is_full()
+            && let Some(request) = self.waiting.pop_front()
+        {
+            let _ = self.requests.push(request); // there is room
+        }
+        let (wanted, sent) = &mut self.engagement;
+        if wanted != sent && self.requests.push(MachineRequest::Engage(*wanted)).is_ok() {
+            *sent = *wanted;
         }
     }
 
@@ -92,10 +135,82 @@ impl MachineLink {
             };
             return retained.engage(engagement.map(|of| (of.number, tool(of))));
         }
-        self.ask(MachineRequest::Engage(engagement));
+        self.engagement.0 = engagement;
+        self.send();
+    }
+
+    /// The servo thread has been sent which tool is in the work: it knows before it takes a request
+    /// to the kernel that comes after.
+    pub(crate) fn has_engaged(&self) -> bool {
+        self.engagement.0 == self.engagement.1
     }
 
     pub(crate) fn lost(&self) -> Option<String> {
         self.lost.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rtrb::{Consumer, RingBuffer};
+
+    fn link(room: usize) -> (MachineLink, Consumer<MachineRequest>, Arc<StopLane>) {
+        let (requests, taken) = RingBuffer::new(room);
+        let stops = Arc::<StopLane>::default();
+        let link =
+            MachineLink::new(requests, Arc::clone(&stops), &Sample::default(), Time::s(1e-3), None);
+        (link, taken, stops)
+    }
+
+    fn tool(sync_error: f64) -> Option<Engagement> {
+        let sync_error = units::Length::mm(sync_error);
+        Some(Engagement { number: 7, tool: 3, sync_error, ..Engagement::default() })
+    }
+
+    #[test]
+    fn a_tool_that_stays_in_the_work_is_sent_once_however_often_it_is_said() {
+        let (mut link, mut taken, stops) = link(2);
+        for _ in 0..1000 {
+            link.engage(tool(0.0));
+        }
+        assert!(link.has_engaged());
+        assert_eq!(std::iter::from_fn(|| taken.pop().ok()).count(), 1);
+        assert_eq!((stops.take(), link.lost()), (0, None));
+    }
+
+    #[test]
+    fn of_states_that_find_the_ring_full_the_last_is_sent_with_the_next_period() {
+        let (mut link, mut taken, stops) = link(2);
+        for error in 1..1000 {
+            link.engage(tool(f64::from(error)));
+        }
+        assert!(!link.has_engaged(), "the ring is full");
+        while taken.pop().is_ok() {}
+        link.send();
+        assert!(link.has_engaged());
+        let last = taken.pop().map(|request| format!("{request:?}"));
+        assert_eq!(last, Ok(format!("{:?}", MachineRequest::Engage(tool(999.0)))));
+        assert_eq!((stops.take(), link.lost()), (0, None));
+    }
+
+    #[test]
+    fn requests_that_find_the_ring_full_wait_in_their_order_and_too_many_are_an_alarm() {
+        let (mut link, mut taken, stops) = link(1);
+        link.mend();
+        link.strike(Fault::EmergencyStop);
+        link.repair(Fault::EmergencyStop);
+        for expected in ["Mend", "Strike", "Repair"] {
+            let request = format!("{:?}", taken.pop());
+            assert!(request.contains(expected), "{request}");
+            link.send();
+        }
+        for _ in 0..=WAITING {
+            link.mend();
+        }
+        assert_eq!(stops.take(), 0);
+        link.mend();
+        assert!(LaneStop::NotTaken.is_in(stops.take()));
+        assert_eq!(link.lost(), None, "the machine is there");
     }
 }

@@ -29,7 +29,7 @@ pub(crate) use machine_link::MachineLink;
 pub use metrics::RealTimeFigures;
 pub(crate) use metrics::ServoMetrics;
 pub use scheduling::run_last;
-pub(crate) use servo::{ServoThread, prepare};
+pub(crate) use servo::{ServoThread, prepare, strike};
 
 /// Steps on their way to the kernel, beside those in its own queue.
 const STEPS: usize = 1024;

@@ -10,7 +10,7 @@ use bus::{Machine as _, Sample};
 use kernel::{Kernel, Request};
 use plan::{Boxed, Step};
 use rtrb::{Consumer, Producer, RingBuffer};
-use servo::{Record, Replied, Rings, Said};
+use servo::{LaneStop, Record, Replied, Rings, Said, StopLane};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
@@ -58,12 +58,14 @@ pub(super) struct ServoRings {
     pub(super) said: Producer<Said>,
     pub(super) records: Producer<Record>,
     pub(super) of_machine: Consumer<MachineRequest>,
+    pub(super) stops: Arc<StopLane>,
 }
 
 /// All that connects the servo thread with the control's, for this kernel and this machine.
 pub(crate) fn prepare(
     kernel: &Kernel,
     machine: &Plant,
+    stops: &Arc<StopLane>,
 ) -> (Box<KernelLink>, Box<MachineLink>, Prepared) {
     let picture = kernel.picture();
     let (feedback, truth) = (*machine.feedback(), machine.truth().copied());
@@ -81,16 +83,24 @@ pub(crate) fn prepare(
     let (machine_requests, of_machine) = RingBuffer::new(REQUESTS);
     let is_over = Arc::new(AtomicBool::new(false));
     let rings = KernelRings { requests, replies: replied, steps, spent: back, said: heard };
-    let kernel_link = KernelLink::new(rings, Arc::clone(&is_over), &picture);
+    let kernel_link = KernelLink::new(rings, Arc::clone(&is_over), Arc::clone(stops), &picture);
     let period = machine.period();
     let retained = match machine {
         Plant::Hal(drives) => drives.retained(),
         Plant::Inside(_) | Plant::Outside(_) => None,
     };
     let machine_link =
-        MachineLink { requests: machine_requests, feedback, truth, period, retained, lost: None };
-    let rings =
-        ServoRings { requests: asked, replies, steps: sent, spent, said, records, of_machine };
+        MachineLink::new(machine_requests, Arc::clone(stops), &sample, period, retained);
+    let rings = ServoRings {
+        requests: asked,
+        replies,
+        steps: sent,
+        spent,
+        said,
+        records,
+        of_machine,
+        stops: Arc::clone(stops),
+    };
     let prepared = Prepared { rings, records: seen, is_over };
     (Box::new(kernel_link), Box::new(machine_link), prepared)
 }
@@ -154,26 +164,29 @@ impl Servo {
         let period = Duration::from_secs_f64(self.machine.period().value());
         let mut clock = PeriodClock::new(period);
         while !stop.load(Ordering::Acquire) {
-            if let Err(refused) = self.ask_machine() {
+            if let Err(refused) = self.period(around) {
                 let _ = self.why.set(refused.to_string()); // it ends once
                 break;
             }
-            self.period(around);
             let begun = clock.wait();
             self.metrics.begun(begun.late, period, begun.is_set_anew);
         }
         (self.seat.kernel, self.machine)
     }
 
-    fn period(&mut self, around: fn(&mut dyn FnMut())) {
+    /// What is asked of the machine is taken after what is asked of the kernel: who has asked the
+    /// machine first finds it done first.
+    fn period(&mut self, around: fn(&mut dyn FnMut())) -> Result<(), Refused> {
         let mut answered = None;
         around(&mut || {
-            self.seat.before_tick();
+            let stops = self.seat.before_tick();
+            strike(&mut self.machine, stops);
             answer(&mut self.seat.kernel, &self.machine, &self.ticks, &mut self.ticked);
             let number = self.seat.after_tick();
             answered = Some((number, self.seat.kernel.picture()));
         });
-        let Some((number, picture)) = answered else { return };
+        self.ask_machine()?;
+        let Some((number, picture)) = answered else { return Ok(()) };
         let sample = *self.ticked.sample();
         obey(&mut self.seat.kernel, &mut self.machine, &self.ticked);
         self.metrics.period();
@@ -182,6 +195,7 @@ impl Servo {
         if self.seat.rings.records.push(record).is_err() {
             self.metrics.unobserved();
         }
+        Ok(())
     }
 
     /// What is asked of the machine: at most what the ring holds.
@@ -196,6 +210,13 @@ impl Servo {
             }
         }
         Ok(())
+    }
+}
+
+/// The chain of a simulated machine opens with the stop that was asked for.
+pub(crate) fn strike(machine: &mut Plant, stops: u32) {
+    if LaneStop::EmergencyStop.is_in(stops) {
+        machine.strike(sim::Fault::EmergencyStop);
     }
 }
 
@@ -226,8 +247,16 @@ impl Rings for ServoRings {
         }
     }
 
+    fn can_say(&self) -> bool {
+        !self.said.is_full()
+    }
+
     fn say(&mut self, said: Said) {
-        let _ = self.said.push(said); // a thread that does not listen misses it
+        let _ = self.said.push(said); // there was room before
+    }
+
+    fn stops(&mut self) -> u32 {
+        self.stops.take()
     }
 }
 

@@ -109,6 +109,8 @@ pub struct RecordWriter {
     /// The hole whose tap a recovery has taken out, and its operation once the program has come to
     /// it.
     recovered: (Option<u32>, Option<u32>),
+    /// On the disk, and acknowledged as soon as the machine knows of the tool.
+    written: VecDeque<u32>,
     /// Requests on their way: number, when they may be acknowledged, what is written.
     underway: VecDeque<(u32, Time, SyncRecord)>,
     last: Option<SyncRecord>,
@@ -165,6 +167,7 @@ impl RecordWriter {
             gears: BTreeMap::new(),
             command: program.command,
             recovered: (recovered, None),
+            written: VecDeque::new(),
             underway: VecDeque::new(),
             last: None,
             engaged,
@@ -239,6 +242,7 @@ impl RecordWriter {
     }
 
     fn acknowledge(&mut self, kernel: &mut KernelHandle, machine: &mut MachineHandle, now: Time) {
+        self.pass_on(kernel, machine);
         while let Some((number, due, _)) = self.underway.front() {
             let (number, due) = (*number, *due);
             let answer = if self.real_time {
@@ -259,10 +263,20 @@ impl RecordWriter {
                         self.engage(&written);
                         machine.engage(self.engagement);
                     }
-                    kernel.acknowledge(number);
+                    self.written.push_back(number);
+                    self.pass_on(kernel, machine);
                 }
                 Ok((_, Ok(()))) => {}
             }
+        }
+    }
+
+    /// The kernel hears that a record is on the disk, once the machine knows of the tool.
+    fn pass_on(&mut self, kernel: &mut KernelHandle, machine: &MachineHandle) {
+        while machine.has_engaged()
+            && let Some(number) = self.written.pop_front()
+        {
+            kernel.acknowledge(number);
         }
     }
 

@@ -111,6 +111,22 @@ impl FaultKind {
                 cause: "The work or a clamp stands where the program has nothing, or the program rapids to where it should probe.",
                 remedy: "Jog the probe off the way it came; check the work offset and the way of the probe.",
             },
+            Self::TurnsNotMade => Text {
+                number: 310,
+                sentence: "a spindle whose turns are counted does not turn",
+                unit: "s",
+                reaction: Reaction::Halt,
+                cause: "A step waits for turns of the work, or for a superposition that fades over turns, and the spindle was stopped or its override is 0 %.",
+                remedy: "Let the spindle turn before the turns are counted; look at the spindle's drive.",
+            },
+            Self::NotAnswered => Text {
+                number: 311,
+                sentence: "what was measured was not made use of in time",
+                unit: "s",
+                reaction: Reaction::Halt,
+                cause: "The control had no time for a measurement, on a computer that is busy with something else.",
+                remedy: "Reset, and start the program again; look at the load of the computer.",
+            },
             Self::ProbeNotReached => Text {
                 number: 309,
                 sentence: "the probe has not changed on the whole way of a probing move",
@@ -358,6 +374,14 @@ impl FaultKind {
                 reaction: Reaction::Halt,
                 cause: "The shared memory was written by something else, or a defect of the control. Nothing that comes from there is done any more.",
                 remedy: "Start the control again; if it comes back, keep the program and report it.",
+            },
+            Self::RequestsNotTaken => Text {
+                number: 416,
+                sentence: "the servo thread does not take what the control asks of it",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The servo thread is held up for seconds, or the control asks faster than a servo period takes: a ring between them is full. What moves comes to rest, what is coupled on its coupling.",
+                remedy: "Reset. If it comes again, look at the load of the computer and at the servo thread's lateness in the status.",
             },
             Self::ComponentUnloaded => Text {
                 number: 415,

@@ -54,7 +54,7 @@ impl Kernel {
 
     /// Go on after a consultation.
     pub fn answer(&mut self) {
-        if matches!(self.activity, Activity::Consulting) {
+        if matches!(self.activity, Activity::Consulting { .. }) {
             self.activity = Activity::AtOnce;
         }
     }

@@ -1,6 +1,7 @@
 //! What is done without a program: drives on and off, axes moved by hand, all forgotten after an
 //! alarm.
 use super::{Kernel, Mode};
+use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::manual::{ManualOrder, ManualRefusal, SpindleByHand};
 use crate::spindle::SpindleLoop;
@@ -171,10 +172,13 @@ impl Kernel {
     /// Axes that are moved by hand go on.
     pub(super) fn advance_manual(&mut self, feedback: &Feedback) {
         let rests = self.operator.wants_rest();
-        let period_s = self.config.period.value();
+        let sees = (self.config.period.value(), feedback);
         let times = (self.now, self.config.waits.oriented);
-        if let Err(finding) = self.manual.advance(times, rests, period_s, &mut self.drives) {
+        if let Err(finding) = self.manual.advance(times, rests, sees, &mut self.drives) {
             self.raise(finding, feedback);
+        }
+        if let Some(axis) = self.manual.take_stopped() {
+            self.note(EventKind::StoppedBySwitch { axis });
         }
     }
 }

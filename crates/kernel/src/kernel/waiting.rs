@@ -5,6 +5,7 @@ use crate::queue::StepKind;
 use crate::record_requests::RECORD_WAIT;
 use crate::signals::Answered;
 use crate::waiting::{WaitFor, Waiting};
+use crate::waits::CONSULT_WAIT;
 use sync::Phase;
 use units::Time;
 
@@ -48,7 +49,13 @@ impl Kernel {
                 of(WaitFor::SyncRecord, *waited_s, Some(RECORD_WAIT))
             }
             (Activity::Engaging(follower), _) => since_begun(WaitFor::Gear(*follower), None),
-            (Activity::Consulting, _) => since_begun(WaitFor::Measurement, None),
+            (Activity::Fading { .. }, _) => since_begun(WaitFor::Fade, None),
+            (Activity::Revolving { .. }, Some(StepKind::Revolve { spindle, .. })) => {
+                since_begun(WaitFor::SpindleTurns(spindle), None)
+            }
+            (Activity::Consulting { waited_s }, _) => {
+                of(WaitFor::Measurement, *waited_s, Some(CONSULT_WAIT))
+            }
             (Activity::Tapping(run), Some(StepKind::Tap(plan)))
                 if run.phase() == Phase::Prepare =>
             {

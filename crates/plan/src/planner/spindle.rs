@@ -20,6 +20,15 @@ use diag::Diagnostic;
 use units::{Spin, Torque};
 
 impl Planner {
+    /// The spindles turn already at these speeds, as something before has ordered.
+    #[must_use]
+    pub fn already_turning(mut self, spins: &[Spin]) -> Self {
+        for (state, spin) in self.spindles.iter_mut().zip(spins) {
+            (state.ordered, state.told) = (*spin, *spin);
+        }
+        self
+    }
+
     pub(super) fn spindle(&mut self, job: &mut Job, index: u8, order: &SpindleOrder) {
         let Some(limits) = self.limits.spindles.get(usize::from(index)).copied() else {
             let count = self.spindles.len();

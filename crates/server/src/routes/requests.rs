@@ -1,8 +1,9 @@
 //! What the control is asked for.
 use crate::answer::{ApiError, json, object};
 use crate::app::App;
+use crate::reserved::{ForStops, too_many};
 use crate::rights::Who;
-use crate::wire::AcceptedBody;
+use crate::wire::{AcceptedBody, RequestBody};
 use axum::Extension;
 use axum::body::Body;
 use axum::extract::State;
@@ -12,9 +13,13 @@ use std::sync::Arc;
 pub(super) async fn request(
     State(app): State<Arc<App>>,
     Extension(who): Extension<Who>,
+    for_stops: Option<Extension<ForStops>>,
     body: Body,
 ) -> Result<Response, ApiError> {
-    let body = object(body, app.timeouts.body).await?;
+    let body: RequestBody = object(body, app.timeouts.body).await?;
+    if for_stops.is_some() && !body.is_stop() {
+        return Err(too_many());
+    }
     let accepted = app.request(who.session, body).await?;
     Ok(json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text))))
 }

@@ -93,7 +93,10 @@ fn write_all(
     }
 }
 
-fn write(ended: EndedProgram) -> Result<(), String> {
+fn write(mut ended: EndedProgram) -> Result<(), String> {
+    if let Some(trace) = ended.trace.take() {
+        trace.finish().map_err(|e| e.to_string())?;
+    }
     let alarms = ended.alarms.iter();
     let alarms: Vec<_> = alarms.map(|alarm| AlarmBody::of(alarm, &str::to_owned)).collect();
     let (mut finished, folder) = Finished::of_control(ended);

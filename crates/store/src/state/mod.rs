@@ -17,6 +17,7 @@
 mod alarms;
 mod data;
 pub mod lock;
+pub mod message_log;
 mod plain;
 pub mod seal;
 

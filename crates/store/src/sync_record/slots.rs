@@ -83,6 +83,11 @@ impl StateFolder {
         Self { path: state.path().to_owned(), _lock: state.lock() }
     }
 
+    /// A folder whose lock this process has.
+    pub const fn at(path: PathBuf, lock: FolderLock) -> Self {
+        Self { path, _lock: lock }
+    }
+
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path

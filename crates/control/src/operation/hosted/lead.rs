@@ -4,10 +4,12 @@ use super::picture::Picture;
 use super::recording::{Recording, SignalRows};
 use super::refusal::RefusalData;
 use super::renewal::{self, Renewal};
+use super::stops::Stops;
 use super::timing::{self, UnderTiming};
 use super::{HostOptions, RequestAnswer, Shared, held};
 use crate::Refused;
 use crate::clock::now;
+use crate::operation::writer::Ticket;
 use crate::operation::{
     Accepted, Begun, Control, ControlOptions, EndedProgram, Event, Proven, Proving, Refusal,
     Request, Signals, Timed,
@@ -70,7 +72,7 @@ fn prove(texts: &Receiver<Text>, jobs: &SyncSender<Job>) {
 /// The thread, from its start to its end.
 pub(super) fn run(
     options: ControlOptions,
-    host: HostOptions,
+    mut host: HostOptions,
     up: &Sender<Result<Arc<Shared>, Refused>>,
     jobs: SyncSender<Job>,
     asked: &Receiver<Job>,
@@ -93,13 +95,16 @@ pub(super) fn run(
     if let Some(recording) = &host.recording {
         control.record_programs(recording.folder.clone());
     }
+    control.keep_beside(std::mem::replace(&mut host.before_write, Box::new(|| ())));
     let signals = Signals::of(&control);
+    let (lane, has_chain) = control.stops();
     let shared = Arc::new(Shared {
         picture: Mutex::new(Arc::new(Picture::first(&control))),
         journal: Mutex::new(Journal::default()),
         recording: Recording::default(),
         machine: control.machine().clone(),
         signals,
+        stops: Stops::new(lane, has_chain),
     });
     if up.send(Ok(Arc::clone(&shared))).is_ok() {
         let mut lead = Lead::new(control, (texts, jobs), shared, host);
@@ -167,13 +172,20 @@ impl Lead {
         loop {
             match asked.recv_timeout(TURN) {
                 Ok(job) => {
-                    if !self.answer(job) || asked.try_iter().any(|job| !self.answer(job)) {
-                        return;
+                    // however much is asked for, the machine is looked after in between
+                    let (end, mut next) = (now() + TURN, Some(job));
+                    while let Some(job) = next {
+                        self.stop();
+                        if !self.answer(job) {
+                            return;
+                        }
+                        next = if now() < end { asked.try_recv().ok() } else { None };
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
+            self.stop();
             self.keep_up();
             if now() >= self.due {
                 self.publish();
@@ -188,15 +200,17 @@ impl Lead {
         match job {
             Job::Request(request, answer) => {
                 self.asked = now();
+                let kept = self.control.last_kept();
                 match self.control.begin(&request) {
-                    Begun::Answered(answered) => self.tell(answered, answer),
+                    Begun::Answered(answered) => self.tell(answered, kept, answer),
                     Begun::Proving(text) => self.prove(request, text, answer),
                 }
                 true
             }
             Job::Proven(proven, answer) => {
+                let kept = self.control.last_kept();
                 let answered = self.control.complete(*proven);
-                self.tell(answered, answer);
+                self.tell(answered, kept, answer);
                 true
             }
             Job::Renewed(proven) => {
@@ -262,11 +276,40 @@ impl Lead {
         });
     }
 
-    fn tell(&mut self, answered: Result<Accepted, Refusal>, answer: Answered) {
+    /// Answers; what a request has changed that is kept is on the disk before.
+    fn tell(
+        &mut self,
+        answered: Result<Accepted, Refusal>,
+        kept_before: Option<Ticket>,
+        answer: Answered,
+    ) {
         self.take_events();
         self.has_changed = true;
         self.show(); // who is answered sees what has come of it
-        answer(answered.map_err(|refusal| RefusalData::from(&refusal)));
+        let answered = answered.map_err(|refusal| RefusalData::from(&refusal));
+        match self.control.last_kept().filter(|kept| Some(*kept) != kept_before) {
+            Some(kept) if answered.is_ok() => {
+                self.control.when_kept(kept, |written| {
+                    answer(written.map_err(|why| RefusalData::unkept(&why)).and(answered));
+                });
+            }
+            Some(_) | None => answer(answered),
+        }
+    }
+
+    /// Stops that were asked for: each acts already, and here the control follows.
+    fn stop(&mut self) {
+        for (request, askers) in self.shared.stops.take() {
+            self.asked = now();
+            let answered = self.control.request(&request);
+            self.take_events();
+            self.has_changed = true;
+            self.show();
+            let answered = answered.map_err(|refusal| RefusalData::from(&refusal));
+            for answer in askers {
+                answer(answered.clone());
+            }
+        }
     }
 
     /// Machine time comes up with the wall's, or as far as a turn allows.
@@ -344,8 +387,13 @@ impl Lead {
         let _ = self.control.request(&Request::Stop);
         let _ = self.control.request(&Request::JogStop);
         let end = self.control.now() + COMES_TO_REST;
+        let mut stops_spindles = true;
         while !self.control.is_at_standstill() && self.control.now() < end {
             self.control.period();
+            if stops_spindles && !self.control.execution().is_under_way() {
+                // one that turns on from what was typed
+                stops_spindles = self.control.request(&Request::Reset).is_err();
+            }
         }
         if let Some(ended) = self.control.take_ended() {
             self.recorded(ended);

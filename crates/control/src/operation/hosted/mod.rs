@@ -3,6 +3,7 @@
 //!
 //! ```text
 //!   clients ──request──► bounded channel ──► control's thread: Control::begin, periods by the clock
+//!           ──stop─────► a flag that the next servo period reads, and a place before the channel
 //!      ▲                                          │ 50 times a second        │ each period
 //!      │                                          ▼                          ▼
 //!      ├── latest() ◄─────────────────────── Picture (latest wins)     Recording of signals
@@ -20,6 +21,7 @@ mod picture;
 mod recording;
 mod refusal;
 mod renewal;
+mod stops;
 mod timing;
 
 pub use journal::{Journal, Journaled, MOST_EVENTS};
@@ -39,6 +41,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use stops::Stops;
 use store::machine::MachineFile;
 use units::Time;
 
@@ -56,6 +59,8 @@ pub struct HostOptions {
     pub published: Box<dyn FnMut() + Send>,
     /// Each program is recorded.
     pub recording: Option<ProgramRecording>,
+    /// Called in the thread that writes what is kept, before each write.
+    pub before_write: Box<dyn FnMut() + Send>,
 }
 
 /// Programs are recorded in folders below one.
@@ -72,7 +77,8 @@ pub type EndedTaken = Box<dyn FnMut(EndedProgram) -> Result<(), String> + Send>;
 
 impl Default for HostOptions {
     fn default() -> Self {
-        Self { pace: 1.0, published: Box::new(|| ()), recording: None }
+        let (published, before_write) = (Box::new(|| ()), Box::new(|| ()));
+        Self { pace: 1.0, published, recording: None, before_write }
     }
 }
 
@@ -83,6 +89,7 @@ struct Shared {
     recording: Recording,
     machine: MachineFile,
     signals: Signals,
+    stops: Stops,
 }
 
 /// A control in a thread; when it is dropped the control comes to rest and is switched off.
@@ -131,8 +138,9 @@ impl Drop for Hosted {
 }
 
 impl Client {
-    /// Ask for something and go on; the answer is handed to `answer` in the control's thread, which
-    /// must not wait there.
+    /// Ask for something and go on; the answer is handed to `answer` in a thread of the control's,
+    /// which must not wait there. A stop waits behind nothing: it acts from the next servo period
+    /// on.
     ///
     /// # Errors
     /// Too much waits for the control already, or it has ended: `answer` is not called.
@@ -141,6 +149,9 @@ impl Client {
         request: Request,
         answer: impl FnOnce(RequestAnswer) + Send + 'static,
     ) -> Result<(), RefusalData> {
+        if let Some(stop) = stops::kind(&request) {
+            return self.shared.stops.ask(stop, Box::new(answer));
+        }
         let job = Job::Request(request, Box::new(answer));
         self.jobs.try_send(job).map_err(|error| match error {
             TrySendError::Full(_) => RefusalData::busy(MOST_JOBS),

@@ -59,6 +59,12 @@ impl RefusalData {
         Self::of_kind(RefusalKind::Busy, reason, Some("wait for their answers"))
     }
 
+    pub(super) fn unkept(why: &str) -> Self {
+        let reason = format!("it is in force, but {why}");
+        let remedy = "free the disk, and ask again: until then it is lost with the control";
+        Self::of_kind(RefusalKind::Request, reason, Some(remedy))
+    }
+
     pub(super) fn ended() -> Self {
         Self::of_kind(RefusalKind::Busy, "the control is being switched off", None)
     }

@@ -1,0 +1,86 @@
+//! Requests that stop: they wait in no queue. Each acts at once by its flag
+//! ([`StopLane`](servo::StopLane)) on what moves, whatever else is asked for; what the control
+//! makes of it follows before the next job, and many that ask for the same are one.
+use super::refusal::RefusalData;
+use crate::operation::{Accepted, Request};
+use servo::{LaneStop, StopLane};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Where an answer goes.
+type Answered = Box<dyn FnOnce(Result<Accepted, RefusalData>) + Send>;
+
+/// Askers of one kind of stop that wait for its answer; the next one's stop acts all the same.
+const MOST_ASKERS: usize = 4096;
+
+/// The stops, in the order in which they are dealt with.
+const KINDS: [LaneStop; 4] =
+    [LaneStop::EmergencyStop, LaneStop::Stop, LaneStop::FeedHold, LaneStop::JogStop];
+
+/// See the module's header.
+pub(super) struct Stops {
+    lane: Arc<StopLane>,
+    /// The emergency stop chain is within reach; the one of a machine in another process is its
+    /// own.
+    has_chain: bool,
+    is_asked: AtomicBool,
+    askers: Mutex<[Vec<Answered>; KINDS.len()]>,
+}
+
+/// Which stop a request is; `None`: it is none.
+pub(super) const fn kind(request: &Request) -> Option<LaneStop> {
+    match request {
+        Request::EmergencyStop(true) => Some(LaneStop::EmergencyStop),
+        Request::Stop => Some(LaneStop::Stop),
+        Request::FeedHold => Some(LaneStop::FeedHold),
+        Request::JogStop => Some(LaneStop::JogStop),
+        _ => None,
+    }
+}
+
+impl Stops {
+    pub(super) fn new(lane: Arc<StopLane>, has_chain: bool) -> Self {
+        Self { lane, has_chain, is_asked: AtomicBool::default(), askers: Mutex::default() }
+    }
+
+    fn askers(&self) -> MutexGuard<'_, [Vec<Answered>; KINDS.len()]> {
+        self.askers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Stop, and wait for what the control makes of it.
+    pub(super) fn ask(&self, stop: LaneStop, answer: Answered) -> Result<(), RefusalData> {
+        if stop == LaneStop::EmergencyStop && !self.has_chain {
+            self.lane.ask(LaneStop::Stop);
+            self.lane.ask(LaneStop::JogStop);
+        } else {
+            self.lane.ask(stop);
+        }
+        let at = KINDS.iter().position(|kind| *kind == stop).unwrap_or(0); // all kinds are there
+        let askers = &mut self.askers()[at];
+        if askers.len() == MOST_ASKERS {
+            return Err(RefusalData::busy(MOST_ASKERS));
+        }
+        askers.push(answer);
+        self.is_asked.store(true, Ordering::Release);
+        Ok(())
+    }
+
+    /// The requests that wait, each with all who have asked for it.
+    pub(super) fn take(&self) -> Vec<(Request, Vec<Answered>)> {
+        if !self.is_asked.swap(false, Ordering::AcqRel) {
+            return Vec::new();
+        }
+        let askers = std::mem::take(&mut *self.askers());
+        let asked = KINDS.into_iter().zip(askers).filter(|(_, askers)| !askers.is_empty());
+        asked.map(|(stop, askers)| (request(stop), askers)).collect()
+    }
+}
+
+const fn request(stop: LaneStop) -> Request {
+    match stop {
+        LaneStop::EmergencyStop | LaneStop::NotTaken => Request::EmergencyStop(true),
+        LaneStop::Stop => Request::Stop,
+        LaneStop::FeedHold => Request::FeedHold,
+        LaneStop::JogStop => Request::JogStop,
+    }
+}
