@@ -55,6 +55,15 @@ test('a typed block is executed and kept', async () => {
   await press(page, 'Execute');
 });
 
+test('what a program says to its operator is read where he waits', async () => {
+  await page.locator('#mdi').fill('(MSG, TURN THE PART) M0');
+  await press(page, 'Execute');
+  await page.getByTestId('program-message').getByText('TURN THE PART').waitFor();
+  await page.getByText('waits for operator').waitFor();
+  await press(page, 'Confirm');
+  await until('the block is over', async () => (await server.status()).program === null || !(await server.status()).waiting_for);
+});
+
 test('the plate is loaded, held, resumed, and finished with 36 good features', { timeout: 170_000 }, async () => {
   await page.getByRole('link', { name: 'Program' }).click();
   await page.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();

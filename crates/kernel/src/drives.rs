@@ -72,6 +72,26 @@ pub(crate) struct Drives {
 pub(crate) type Finding = (FaultKind, Subject, f64, f64);
 
 impl Drives {
+    /// From now on the axes that move brake as hard as a move may, all of them to the same instant:
+    /// straight on, and where a move is braking for its end not beyond that.
+    pub(crate) fn brake_together(&mut self, limits: &motion::Limits) {
+        let most = |index: usize, axis: &AxisLoop| {
+            let planned = limits.feed.accel[index].max(limits.rapid.accel[index]);
+            let approach = axis.control.approach.1.value();
+            if planned.is_finite() { planned.max(approach) } else { approach }
+        };
+        let axes = self.axes.iter().enumerate();
+        let axes = axes.filter_map(|(index, axis)| Some((index, axis.as_ref()?)));
+        let duration =
+            axes.map(|(i, axis)| axis.target.speed.abs() / most(i, axis)).fold(0.0, f64::max);
+        for axis in self.axes.iter_mut().flatten() {
+            let speed = axis.target.speed.abs();
+            if speed > 0.0 {
+                axis.brakes_at = speed / duration;
+            }
+        }
+    }
+
     pub(crate) fn new(config: &Config) -> Self {
         let axes = config.axes.map(|axis| axis.map(|control| AxisLoop::new(control, config)));
         let spindles = config.spindles.map(|s| s.map(|control| SpindleLoop::new(control, config)));

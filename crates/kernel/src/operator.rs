@@ -156,6 +156,8 @@ pub struct Operator {
     admitted: Option<u32>,
     /// The hold has been said.
     said: bool,
+    /// Held by single block alone.
+    is_after_block: bool,
 }
 
 impl Operator {
@@ -172,12 +174,21 @@ impl Operator {
             optional_stop: false,
             admitted: None,
             said: false,
+            is_after_block: false,
         }
     }
 
     /// Overrides and single block as they are; nothing is held or given up.
     pub(crate) const fn without_orders(&self) -> Self {
-        Self { held: false, aborting: false, retract: false, admitted: None, said: false, ..*self }
+        Self {
+            held: false,
+            aborting: false,
+            retract: false,
+            admitted: None,
+            said: false,
+            is_after_block: false,
+            ..*self
+        }
     }
 
     /// Take an order; what is to be said about it. `synchronised`: a coupling is engaged; `paused`:
@@ -191,18 +202,19 @@ impl Operator {
     ) -> Option<Notice> {
         match order {
             Order::FeedHold => {
-                (self.held, self.retract) = (true, false);
+                (self.held, self.retract, self.is_after_block) = (true, false, false);
                 None
             }
             Order::Resume if self.aborting => Some(Notice::NothingToResume),
             Order::Resume => {
                 let nothing = !self.held && !paused;
                 (self.held, self.retract, self.said) = (false, false, false);
+                self.is_after_block = false;
                 nothing.then_some(Notice::NothingHeld)
             }
             Order::Confirm => (!asked).then_some(Notice::NothingToConfirm),
             Order::Abort => {
-                self.aborting = true;
+                (self.aborting, self.is_after_block) = (true, false);
                 None
             }
             Order::Retract if synchronised && self.wants_rest() => {
@@ -239,6 +251,11 @@ impl Operator {
     /// What moves shall come to rest, and nothing new begin.
     pub const fn wants_rest(&self) -> bool {
         self.held || self.aborting
+    }
+
+    /// Held by single block, after a line, and by no order.
+    pub const fn is_held_after_block(&self) -> bool {
+        self.held && self.is_after_block
     }
 
     /// The program shall be given up.
@@ -278,7 +295,7 @@ impl Operator {
             return false;
         }
         self.admitted = Some(line);
-        self.held = true;
+        (self.held, self.is_after_block) = (true, true);
         true
     }
 
@@ -293,7 +310,7 @@ impl Operator {
 
     /// An alarm stops everything as a hold does.
     pub(crate) const fn alarm(&mut self) {
-        (self.held, self.retract) = (true, false);
+        (self.held, self.retract, self.is_after_block) = (true, false, false);
     }
 
     /// The tap is out: the retract is done, the hold remains.

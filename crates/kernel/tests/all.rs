@@ -38,6 +38,7 @@ mod signals;
 mod slots;
 mod spindle_override;
 mod stop_campaign;
+mod stopping_distance;
 mod stops;
 mod surface_speed;
 mod tapping;

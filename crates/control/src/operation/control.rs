@@ -413,8 +413,11 @@ impl Control {
         let kernel = &self.executor.kernel;
         let waits_for = kernel.waiting().map(|waiting| waiting.what);
         let event = match (kernel.report().state, waits_for) {
-            (State::Held, _) if self.is_hold_asked => ExecutionEvent::Hold,
-            (State::Held, _) => ExecutionEvent::BlockDone,
+            (State::Held, _) if !self.is_hold_asked && kernel.operator().is_held_after_block() => {
+                ExecutionEvent::BlockDone
+            }
+            // a hold acts before the control has heard of it
+            (State::Held, _) => ExecutionEvent::Hold,
             (_, Some(WaitFor::Operator { optional: true })) => ExecutionEvent::OptionalStop,
             (_, Some(WaitFor::Operator { optional: false })) => ExecutionEvent::Stop,
             (_, Some(WaitFor::ToolByHand(_) | WaitFor::Input(_))) => ExecutionEvent::Wait,

@@ -117,6 +117,9 @@ impl Kernel {
                     StepKind::Tap(plan) if coupled => Some(usize::from(plan.spindle)),
                     _ => None,
                 });
+                if !matches!(self.mode, Mode::Halted) {
+                    self.drives.brake_together(&self.config.motion);
+                }
                 // spindles turn on while the tool leaves the work
                 let brakes = self.retreating.is_none();
                 for (index, spindle) in self.drives.spindles.iter_mut().enumerate() {

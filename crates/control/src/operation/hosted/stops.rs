@@ -49,20 +49,25 @@ impl Stops {
 
     /// Stop, and wait for what the control makes of it.
     pub(super) fn ask(&self, stop: LaneStop, answer: Answered) -> Result<(), RefusalData> {
+        let at = KINDS.iter().position(|kind| *kind == stop).unwrap_or(0); // all kinds are there
+        // held until the flag is set: it never acts after the control has dealt with the request
+        let mut askers = self.askers();
+        self.act(stop);
+        if askers[at].len() == MOST_ASKERS {
+            return Err(RefusalData::busy(MOST_ASKERS));
+        }
+        askers[at].push(answer);
+        self.is_asked.store(true, Ordering::Release);
+        Ok(())
+    }
+
+    fn act(&self, stop: LaneStop) {
         if stop == LaneStop::EmergencyStop && !self.has_chain {
             self.lane.ask(LaneStop::Stop);
             self.lane.ask(LaneStop::JogStop);
         } else {
             self.lane.ask(stop);
         }
-        let at = KINDS.iter().position(|kind| *kind == stop).unwrap_or(0); // all kinds are there
-        let askers = &mut self.askers()[at];
-        if askers.len() == MOST_ASKERS {
-            return Err(RefusalData::busy(MOST_ASKERS));
-        }
-        askers.push(answer);
-        self.is_asked.store(true, Ordering::Release);
-        Ok(())
     }
 
     /// The requests that wait, each with all who have asked for it.
