@@ -181,6 +181,8 @@ pub struct Limits {
     pub calls: usize,
     /// Blocks executed.
     pub blocks: u64,
+    /// Blocks executed since the machine has last moved or waited, where the program jumps back.
+    pub idle_blocks: u64,
     /// Errors after which reading on is of no use.
     pub errors: usize,
     /// Blocks executed after the first error, to find more.
@@ -196,6 +198,7 @@ impl Default for Limits {
         Self {
             calls: 64,
             blocks: 50_000_000,
+            idle_blocks: 2_000_000,
             errors: 200,
             blocks_after_error: 1_000_000,
             findings: 400,

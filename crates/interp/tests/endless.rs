@@ -93,3 +93,38 @@ fn the_pecks_of_one_block_are_bounded_before_any_is_made() {
     assert!(errors("G73 X0.01 Z-20 R-5 Q0.02 F900 L101")[0].starts_with("I0511"));
     assert_eq!(errors("G73 X0.01 Z-20 R-5 Q0.02 F900 L100"), [""; 0]);
 }
+
+/// What a loop counts changes in each of its rounds: it is refused after a stated number of blocks
+/// in which nothing moves or waits, and not before.
+#[test]
+fn a_loop_that_only_counts_is_refused_where_it_leads_back() {
+    let stopped = |program: &str, most: u64| -> Vec<String> {
+        let dialect = if program.starts_with('O') { Dialect::Fanuc } else { Dialect::LinuxCnc };
+        let mut setup = Setup { dialect, missing_tools: MissingTools::StandIn, ..Setup::default() };
+        setup.limits.idle_blocks = most;
+        let mut ops = Ops::new(program.as_bytes(), &setup);
+        ops.by_ref().for_each(drop);
+        let found = ops.diagnostics().into_iter().filter(diag::Diagnostic::is_error);
+        found.map(|d| format!("{}@{}", d.code, d.span.line)).collect()
+    };
+    let idle = [
+        ("o1 while [1]\n#1=[#1+1]\no1 endwhile\nM2\n", 3),
+        ("o1 while [1]\n#1=[#1+1]\nG4 P0\nM8\nM3 S[#1]\n(MSG, waits)\no1 endwhile\nM2\n", 7),
+        ("G0 X5\no1 do\n#1=[#1+1]\nG0 X5\no1 while [1]\nM2\n", 5),
+        ("O1\nN10 #1=#1+1\nGOTO 10\nM30\n", 3),
+        ("O1\n#1=0\nWHILE [#1 GE 0] DO1\n#1=#1+1\nEND1\nM30\n", 5),
+    ];
+    for (program, line) in idle {
+        assert_eq!(stopped(program, 5000), [format!("I0803@{line}")], "{program}");
+    }
+    let busy = [
+        "o1 while [#1 LT 3000]\n#1=[#1+1]\nG0 X[#1]\no1 endwhile\nM2\n",
+        "o1 while [#1 LT 3000]\n#1=[#1+1]\nG4 P0.1\no1 endwhile\nM2\n",
+        "o1 while [#1 LT 3000]\n#1=[#1+1]\nM66 P0 L0\no1 endwhile\nM2\n",
+        "O1\nWHILE [#1 LT 3000] DO1\n#1=#1+1\nM0\nEND1\nM30\n",
+        "o1 while [#1 LT 1500]\n#1=[#1+1]\no1 endwhile\nG0 X1\no1 while [#1 LT 3000]\n#1=[#1+1]\no1 endwhile\nM2\n",
+    ];
+    for program in busy {
+        assert_eq!(stopped(program, 5000), [""; 0], "{program}");
+    }
+}

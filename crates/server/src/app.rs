@@ -11,9 +11,9 @@ use crate::runs::Runs;
 use crate::timeouts::ClientTimeouts;
 use crate::tokens::Tokens;
 use crate::wire::RequestBody;
-use control::job::ProgramOptions;
+use control::job::{Interruption, ProgramOptions};
 use control::operation::Accepted;
-use control::operation::hosted::{Client, Picture};
+use control::operation::hosted::{Client, Picture, RequestAnswer};
 use serde_json::{Map, Value};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::{oneshot, watch};
@@ -103,6 +103,9 @@ impl App {
             if let Some(program) = &mut status.program {
                 program.name = self.folder.shown(&program.name);
             }
+            if let Some(loading) = &mut status.loading {
+                loading.name = self.folder.shown(&loading.name);
+            }
             if let Some(left) = &mut status.left_in_work {
                 left.program = left.program.take().map(|name| self.folder.shown(&name));
             }
@@ -122,15 +125,38 @@ impl App {
         session: SessionId,
         body: RequestBody,
     ) -> Result<Accepted, ApiError> {
+        self.ask(session, body)?.answer(&self.folder).await
+    }
+
+    /// The same, without its answer: what is asked for is asked for in this order.
+    pub(crate) fn ask(&self, session: SessionId, body: RequestBody) -> Result<Asked, ApiError> {
         self.rights().may_command(session, body.is_stop(), self.clock.now())?;
         let request = body.read(self.client.machine(), &self.folder)?;
         let (sender, receiver) = oneshot::channel();
-        self.client.ask(request, move |answer| {
+        let waits = Arc::new(());
+        let waiting = Arc::downgrade(&waits);
+        let is_gone = Interruption::by(move || waiting.strong_count() == 0);
+        self.client.ask_unless(is_gone, request, move |answer| {
             let _ = sender.send(answer); // who asked is gone
         })?;
-        let answer = receiver.await.map_err(|_| {
+        Ok(Asked { receiver, waits })
+    }
+}
+
+/// A request whose answer is awaited; dropped, what is read for it is broken off.
+pub(crate) struct Asked {
+    receiver: oneshot::Receiver<RequestAnswer>,
+    waits: Arc<()>,
+}
+
+impl Asked {
+    pub(crate) async fn answer(self, folder: &Folder) -> Result<Accepted, ApiError> {
+        let Self { receiver, waits } = self;
+        let answer = receiver.await;
+        drop(waits); // not before
+        let answer = answer.map_err(|_| {
             ApiError::new(axum::http::StatusCode::SERVICE_UNAVAILABLE, "the control has ended")
         })?;
-        answer.map_err(|refusal| ApiError::from(refusal).shown(|text| self.folder.shown(text)))
+        answer.map_err(|refusal| ApiError::from(refusal).shown(|text| folder.shown(text)))
     }
 }

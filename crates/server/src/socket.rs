@@ -9,18 +9,20 @@ use crate::app::{App, Fields};
 use crate::guard;
 use crate::rights::Who;
 use crate::scope::Scope;
-use crate::wire::{EventBody, FeatureBody, OperatorBody, RequestBody};
+use crate::wire::{AcceptedBody, EventBody, FeatureBody, OperatorBody, RequestBody};
 use axum::Extension;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use control::operation::Accepted;
 use control::operation::hosted::Picture;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
 
 /// A frame is sent within so long, or the client is gone.
@@ -29,6 +31,9 @@ const SENT: Duration = Duration::from_secs(2);
 const ASKED: Duration = Duration::from_millis(250);
 /// Largest message of a client.
 const LARGEST_MESSAGE: usize = crate::answer::LARGEST_JSON;
+
+/// Requests of one client that wait for their answers; one more is refused, unless it is a stop.
+const MOST_ASKED: usize = 16;
 
 /// What a client says.
 #[derive(Deserialize)]
@@ -73,6 +78,18 @@ pub(crate) async fn open(
     })
 }
 
+/// The answer to a request, as it is sent.
+fn answer_body(app: &App, id: u64, answer: Result<Accepted, ApiError>) -> Value {
+    let shown = |text: &str| app.folder.shown(text);
+    let mut body = match answer {
+        Ok(accepted) => serde_json::to_value(AcceptedBody::of(&accepted, &shown)),
+        Err(error) => serde_json::to_value(error.body()),
+    }
+    .unwrap_or_default(); // strings and numbers alone
+    (body["type"], body["id"]) = ("answer".into(), id.into());
+    body
+}
+
 /// A socket, and what its client has.
 struct Talk {
     app: Arc<App>,
@@ -85,6 +102,8 @@ struct Talk {
     features: usize,
     operator: Option<OperatorBody>,
     scope: Option<Scope>,
+    /// Answers that the control still owes it.
+    answers: JoinSet<Value>,
 }
 
 impl Talk {
@@ -101,6 +120,7 @@ impl Talk {
             features,
             operator: None,
             scope: None,
+            answers: JoinSet::new(),
         }
     }
 
@@ -128,6 +148,9 @@ impl Talk {
                         self.send(Message::Ping(Bytes::new())).await?;
                     }
                 },
+                Some(Ok(answer)) = self.answers.join_next() => {
+                    self.send(Message::Text(answer.to_string().into())).await?;
+                }
                 changed = pictures.changed() => {
                     changed.map_err(|_| Gone)?; // the control has ended
                     self.tell_all().await?;
@@ -200,17 +223,21 @@ impl Talk {
     async fn hear(&mut self, text: &str) -> Result<(), Gone> {
         match serde_json::from_str(text) {
             Ok(Said::Request { id, request }) => {
-                let answer = self.app.request(self.who.session, request).await;
-                let shown = |text: &str| self.app.folder.shown(text);
-                let mut body = match answer {
-                    Ok(accepted) => {
-                        serde_json::to_value(crate::wire::AcceptedBody::of(&accepted, &shown))
-                    }
-                    Err(error) => serde_json::to_value(error.body()),
-                }
-                .unwrap_or_default(); // strings and numbers alone
-                body["id"] = id.into();
-                self.tell("answer", &body).await
+                let asked = if self.answers.len() < MOST_ASKED || request.is_stop() {
+                    self.app.ask(self.who.session, request)
+                } else {
+                    let reason = format!("{MOST_ASKED} requests of this socket have no answer yet");
+                    Err(ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason))
+                };
+                let app = Arc::clone(&self.app);
+                self.answers.spawn(async move {
+                    let answer = match asked {
+                        Ok(asked) => asked.answer(&app.folder).await,
+                        Err(error) => Err(error),
+                    };
+                    answer_body(&app, id, answer)
+                });
+                Ok(())
             }
             Ok(Said::Scope { signals }) => match Scope::of(&self.app.client, signals) {
                 Ok(scope) => {

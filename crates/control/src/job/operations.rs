@@ -6,6 +6,7 @@
 //!                   └─► Operations   all of them, interpreted once: preflight, restart and run share them
 //!                            └─► Cursor  from the beginning, or from where a program is begun in its middle
 //! ```
+use super::interruption::Interruption;
 use super::live::Live;
 use super::restart::Restart;
 use crate::polygon::cuts;
@@ -119,6 +120,14 @@ pub struct Operations {
     is_typed: bool,
 }
 
+/// Operations between two looks whether the rest is wanted.
+const LOOKED_AT: usize = 1024;
+
+/// Share of the text up to an operation.
+pub(super) fn share_read(op: &Op, source: &[u8]) -> f64 {
+    if op.span.file == 0 { f64::from(op.span.end) / source.len().max(1) as f64 } else { 0.0 }
+}
+
 /// A program that asks the machine something: its text, what it is read with, and what it finds in
 /// force.
 type Asking = (Vec<u8>, interp::Setup, Option<OpsRest>);
@@ -148,11 +157,16 @@ pub struct Left {
 impl Operations {
     /// Interpret a program.
     pub fn of(source: &[u8], setup: &interp::Setup) -> Self {
-        Self::after(Before::default(), source, setup)
+        Self::after(Before::default(), source, setup, &Interruption::default())
     }
 
-    /// Interpret a text on a control that is on.
-    pub fn after(before: Before, source: &[u8], setup: &interp::Setup) -> Self {
+    /// Interpret a text on a control that is on, as far as that is wanted.
+    pub fn after(
+        before: Before,
+        source: &[u8],
+        setup: &interp::Setup,
+        interruption: &Interruption,
+    ) -> Self {
         let Before { rest, is_typed, .. } = before;
         let again = rest.clone();
         let mut read = interp::Ops::of_piece(source, setup, rest, is_typed);
@@ -169,7 +183,11 @@ impl Operations {
                     codes.push((ops.len(), in_force));
                 }
             }
+            let share = share_read(&op, source) / 2.0;
             ops.push(op);
+            if ops.len() % LOOKED_AT == 0 && interruption.came_at(share) {
+                break; // who reads on breaks off, too
+            }
         }
         if is_typed {
             ops.push(Op::end_of_typed());

@@ -13,7 +13,7 @@
 //! ```
 use super::interruption::Interruption;
 use super::mill_stock::MilledStock;
-use super::operations::{Cursor, Operations, Reading, Source};
+use super::operations::{Cursor, Operations, Reading, Source, share_read};
 use super::restart::Restart;
 use super::table_notes::TableNotes;
 use crate::Refused;
@@ -62,7 +62,8 @@ pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<
         }
     }
     let setup = session.interp_setup();
-    let mut operations = Operations::after(session.before.clone(), source, &setup);
+    let mut operations =
+        Operations::after(session.before.clone(), source, &setup, &session.interruption);
     if session.depends_on_program() {
         session.prepare(operations.all());
     }
@@ -318,7 +319,7 @@ fn read(
         planner.push(index, &op, look);
         table.see(session, &op);
         milled.see(session, &op);
-        if is_looked(index) && session.interruption.came() {
+        if is_looked(index) && session.interruption.came_at(0.5 + share_read(&op, source) / 2.0) {
             return Preflight { findings: vec![Interruption::finding()], planned: None };
         }
     }

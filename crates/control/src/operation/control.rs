@@ -15,7 +15,7 @@ use super::ranges;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 use super::under_way::{InWork, Loaded, UnderWay};
-use crate::job::{Before, Operations, ProgramOptions, Session};
+use crate::job::{Before, Interruption, Operations, ProgramOptions, Session};
 use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
 use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
@@ -218,7 +218,7 @@ impl Control {
             tools: self.data.tools.clone(),
             ..self.base.interp_setup()
         };
-        let operations = Operations::after(before, b"", &setup);
+        let operations = Operations::after(before, b"", &setup, &Interruption::default());
         self.data.leave(operations.left().rest.clone());
     }
 

@@ -72,8 +72,8 @@ pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
-    AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
-    Switches, WaitingStatus, said_of,
+    AxisStatus, FeatureCount, LoadingStatus, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
+    Status, Switches, WaitingStatus, said_of,
 };
 pub use timing::{Timed, Timing};
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};

@@ -82,6 +82,11 @@ impl Proving {
         ProofMark { path: self.path.clone(), basis: self.basis.clone() }
     }
 
+    /// The program's name; `MDI` of what was typed.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// It is not wanted any more when this says so.
     #[must_use]
     pub fn unless(self, interruption: Interruption) -> Self {
@@ -100,6 +105,9 @@ impl Proving {
         let most = self.planned_up_to;
         let of = path.clone();
         let proved = (|| {
+            if interruption.came() {
+                return Err(Refusal::because("it was broken off before it was read"));
+            }
             // here, and not where it was asked for: a control waits for no disk
             let text = text.map_or_else(|| read_program(&path), Ok)?;
             let mut session = Session::load(&options, &path, &text)?;

@@ -92,6 +92,16 @@ pub struct WaitingStatus {
     pub limit_s: Option<f64>,
 }
 
+/// A text that is being read and judged for a request.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
+pub struct LoadingStatus {
+    /// Its name; `MDI` of what was typed.
+    pub name: String,
+    /// How much of it is done, percent.
+    pub percent: f64,
+}
+
 /// The program that is loaded or under way.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
@@ -162,6 +172,10 @@ pub struct Status {
     pub switches: Switches,
     /// The program.
     pub program: Option<ProgramStatus>,
+    /// What is being read for a request that is not answered yet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub loading: Option<LoadingStatus>,
     /// Distance of the follower from its coupling, while one is engaged in the material, µm.
     pub sync_error_um: Option<f64>,
     /// A tool that is tied to a spindle is in the work.
@@ -223,6 +237,7 @@ impl Control {
                 block_skip: self.options.program.block_skip.clone(),
             },
             program: self.program_status(report.line),
+            loading: None,
             sync_error_um: report.sync_error.map(Length::in_um),
             is_tool_in_work: self.is_tap_in_thread(),
             left_in_work: self.left_in_work(),

@@ -95,14 +95,21 @@ impl<'s> Interpreter<'s> {
             }
             Ok(()) => {}
         }
-        if core::mem::take(&mut it.jumped_back)
-            && let Some(repetition) = self.rounds.repeats(it, &self.front_end)
-        {
-            it.ended = true;
-            if it.errors == 0 {
-                it.report(repetition.said(it.block.span)); // else its counting has failed, which was said
+        if core::mem::take(&mut it.jumped_back) {
+            let repetition = self.rounds.repeats(it, &self.front_end);
+            let repetition = repetition.map(|repetition| repetition.said(it.block.span));
+            if let Some(found) = repetition.or_else(|| it.idles()) {
+                it.ended = true;
+                if it.errors == 0 {
+                    it.report(found); // else its counting has failed, which was said
+                }
             }
         }
+    }
+
+    /// The machine moves or waits by the block executed last.
+    pub(crate) const fn is_busy(&mut self) {
+        self.program.busy = self.program.executed;
     }
 
     /// Execute to the end.

@@ -47,6 +47,8 @@ pub(crate) struct Program<'s> {
     pub(crate) executed: u64,
     /// The block after which it is stopped.
     pub(crate) last: u64,
+    /// The block by which the machine moves, or waits, that came last.
+    pub(crate) busy: u64,
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) seen: HashSet<(&'static str, Span)>,
     pub(crate) errors: usize,
@@ -90,6 +92,7 @@ impl<'s> Program<'s> {
             spoke: false,
             executed: 0,
             last: setup.limits.blocks,
+            busy: 0,
             diagnostics: Vec::new(),
             seen: HashSet::new(),
             errors: 0,
@@ -226,6 +229,17 @@ impl<'s> Program<'s> {
         }
         let text = format!("stopped after {} blocks: does this loop end?", self.limits.blocks);
         Err(error("I0803", self.block.span, text).into())
+    }
+
+    /// The block at hand leads back: refused where nothing has moved or waited for too long.
+    pub(crate) fn idles(&self) -> Option<Diagnostic> {
+        let most = self.limits.idle_blocks;
+        (self.executed - self.busy > most).then(|| {
+            let text = format!(
+                "this loop has gone on for {most} blocks in which nothing moves or waits: does it end?"
+            );
+            error("I0803", self.block.span, text)
+        })
     }
 
     pub(crate) fn report_all(&mut self, found: impl IntoIterator<Item = Diagnostic>) {

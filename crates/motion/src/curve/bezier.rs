@@ -33,7 +33,8 @@ const STILL_WITHIN: (f64, f64) = (0.1, 1e-8);
 impl Bezier {
     /// A curve by its control points.
     pub fn new(control: [Point; 6]) -> Self {
-        let speed = |t: f64| measure(&derivatives(&control, t).q1);
+        let slopes = Slopes::of(&control);
+        let speed = |t: f64| slopes.speed(t);
         // Gauss' rule with five points on both halves
         let nodes = [
             (0.0, 128.0 / 225.0),
@@ -56,18 +57,18 @@ impl Bezier {
             return bezier;
         }
         // t′ and t″ at an end, per unit of length
-        let end = |t: f64| {
-            let d = derivatives(&control, t);
-            let v = measure(&d.q1);
+        let end = |at: usize, next: usize, bend: f64| {
+            let slope = slopes.0[at];
+            let v = norm(&slope);
             let (slow, short) = STILL_WITHIN;
             if v < STILL * length || (length < short && v < slow * length) {
                 return (1.0 / length, 0.0);
             }
-            let [group, _] = [counted(&d.q1), 0..0];
-            let dot: f64 = group.map(|i| d.q1[i] * d.q2[i]).sum();
+            let dot: f64 =
+                (0..3).map(|i| slope[i] * bend * 4.0 * (slopes.0[next][i] - slope[i])).sum();
             (1.0 / v, -dot / (v * v * v * v))
         };
-        let ((v0, a0), (v1, a1)) = (end(0.0), end(1.0));
+        let ((v0, a0), (v1, a1)) = (end(0, 1, 1.0), end(4, 3, -1.0));
         let l = length;
         let dp = 1.0 - l * (v0 + l * a0 / 2.0);
         let (dv, da) = (v1 - v0 - l * a0, a1 - a0);
@@ -81,6 +82,56 @@ impl Bezier {
         ];
         bezier
     }
+
+    /// |q′| at three places between its ends is 1 to within `tolerance`.
+    pub fn is_even(&self, tolerance: f64) -> bool {
+        let slopes = Slopes::of(&self.control);
+        [0.25, 0.5, 0.75].into_iter().all(|share| {
+            let (t, t1) = self.parameter(share * self.length);
+            (slopes.speed(t.clamp(0.0, 1.0)) * t1.abs() - 1.0).abs() < tolerance
+        })
+    }
+
+    /// t and t′ at a length.
+    fn parameter(&self, s: f64) -> (f64, f64) {
+        let c = &self.t;
+        let t = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))));
+        let t1 = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])));
+        (t, t1)
+    }
+}
+
+/// B′ as a curve of the fourth degree, in the axes that count for the length.
+struct Slopes([[f64; 3]; 5]);
+
+impl Slopes {
+    fn of(control: &[Point; 6]) -> Self {
+        let change = |k: usize, i: usize| 5.0 * (control[k + 1][i] - control[k][i]);
+        let moves = |axes: core::ops::Range<usize>| {
+            (0..5).any(|k| axes.clone().any(|i| control[k + 1][i] != control[k][i]))
+        };
+        let first = if moves(0..3) {
+            0
+        } else if moves(6..9) {
+            6
+        } else {
+            3
+        };
+        Self(core::array::from_fn(|k| core::array::from_fn(|i| change(k, first + i))))
+    }
+
+    /// |B′(t)|.
+    fn speed(&self, t: f64) -> f64 {
+        let u = 1.0 - t;
+        let (uu, tt) = (u * u, t * t);
+        let shares = [uu * uu, 4.0 * uu * u * t, 6.0 * uu * tt, 4.0 * u * tt * t, tt * tt];
+        norm(&core::array::from_fn(|i| (0..5).map(|k| shares[k] * self.0[k][i]).sum()))
+    }
+}
+
+fn norm(of: &[f64; 3]) -> f64 {
+    let [x, y, z] = of;
+    libm::sqrt(x * x + y * y + z * z)
 }
 
 /// The axes that count for the length: X Y Z if one of them moves, else U V W, else A B C.
@@ -97,8 +148,7 @@ fn counted(slope: &Point) -> core::ops::Range<usize> {
 
 /// RS-274/NGC's measure of a way.
 pub fn measure(way: &Point) -> f64 {
-    let [x, y, z] = [0, 1, 2].map(|k| way[counted(way).start + k]);
-    libm::sqrt(x * x + y * y + z * z)
+    norm(&[0, 1, 2].map(|k| way[counted(way).start + k]))
 }
 
 /// B and its derivatives by t: by differences, so that of an axis that rests they are zero to the
@@ -135,8 +185,7 @@ impl Shape for Bezier {
     fn at(&self, s: f64) -> Derivatives {
         let s = s.clamp(0.0, self.length);
         let c = &self.t;
-        let t = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))));
-        let t1 = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])));
+        let (t, t1) = self.parameter(s);
         let t2 = 2.0 * c[2] + s * (6.0 * c[3] + s * (12.0 * c[4] + s * 20.0 * c[5]));
         let t3 = 6.0 * c[3] + s * (24.0 * c[4] + s * 60.0 * c[5]);
         let b = derivatives(&self.control, t.clamp(0.0, 1.0));

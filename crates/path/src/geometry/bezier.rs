@@ -2,7 +2,7 @@
 //! parameter by its length of its own ([`motion::Bezier`]), so that |q′| is 1 to within a percent
 //! or so.
 use alloc::vec::Vec;
-use motion::{Bezier, Point, Shape, measure};
+use motion::{Bezier, Point, Shape as _};
 
 /// How often a curve may be halved to make its parts even.
 const HALVINGS: u32 = 18;
@@ -31,11 +31,7 @@ pub fn quintic(control: [Point; 6], parts: &mut Vec<Bezier>) {
 
 fn cut(control: &[Point; 6], depth: u32, parts: &mut Vec<Bezier>) {
     let whole = Bezier::new(*control);
-    let even = [0.25, 0.5, 0.75].iter().all(|f| {
-        let slope = whole.at(f * whole.length()).q1;
-        (measure(&slope) - 1.0).abs() < 0.01
-    });
-    if even || depth == 0 {
+    if whole.is_even(0.01) || depth == 0 {
         if whole.length() > 0.0 {
             parts.push(whole);
         }

@@ -1,14 +1,16 @@
 //! The control's thread: what is asked for, periods by the clock, a picture 50 times a second.
 use super::journal::Journal;
+use super::loads::{BrokenOff, LoadMark, Loads};
 use super::picture::Picture;
 use super::recording::{Recording, SignalRows};
 use super::refusal::RefusalData;
-use super::renewal::{self, Renewal};
+use super::renewal::{self, Renewal, Waiting};
 use super::stops::Stops;
 use super::timing::{self, UnderTiming};
 use super::{HostOptions, RequestAnswer, Shared, held};
 use crate::Refused;
 use crate::clock::now;
+use crate::job::Interruption;
 use crate::operation::writer::Ticket;
 use crate::operation::{
     Accepted, Begun, Control, ControlOptions, EndedProgram, Event, Proven, Proving, Refusal,
@@ -38,10 +40,10 @@ const MOST_TEXTS: usize = 4;
 
 /// What the control's thread is told.
 pub(super) enum Job {
-    /// A request, and where its answer goes.
-    Request(Request, Answered),
+    /// A request, what says that who asked is gone, and where its answer goes.
+    Request(Request, Interruption, Answered),
     /// A text is proved that a request needs.
-    Proven(Box<Proven>, Answered),
+    Proven(Box<Proven>, Asked),
     /// The program that is loaded is proved again, or was broken off.
     Renewed(Box<Proven>),
     /// The time of a long program is planned, or that was broken off.
@@ -52,8 +54,10 @@ pub(super) enum Job {
     End,
 }
 
-/// A text that is to be proved, and where the answer goes if it was asked for.
-type Text = (Box<Proving>, Option<Answered>);
+/// Which of the texts that are proved it is, and where its answer goes.
+type Asked = (LoadMark, Answered);
+/// A text that is to be proved, and for whom.
+type Text = (Box<Proving>, Option<Asked>);
 
 /// The thread that proves texts, one after another, until the control's thread has ended.
 fn prove(texts: &Receiver<Text>, jobs: &SyncSender<Job>) {
@@ -119,6 +123,8 @@ struct Lead {
     texts: SyncSender<Text>,
     /// The one that is on its way.
     renewal: Option<Renewal>,
+    /// Texts that are proved for a request.
+    loads: Loads,
     /// What it tells itself from other threads.
     jobs: SyncSender<Job>,
     /// The program whose time is being planned.
@@ -154,6 +160,7 @@ impl Lead {
             control,
             texts,
             renewal: None,
+            loads: Loads::default(),
             jobs,
             timing: None,
             asked: start,
@@ -198,16 +205,23 @@ impl Lead {
     /// False: it was the last one.
     fn answer(&mut self, job: Job) -> bool {
         match job {
-            Job::Request(request, answer) => {
+            Job::Request(request, is_gone, answer) => {
                 self.asked = now();
+                if request == Request::Reset {
+                    self.loads.break_off(BrokenOff::Reset);
+                }
                 let kept = self.control.last_kept();
                 match self.control.begin(&request) {
                     Begun::Answered(answered) => self.tell(answered, kept, answer),
-                    Begun::Proving(text) => self.prove(request, text, answer),
+                    Begun::Proving(text) => self.prove((request, is_gone, answer), text),
                 }
                 true
             }
-            Job::Proven(proven, answer) => {
+            Job::Proven(proven, (mark, answer)) => {
+                if let Some(why) = self.loads.end(&mark) {
+                    answer(Err(RefusalData::broken_off(why)));
+                    return true;
+                }
                 let kept = self.control.last_kept();
                 let answered = self.control.complete(*proven);
                 self.tell(answered, kept, answer);
@@ -218,8 +232,8 @@ impl Lead {
                     if !renewal.is_stopped() {
                         self.control.renew(*proven);
                     }
-                    for (request, answer) in renewal.over() {
-                        self.answer(Job::Request(request, answer));
+                    for (request, is_gone, answer) in renewal.over() {
+                        self.answer(Job::Request(request, is_gone, answer));
                     }
                 }
                 true
@@ -240,17 +254,21 @@ impl Lead {
     }
 
     /// A text is to be proved before a request is answered.
-    fn prove(&mut self, request: Request, text: Box<Proving>, answer: Answered) {
+    fn prove(&mut self, waiting: Waiting, text: Box<Proving>) {
         if let Some(renewal) = &mut self.renewal {
             if renewal.is_of(&text) && renewal.waiting() < MOST_TEXTS {
-                return renewal.wait(request, answer);
+                return renewal.wait(waiting);
             }
             renewal.stop();
         }
-        if let Err(TrySendError::Full((_, answer)) | TrySendError::Disconnected((_, answer))) =
-            self.texts.try_send((text, Some(answer)))
-            && let Some(answer) = answer
+        let (request, is_gone, answer) = waiting;
+        let (mark, interruption) = self.loads.begin((&request, text.name()), is_gone);
+        let text = Box::new(text.unless(interruption));
+        if let Err(TrySendError::Full((_, asked)) | TrySendError::Disconnected((_, asked))) =
+            self.texts.try_send((text, Some((mark, answer))))
+            && let Some((mark, answer)) = asked
         {
+            self.loads.end(&mark);
             answer(Err(RefusalData::busy(MOST_TEXTS)));
         }
     }
@@ -301,7 +319,10 @@ impl Lead {
     fn stop(&mut self) {
         for (request, askers) in self.shared.stops.take() {
             self.asked = now();
-            let answered = self.control.request(&request);
+            let mut answered = self.control.request(&request);
+            if request == Request::Stop && self.loads.break_off(BrokenOff::Stop) {
+                answered = answered.or_else(|_| Ok(Accepted::default()));
+            }
             self.take_events();
             self.has_changed = true;
             self.show();
@@ -375,7 +396,7 @@ impl Lead {
 
     fn show(&mut self) {
         let before = Arc::clone(&held(&self.shared.picture));
-        let next = Arc::new(before.next(&self.control, self.has_changed));
+        let next = Arc::new(before.next(&self.control, self.loads.status(), self.has_changed));
         self.has_changed = false;
         *held(&self.shared.picture) = next;
         (self.host.published)();

@@ -17,6 +17,7 @@
 //! has missed is counted when it asks again.
 mod journal;
 mod lead;
+mod loads;
 mod picture;
 mod recording;
 mod refusal;
@@ -36,6 +37,7 @@ use super::event::Event;
 use super::request::{Accepted, Request};
 use super::signals::Signals;
 use crate::Refused;
+use crate::job::Interruption;
 use lead::Job;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
@@ -149,10 +151,23 @@ impl Client {
         request: Request,
         answer: impl FnOnce(RequestAnswer) + Send + 'static,
     ) -> Result<(), RefusalData> {
+        self.ask_unless(Interruption::default(), request, answer)
+    }
+
+    /// The same; what has to be read for it is broken off when who asked is gone.
+    ///
+    /// # Errors
+    /// As [`Self::ask`].
+    pub fn ask_unless(
+        &self,
+        is_gone: Interruption,
+        request: Request,
+        answer: impl FnOnce(RequestAnswer) + Send + 'static,
+    ) -> Result<(), RefusalData> {
         if let Some(stop) = stops::kind(&request) {
             return self.shared.stops.ask(stop, Box::new(answer));
         }
-        let job = Job::Request(request, Box::new(answer));
+        let job = Job::Request(request, is_gone, Box::new(answer));
         self.jobs.try_send(job).map_err(|error| match error {
             TrySendError::Full(_) => RefusalData::busy(MOST_JOBS),
             TrySendError::Disconnected(_) => RefusalData::ended(),

@@ -1,6 +1,6 @@
 //! How a control is, with all that a client may ask to see: made by the control's thread, read by
 //! any other.
-use crate::operation::{Alarm, Control, LoadedProgram, Status};
+use crate::operation::{Alarm, Control, LoadedProgram, LoadingStatus, Status};
 use canon::{Axis, Tool};
 use std::sync::Arc;
 use units::Coordinate;
@@ -54,8 +54,13 @@ impl Picture {
     }
 
     /// The next one; `has_changed`: something was asked for or has happened since.
-    pub(super) fn next(&self, control: &Control, has_changed: bool) -> Self {
-        let status = control.status();
+    pub(super) fn next(
+        &self,
+        control: &Control,
+        loading: Option<LoadingStatus>,
+        has_changed: bool,
+    ) -> Self {
+        let status = Status { loading, ..control.status() };
         let mut next = Self { number: self.number + 1, status, ..self.clone() };
         if has_changed || control.feature_count() != self.features.len() {
             next.take_lists(control);

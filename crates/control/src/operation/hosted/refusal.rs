@@ -1,4 +1,5 @@
 //! A refusal as data, for a client elsewhere: the sentence, what mends it, findings in a program.
+use super::loads::BrokenOff;
 use crate::Refused;
 use crate::operation::Refusal;
 use diag::Severity;
@@ -63,6 +64,11 @@ impl RefusalData {
         let reason = format!("it is in force, but {why}");
         let remedy = "free the disk, and ask again: until then it is lost with the control";
         Self::of_kind(RefusalKind::Request, reason, Some(remedy))
+    }
+
+    pub(super) fn broken_off(why: BrokenOff) -> Self {
+        let reason = format!("it was broken off by {}, before it was read and judged", why.by());
+        Self::of_kind(RefusalKind::State, reason, None)
     }
 
     pub(super) fn ended() -> Self {

@@ -15,12 +15,16 @@ use std::time::Duration;
 /// So long nothing is asked for before.
 pub(super) const AFTER: Duration = Duration::from_millis(500);
 
+/// A request that waits for it, what says that it is not wanted any more, and where its answer
+/// goes.
+pub(super) type Waiting = (Request, Interruption, Answered);
+
 /// One that is on its way.
 pub(super) struct Renewal {
     mark: ProofMark,
     is_stopped: Arc<AtomicBool>,
     /// Requests that need just what is proved.
-    waiting: Vec<(Request, Answered)>,
+    waiting: Vec<Waiting>,
 }
 
 impl Renewal {
@@ -38,8 +42,8 @@ impl Renewal {
     }
 
     /// A request that waits for it.
-    pub(super) fn wait(&mut self, request: Request, answer: Answered) {
-        self.waiting.push((request, answer));
+    pub(super) fn wait(&mut self, waiting: Waiting) {
+        self.waiting.push(waiting);
     }
 
     /// So many requests wait for it.
@@ -57,7 +61,7 @@ impl Renewal {
     }
 
     /// It is over: what has waited for it.
-    pub(super) fn over(self) -> Vec<(Request, Answered)> {
+    pub(super) fn over(self) -> Vec<Waiting> {
         self.waiting
     }
 }

@@ -144,3 +144,75 @@ fn the_time_of_a_long_program_is_planned_while_it_waits_for_its_start() {
         picture.status.program.as_ref().is_some_and(|program| program.planned_s > Some(12.0))
     });
 }
+
+/// Reading it takes minutes.
+const LONG: &str =
+    "G21 G90 G54\no1 while [#1 LT 40000000]\n#1=[#1+1]\nG0 X[#1 MOD 10]\no1 endwhile\nM2\n";
+
+/// A program is loaded that is broken off by something else: why the load was refused.
+fn broken_off(break_off: impl FnOnce(&Client, &std::path::Path, &dyn Fn())) -> Option<RefusalData> {
+    let hosted = hosted();
+    let client = hosted.client();
+    let folder = tempfile::tempdir().expect("a folder");
+    let long = folder.path().join("long.ngc");
+    std::fs::write(&long, LONG).expect("a program");
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let is_gone = Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let gone = Arc::clone(&is_gone);
+    let interruption = Interruption::by(move || gone.load(std::sync::atomic::Ordering::Relaxed));
+    let answered = move |answer| sender.send(answer).expect("it is awaited");
+    client.ask_unless(interruption, Request::Load(long), answered).expect("nothing waits");
+    until(&client, "it is read", |picture| {
+        picture.status.loading.as_ref().is_some_and(|loading| loading.name.ends_with("long.ngc"))
+    });
+    break_off(&client, folder.path(), &|| {
+        is_gone.store(true, std::sync::atomic::Ordering::Relaxed);
+    });
+    let answer = receiver.recv().expect("an answer");
+    until(&client, "nothing is read", |picture| picture.status.loading.is_none());
+    assert_eq!(client.latest().status.execution, Execution::Ready.name());
+    answer.err()
+}
+
+#[test]
+fn a_load_ends_by_a_reset_a_stop_a_newer_load_and_where_its_client_is_gone() {
+    let reason = |refusal: Option<RefusalData>| refusal.expect("it is broken off").reason;
+    let by_reset = broken_off(|client, _, _| {
+        client.request(Request::Reset).expect("nothing is under way");
+    });
+    assert!(reason(by_reset).contains("broken off by a reset"));
+    let by_stop = broken_off(|client, _, _| {
+        client.request(Request::Stop).expect("there is something to stop");
+    });
+    assert!(reason(by_stop).contains("broken off by a stop"));
+    let by_newer = broken_off(|client, folder, _| {
+        let short = folder.join("short.ngc");
+        std::fs::write(&short, "G21 G90 G54\nG0 X1\nM2\n").expect("a program");
+        client.request(Request::Load(short)).expect("it is good");
+    });
+    assert!(reason(by_newer).contains("broken off by a newer load"));
+    let by_nobody = broken_off(|_, _, go| go());
+    assert!(reason(by_nobody).contains("the end of the connection"));
+}
+
+#[test]
+fn what_is_read_shows_how_far_it_is() {
+    let hosted = hosted();
+    let client = hosted.client();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("lines.ngc");
+    let lines: String = (0..60_000).map(|line| format!("G0 X{}\n", line % 100)).collect();
+    std::fs::write(&path, format!("G21 G90 G54\n{lines}M2\n")).expect("a program");
+    let (sender, receiver) = std::sync::mpsc::channel();
+    client
+        .ask(Request::Load(path), move |answer| sender.send(answer).expect("it is awaited"))
+        .expect("nothing waits");
+    let mut shown = vec![0.0];
+    while receiver.try_recv().is_err() {
+        if let Some(loading) = &client.latest().status.loading {
+            shown.push(loading.percent);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(shown.is_sorted() && shown.last() > Some(&50.0), "{shown:?}");
+}
