@@ -21,6 +21,7 @@ export const codes: Record<string, string> = {
 export const t = {
   title: 'Leadscrew',
   waitsFor: 'waits for',
+  reads: (name: string, percent: number) => `reads ${name}: ${Math.round(percent)} %`,
   ofAtMost: (limit: string) => `of ${limit} at most`,
   noAlarm: 'No alarm',
   reset: 'Reset',
