@@ -32,14 +32,14 @@ fn rests_at(end: Position, after: usize) -> Option<[f64; 3]> {
     for _ in 0..20_000 {
         let command = kernel.tick(&feedback);
         let next = [0, 1, 2].map(|axis| command.axes[axis].position.value());
-        let moves = next != at;
+        let way = [0, 1, 2].map(|axis| (next[axis] - at[axis]).abs()).iter().sum::<f64>();
         at = next;
-        moved += usize::from(moves);
+        moved += usize::from(way > 1e-3);
         if moved == after && !is_stopped {
             kernel.report_control(FaultKind::RequestsNotTaken);
             is_stopped = true;
         }
-        if moved > 0 && !moves {
+        if moved > 10 && way < 1e-9 {
             break;
         }
         feedback = *bus::Machine::exchange(&mut machine, &command);
@@ -51,7 +51,7 @@ fn rests_at(end: Position, after: usize) -> Option<[f64; 3]> {
 fn an_alarm_in_a_rapid_stops_it_on_its_line_and_before_its_end() {
     let step = test_support::size::of(37, 1);
     for end in [[80.0, 0.0, 0.0], [60.0, 35.0, -25.0], [3.0, -90.0, -1.0]] {
-        let [x, y, z] = end;
+        let [x, y, z]: [f64; 3] = end;
         let length = (x * x + y * y + z * z).sqrt();
         let mut before = 0.0;
         let mut instants = 0;
@@ -63,7 +63,7 @@ fn an_alarm_in_a_rapid_stops_it_on_its_line_and_before_its_end() {
             let off = off.iter().map(|way| way * way).sum::<f64>().sqrt();
             assert!(off < 0.01, "stopped after {after} periods it is {off} mm off the line");
             assert!(along < length + 0.01, "after {after} periods: {} mm beyond", along - length);
-            assert!(along > before, "{along} mm after {after} periods, {before} mm before");
+            assert!(along > before - 1e-6, "{along} mm after {after} periods, {before} mm before");
             before = along;
         }
         assert!(instants > 10, "{instants} instants");

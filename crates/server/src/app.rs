@@ -129,7 +129,11 @@ impl App {
     }
 
     /// The same, without its answer: what is asked for is asked for in this order.
-    pub(crate) fn ask(&self, session: SessionId, body: RequestBody) -> Result<Asked, ApiError> {
+    pub(crate) fn ask(
+        &self,
+        session: SessionId,
+        body: RequestBody,
+    ) -> Result<AwaitedAnswer, ApiError> {
         self.rights().may_command(session, body.is_stop(), self.clock.now())?;
         let request = body.read(self.client.machine(), &self.folder)?;
         let (sender, receiver) = oneshot::channel();
@@ -139,17 +143,17 @@ impl App {
         self.client.ask_unless(is_gone, request, move |answer| {
             let _ = sender.send(answer); // who asked is gone
         })?;
-        Ok(Asked { receiver, waits })
+        Ok(AwaitedAnswer { receiver, waits })
     }
 }
 
 /// A request whose answer is awaited; dropped, what is read for it is broken off.
-pub(crate) struct Asked {
+pub(crate) struct AwaitedAnswer {
     receiver: oneshot::Receiver<RequestAnswer>,
     waits: Arc<()>,
 }
 
-impl Asked {
+impl AwaitedAnswer {
     pub(crate) async fn answer(self, folder: &Folder) -> Result<Accepted, ApiError> {
         let Self { receiver, waits } = self;
         let answer = receiver.await;

@@ -72,6 +72,10 @@ switches: Switches,
  */
 program: ProgramStatus | null, 
 /**
+ * What is being read for a request that is not answered yet.
+ */
+loading?: LoadingStatus, 
+/**
  * Distance of the follower from its coupling, while one is engaged in the material, µm.
  */
 sync_error_um: number | null, 

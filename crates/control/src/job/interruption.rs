@@ -12,14 +12,14 @@ const INTERRUPTED: &str = "A0108";
 #[derive(Clone, Default)]
 pub struct Interruption {
     came: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
-    progress: Option<Arc<Progress>>,
+    progress: Option<Arc<ReadProgress>>,
 }
 
 /// How far a program has been read, for another thread.
 #[derive(Debug, Default)]
-pub struct Progress(AtomicU32);
+pub struct ReadProgress(AtomicU32);
 
-impl Progress {
+impl ReadProgress {
     /// Percent of it; it does not go back.
     pub fn percent(&self) -> f64 {
         f64::from(self.0.load(Relaxed)) / 10.0
@@ -34,7 +34,7 @@ impl Interruption {
 
     /// The same; `progress` shows how far it is when that is asked.
     #[must_use]
-    pub fn showing(self, progress: Arc<Progress>) -> Self {
+    pub fn showing(self, progress: Arc<ReadProgress>) -> Self {
         Self { progress: Some(progress), ..self }
     }
 
@@ -45,7 +45,7 @@ impl Interruption {
 
     /// Whether it has come when this share, 0 to 1, is done.
     pub fn came_at(&self, share: f64) -> bool {
-        if let Some(Progress(done)) = self.progress.as_deref() {
+        if let Some(ReadProgress(done)) = self.progress.as_deref() {
             done.fetch_max((share.clamp(0.0, 1.0) * 1000.0) as u32, Relaxed); // ‰
         }
         self.came()

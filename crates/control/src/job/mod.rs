@@ -23,7 +23,7 @@ mod stock_comments;
 pub mod subprograms;
 pub mod table_notes;
 
-pub use interruption::{Interruption, Progress};
+pub use interruption::{Interruption, ReadProgress};
 pub use live::Live;
 pub use operations::{Before, Cursor, Left, Operations, Reading, Source};
 pub use options::ProgramOptions;

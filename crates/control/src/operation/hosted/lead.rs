@@ -4,7 +4,7 @@ use super::loads::{BrokenOff, LoadMark, Loads};
 use super::picture::Picture;
 use super::recording::{Recording, SignalRows};
 use super::refusal::RefusalData;
-use super::renewal::{self, Renewal, Waiting};
+use super::renewal::{self, Renewal, WaitingRequest};
 use super::stops::Stops;
 use super::timing::{self, UnderTiming};
 use super::{HostOptions, RequestAnswer, Shared, held};
@@ -43,7 +43,7 @@ pub(super) enum Job {
     /// A request, what says that who asked is gone, and where its answer goes.
     Request(Request, Interruption, Answered),
     /// A text is proved that a request needs.
-    Proven(Box<Proven>, Asked),
+    Proven(Box<Proven>, ForWhom),
     /// The program that is loaded is proved again, or was broken off.
     Renewed(Box<Proven>),
     /// The time of a long program is planned, or that was broken off.
@@ -55,9 +55,9 @@ pub(super) enum Job {
 }
 
 /// Which of the texts that are proved it is, and where its answer goes.
-type Asked = (LoadMark, Answered);
+type ForWhom = (LoadMark, Answered);
 /// A text that is to be proved, and for whom.
-type Text = (Box<Proving>, Option<Asked>);
+type Text = (Box<Proving>, Option<ForWhom>);
 
 /// The thread that proves texts, one after another, until the control's thread has ended.
 fn prove(texts: &Receiver<Text>, jobs: &SyncSender<Job>) {
@@ -254,7 +254,7 @@ impl Lead {
     }
 
     /// A text is to be proved before a request is answered.
-    fn prove(&mut self, waiting: Waiting, text: Box<Proving>) {
+    fn prove(&mut self, waiting: WaitingRequest, text: Box<Proving>) {
         if let Some(renewal) = &mut self.renewal {
             if renewal.is_of(&text) && renewal.waiting() < MOST_TEXTS {
                 return renewal.wait(waiting);

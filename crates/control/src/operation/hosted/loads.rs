@@ -6,7 +6,7 @@
 //!                          ├─ a newer load, where it loads ─► refused: broken off
 //!                          └─ nobody waits for the answer any more: broken off
 //! ```
-use crate::job::{Interruption, Progress};
+use crate::job::{Interruption, ReadProgress};
 use crate::operation::{LoadingStatus, Request};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -41,7 +41,7 @@ pub(super) struct Load {
     name: String,
     loads: bool,
     broken_off: Arc<AtomicU8>,
-    progress: Arc<Progress>,
+    progress: Arc<ReadProgress>,
     wanted: Interruption,
 }
 
@@ -64,7 +64,7 @@ impl Loads {
             let earlier = self.0.iter().filter(|load| load.loads);
             earlier.for_each(|load| load.break_off(BrokenOff::NewerLoad));
         }
-        let (broken_off, progress) = (LoadMark::default(), Arc::<Progress>::default());
+        let (broken_off, progress) = (LoadMark::default(), Arc::<ReadProgress>::default());
         let (mark, unwanted) = (Arc::clone(&broken_off), wanted.clone());
         let came = move || mark.load(Relaxed) != 0 || unwanted.came();
         let interruption = Interruption::by(came).showing(Arc::clone(&progress));

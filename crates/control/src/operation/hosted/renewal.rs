@@ -17,14 +17,14 @@ pub(super) const AFTER: Duration = Duration::from_millis(500);
 
 /// A request that waits for it, what says that it is not wanted any more, and where its answer
 /// goes.
-pub(super) type Waiting = (Request, Interruption, Answered);
+pub(super) type WaitingRequest = (Request, Interruption, Answered);
 
 /// One that is on its way.
 pub(super) struct Renewal {
     mark: ProofMark,
     is_stopped: Arc<AtomicBool>,
     /// Requests that need just what is proved.
-    waiting: Vec<Waiting>,
+    waiting: Vec<WaitingRequest>,
 }
 
 impl Renewal {
@@ -42,7 +42,7 @@ impl Renewal {
     }
 
     /// A request that waits for it.
-    pub(super) fn wait(&mut self, waiting: Waiting) {
+    pub(super) fn wait(&mut self, waiting: WaitingRequest) {
         self.waiting.push(waiting);
     }
 
@@ -61,7 +61,7 @@ impl Renewal {
     }
 
     /// It is over: what has waited for it.
-    pub(super) fn over(self) -> Vec<Waiting> {
+    pub(super) fn over(self) -> Vec<WaitingRequest> {
         self.waiting
     }
 }
