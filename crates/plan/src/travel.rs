@@ -9,9 +9,10 @@
 //!         ╰──┬──╯
 //! ```
 use crate::limits::MachineLimits;
+use alloc::vec;
 use canon::{Arc, Axis, Position};
 use core::f64::consts::TAU;
-use motion::{Bezier, Path, Shape, coordinate, radius};
+use motion::{Bezier, Path, coordinate, radius};
 
 /// An axis that would leave its travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +34,8 @@ impl Beyond {
 /// Rounding of a program's numbers, mm: that far beyond the travel is not beyond it.
 const ROUNDING: f64 = 1e-6;
 
-/// Places at which a part of a spline, which hardly bends, is looked at.
-const LOOKS: u32 = 64;
+/// To so much the extremes of a part of a spline are found, mm: less than that.
+const FINE: f64 = 1e-7;
 
 /// All axes that leave their travel along paths.
 pub(crate) fn beyond<'a>(
@@ -82,11 +83,36 @@ fn extremes(path: &Path, axis: Axis) -> (f64, f64) {
     range
 }
 
-/// Lowest and highest coordinate of an axis on a part of a spline.
+/// Lowest and highest coordinate of an axis on a part of a spline, to within [`FINE`]: halved where
+/// its control points lie beyond what was found.
 fn of_spline(curve: &Bezier, axis: usize) -> (f64, f64) {
-    let all =
-        (0..=LOOKS).map(|n| curve.at(curve.length() * f64::from(n) / f64::from(LOOKS)).q[axis]);
-    all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    let whole = curve.control.map(|point| point[axis]);
+    let [from, .., to] = whole;
+    let mut range = (from.min(to), from.max(to));
+    let mut waiting = vec![whole];
+    while let Some(part) = waiting.pop() {
+        let beyond = |x: &f64| *x < range.0 - FINE || *x > range.1 + FINE;
+        if !part.iter().any(beyond) {
+            continue;
+        }
+        let (left, right) = halves(part);
+        range = (range.0.min(right[0]), range.1.max(right[0]));
+        waiting.extend([left, right]);
+    }
+    range
+}
+
+/// Control points of both halves of a curve, by de Casteljau's rule.
+fn halves(mut row: [f64; 6]) -> ([f64; 6], [f64; 6]) {
+    let (mut left, mut right) = (row, row);
+    for level in 0..6 {
+        left[level] = row[0];
+        right[5 - level] = row[5 - level];
+        for j in 0..5 - level {
+            row[j] = f64::midpoint(row[j], row[j + 1]);
+        }
+    }
+    (left, right)
 }
 
 /// Whether an arc passes an angle, in turns.
@@ -97,4 +123,35 @@ fn passes(from: &Position, arc: &Arc, angle: f64) -> bool {
     let sweep = arc.sweep.value();
     let ahead = if sweep >= 0.0 { angle - start } else { start - angle };
     ahead - libm::floor(ahead) < sweep.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Bernstein's form of the curve, at a thousand places, finds nothing beyond them, and
+        /// something near each.
+        #[test]
+        fn the_extremes_of_a_spline_are_those_of_its_points(
+            control in prop::array::uniform6(-100.0..100.0_f64),
+        ) {
+            let at = |t: f64| -> f64 {
+                let u = 1.0 - t;
+                let shares = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
+                (0..6).map(|k| {
+                    shares[k] * u.powi(5 - k as i32) * t.powi(k as i32) * control[k]
+                }).sum()
+            };
+            let points: Vec<f64> = (0..=1000).map(|n| at(f64::from(n) / 1000.0)).collect();
+            let point = |x: f64| core::array::from_fn(|axis| if axis == 1 { x } else { 0.0 });
+            let (low, high) = of_spline(&Bezier::new(control.map(point)), 1);
+            let (least, most) = (points.iter().copied().fold(f64::INFINITY, f64::min),
+                points.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+            prop_assert!(low <= least + 2e-7 && high >= most - 2e-7);
+            prop_assert!(low > least - 2e-3 && high < most + 2e-3);
+        }
+    }
 }
