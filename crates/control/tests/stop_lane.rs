@@ -94,7 +94,8 @@ impl Flood {
         let (is_over, refused) = (Arc::<AtomicBool>::default(), Arc::<AtomicU64>::default());
         let threads = (0..count).map(|number| {
             let (client, is_over, refused) = (client.clone(), is_over.clone(), refused.clone());
-            std::thread::spawn(move || {
+            let thread = std::thread::Builder::new().name("flood".into());
+            let flood = move || {
                 let mut share = 0.9 + 0.001 * number as f64;
                 while !is_over.load(Ordering::Relaxed) {
                     share = 1.9 - share;
@@ -103,7 +104,8 @@ impl Flood {
                         std::thread::yield_now();
                     }
                 }
-            })
+            };
+            thread.spawn(flood).unwrap()
         });
         Self { threads: threads.collect(), is_over, refused }
     }

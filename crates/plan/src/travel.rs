@@ -141,8 +141,9 @@ mod tests {
             let at = |t: f64| -> f64 {
                 let u = 1.0 - t;
                 let shares = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
-                (0..6).map(|k| {
-                    shares[k] * u.powi(5 - k as i32) * t.powi(k as i32) * control[k]
+                (0..6_u8).map(|k| {
+                    let n = i32::from(k);
+                    shares[usize::from(k)] * u.powi(5 - n) * t.powi(n) * control[usize::from(k)]
                 }).sum()
             };
             let points: Vec<f64> = (0..=1000).map(|n| at(f64::from(n) / 1000.0)).collect();

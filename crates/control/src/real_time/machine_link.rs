@@ -163,16 +163,16 @@ mod tests {
         (link, taken, stops)
     }
 
-    fn tool(sync_error: f64) -> Option<Engagement> {
+    fn tool(sync_error: f64) -> Engagement {
         let sync_error = units::Length::mm(sync_error);
-        Some(Engagement { number: 7, tool: 3, sync_error, ..Engagement::default() })
+        Engagement { number: 7, tool: 3, sync_error, ..Engagement::default() }
     }
 
     #[test]
     fn a_tool_that_stays_in_the_work_is_sent_once_however_often_it_is_said() {
         let (mut link, mut taken, stops) = link(2);
         for _ in 0..1000 {
-            link.engage(tool(0.0));
+            link.engage(Some(tool(0.0)));
         }
         assert!(link.has_engaged());
         assert_eq!(std::iter::from_fn(|| taken.pop().ok()).count(), 1);
@@ -183,14 +183,14 @@ mod tests {
     fn of_states_that_find_the_ring_full_the_last_is_sent_with_the_next_period() {
         let (mut link, mut taken, stops) = link(2);
         for error in 1..1000 {
-            link.engage(tool(f64::from(error)));
+            link.engage(Some(tool(f64::from(error))));
         }
         assert!(!link.has_engaged(), "the ring is full");
         while taken.pop().is_ok() {}
         link.send();
         assert!(link.has_engaged());
         let last = taken.pop().map(|request| format!("{request:?}"));
-        assert_eq!(last, Ok(format!("{:?}", MachineRequest::Engage(tool(999.0)))));
+        assert_eq!(last, Ok(format!("{:?}", MachineRequest::Engage(Some(tool(999.0))))));
         assert_eq!((stops.take(), link.lost()), (0, None));
     }
 
