@@ -8,4 +8,5 @@ mod real_time;
 mod recovery;
 mod requests;
 mod stop_lane;
+mod stop_sequences;
 mod stops;

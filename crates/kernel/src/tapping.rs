@@ -154,7 +154,9 @@ impl TapRun {
     /// It was stopped on the way, and stands in the material.
     pub(crate) fn is_in_thread(&self, plan: &TapPlan, drives: &Drives) -> bool {
         let z = drives.axes[plan.axis.index()].as_ref().map(|axis| Length::mm(axis.position()));
-        self.coupling().is_some() && z.is_some_and(|z| self.monitor.depth(z) >= Length::ZERO)
+        // what an encoder says of the very surface may be on either side of it
+        let is_below = z.is_some_and(|z| self.monitor.depth(z) >= Length::ZERO);
+        self.coupling().is_some() && is_below && !self.cycle.is_cleared()
     }
 
     /// The coupling that is engaged, from the clear place to the bottom, with the sense of travel.

@@ -73,7 +73,8 @@ pub fn stop(kernel: &mut Kernel, flags: u32) {
     } else if LaneStop::NotTaken.is_in(flags) {
         kernel.report_control(FaultKind::RequestsNotTaken);
     }
-    let executes = !kernel.is_idle() && !kernel.is_off();
+    // a tool that is being taken out goes on: what it ends in is the safest place
+    let executes = !kernel.is_idle() && !kernel.is_off() && !kernel.is_recovering();
     if executes && LaneStop::Stop.is_in(flags) {
         kernel.order(Order::Abort);
     } else if executes && LaneStop::FeedHold.is_in(flags) && !kernel.operator().wants_rest() {

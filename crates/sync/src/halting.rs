@@ -188,6 +188,12 @@ impl Halting {
         matches!(self, Self::Standing(..))
     }
 
+    /// It stands where the tap is clear of the work.
+    pub(crate) fn is_cleared(&self) -> bool {
+        matches!(self, Self::Standing(Course::Again(blend, Goal::Clear), s)
+            if (s.value() - blend.end()).abs() < THERE)
+    }
+
     /// It goes out, or did before it stopped.
     pub(crate) const fn is_outward(&self) -> bool {
         let goal = match self {

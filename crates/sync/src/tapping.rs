@@ -326,6 +326,15 @@ impl Cycle {
         }
     }
 
+    /// It was taken out after a stop, and stands where the tap is clear of the work.
+    pub fn is_cleared(&self) -> bool {
+        match self {
+            Self::Halted(_, halting) => halting.is_cleared(),
+            Self::Told(_, told) => told.is_cleared(),
+            _ => false,
+        }
+    }
+
     /// It was stopped, and stands.
     pub const fn is_standing(&self) -> bool {
         match self {

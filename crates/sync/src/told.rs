@@ -233,6 +233,11 @@ impl Told {
         matches!(self, Self::Held { stands: true, .. } | Self::Cleared { stands: true, .. })
     }
 
+    /// It stands where the tap is clear of the work.
+    pub(crate) const fn is_cleared(self) -> bool {
+        matches!(self, Self::Cleared { stands: true, .. })
+    }
+
     /// What it is about.
     pub(crate) const fn phase(self) -> Phase {
         match self {

@@ -324,6 +324,7 @@ impl Control {
             Need::NoManualMotion => !kernel.is_moving_manually() && !self.is_referencing(),
             Need::TapInThread => self.is_tap_in_thread(),
             Need::NoTapInThread => !self.is_tap_in_thread(),
+            Need::NotRecovering => !self.is_recovering,
         };
         if is_met { Ok(()) } else { Err(need.clone()) }
     }

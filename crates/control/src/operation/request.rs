@@ -149,8 +149,8 @@ impl Request {
     pub const fn needs(&self) -> &'static [Need] {
         use Need::{
             EmergencyStopArmed, EmergencyStopTriggered, Homed, NoAlarm, NoManualMotion,
-            NoProgramUnderWay, NoTapInThread, PowerOn, ProgramHeld, ProgramLoaded, ProgramUnderWay,
-            ProgramWaitsForConfirmation, Standstill, TapInThread,
+            NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld, ProgramLoaded,
+            ProgramUnderWay, ProgramWaitsForConfirmation, Standstill, TapInThread,
         };
         match self {
             Self::Power(true) => &[EmergencyStopArmed, NoAlarm, NoTapInThread],
@@ -200,10 +200,10 @@ impl Request {
                 NoTapInThread,
                 Homed(None),
             ],
-            Self::FeedHold => &[ProgramUnderWay, NoAlarm],
+            Self::FeedHold => &[NotRecovering, ProgramUnderWay, NoAlarm],
             Self::Resume => &[ProgramUnderWay, NoAlarm, ProgramHeld],
             Self::Confirm => &[ProgramUnderWay, NoAlarm, ProgramWaitsForConfirmation],
-            Self::Stop => &[ProgramUnderWay],
+            Self::Stop => &[NotRecovering, ProgramUnderWay],
             Self::Retract | Self::Recover | Self::ToolIsFree => &[TapInThread],
             Self::Reset => &[EmergencyStopArmed, NoProgramUnderWay, NoTapInThread, NoManualMotion],
             Self::TouchOff(..) => &[NoProgramUnderWay, NoManualMotion, Homed(None)],

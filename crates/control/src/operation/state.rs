@@ -247,11 +247,13 @@ pub enum Need {
     TapInThread,
     /// No tap is held in its thread.
     NoTapInThread,
+    /// No tool is being taken out by a recovery.
+    NotRecovering,
 }
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::EmergencyStopArmed,
         Self::EmergencyStopTriggered,
         Self::NoAlarm,
@@ -266,6 +268,7 @@ impl Need {
         Self::NoManualMotion,
         Self::TapInThread,
         Self::NoTapInThread,
+        Self::NotRecovering,
     ];
 
     /// Its name, for programs.
@@ -285,6 +288,7 @@ impl Need {
             Self::NoManualMotion => "no_manual_motion",
             Self::TapInThread => "tap_in_thread",
             Self::NoTapInThread => "no_tap_in_thread",
+            Self::NotRecovering => "not_recovering",
         }
     }
 
@@ -317,6 +321,7 @@ impl fmt::Display for Need {
             Self::NoManualMotion => "an axis is moved by hand: wait until it stands, or stop it",
             Self::TapInThread => "no tap stands in a thread",
             Self::NoTapInThread => "a tap stands in its thread: retract it, or recover it, first",
+            Self::NotRecovering => "a tool is being taken out: the emergency stop alone stops that",
         })
     }
 }

@@ -22,6 +22,11 @@ impl Kernel {
         self.recovering = Some(Recovering::new(plan, self.now));
     }
 
+    /// A tool is being taken out of the work by [`Self::recover`].
+    pub const fn is_recovering(&self) -> bool {
+        self.recovering.is_some()
+    }
+
     /// Forget what there was.
     pub(super) fn begin_anew(&mut self) {
         self.queue.clear();
