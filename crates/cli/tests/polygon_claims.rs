@@ -273,8 +273,11 @@ fn any(random: &mut Random) -> Design {
 #[test]
 fn any_polygon_is_cut_as_claimed_or_refused_by_the_command_that_prints_it() {
     let mut random = Random(20_261_123);
-    let count = size::of(2, 100);
-    let cut = (0..count).filter(|_| any(&mut random).is_cut_as_claimed(LATHE)).count();
+    let count = size::of(3, 100);
+    // a design in which everything swings takes seconds: a change's size has them elsewhere
+    let designs = std::iter::repeat_with(|| any(&mut random))
+        .filter(|design| size::is_full() || !design.words.contains(&"all".to_owned()));
+    let cut = designs.take(count).filter(|design| design.is_cut_as_claimed(LATHE)).count();
     assert!(2 * cut >= count, "{cut} of {count} were cut at all");
 }
 
