@@ -135,7 +135,7 @@ fn the_report_alone_shows_what_limited_the_path() {
 /// Rows of short lines, and pockets of arcs between them, with drops and rapids.
 fn long_program() -> String {
     let mut text = "G21 G90 G17 G64 P0.01\nS6000 M3\nG0 X0 Y0 Z5\nG1 Z0 F4000\n".to_owned();
-    for row in 0..size::of(14, 28) {
+    for row in 0..28 {
         for at in 0..300 {
             let x = 0.3 * f64::from(if row % 2 == 0 { at } else { 300 - at });
             let z = (x / 7.0).sin() + 0.2 * (2.1 * x + f64::from(row)).sin();
@@ -165,7 +165,7 @@ fn an_estimate_from_a_sample_is_within_what_it_says_of_the_whole() {
     let path = folder.path().join("long.ngc");
     std::fs::write(&path, long_program()).unwrap();
     let path = path.to_str().unwrap();
-    for machine in ["bench-xyz", "bench-xyz-jerk20"] {
+    for machine in size::first_of(1, &["bench-xyz-jerk20", "bench-xyz"]) {
         let fast = estimate(&[path, "--machine", machine, "--fast"]);
         let whole = estimate(&[path, "--machine", machine]);
         let within = seconds(&fast, "within_share");

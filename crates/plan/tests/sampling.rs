@@ -84,8 +84,7 @@ fn sampled(limits: &MachineLimits, kinds: &[OpKind]) -> Sample {
 
 #[test]
 fn stretches_planned_by_themselves_take_as_long_as_in_the_whole_path() {
-    let count = size::of(1000, 1600);
-    for (name, path) in [("surface", surface(count)), ("corners", corners(count))] {
+    for (name, path) in [("surface", surface(1600)), ("corners", corners(1600))] {
         let machines = [(machine(), 0.01), (slow(), 0.1), (slow(), 0.01)];
         for (limits, p) in size::first_of(2, &machines) {
             let kinds =
