@@ -67,8 +67,8 @@ fn the_depth_of_an_m8_is_met_at_any_speed_and_with_a_slow_spindle() {
     }
 }
 
-/// A few holes at each speed, as the drive is and with ramps three times slower: no stroke misses its
-/// bottom by 10 µm, the first one included, which is the one that teaches.
+/// A few holes at each speed, as the drive is and with ramps three times slower: no stroke misses
+/// its bottom by 10 µm, the first one included, which is the one that teaches.
 #[test]
 fn a_spindle_that_is_only_told_its_speed_turns_back_within_10_micrometres() {
     let folder = tempfile::tempdir().unwrap();
