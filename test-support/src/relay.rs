@@ -8,6 +8,9 @@
 //!
 //! The simulator waits for the control, period by period, so that the instant is exact: the command
 //! that answers the first feedback at t or later is not handed on.
+//!
+//! Each period costs four changes of process by way of the relay and two without it: a control that
+//! nothing is to stop is connected to the simulator itself, whose socket takes its old name again.
 use std::io;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -46,9 +49,21 @@ impl Shared {
 /// A relay in the place of a simulator's socket.
 #[derive(Debug)]
 pub struct Relay {
+    /// Where a control connects.
     socket: PathBuf,
     ended: Arc<AtomicBool>,
     plan: Shared,
+    is_between: AtomicBool,
+}
+
+/// Where the simulator listens while the relay is at its socket.
+fn behind(socket: &Path) -> PathBuf {
+    socket.with_extension("behind")
+}
+
+/// Where the relay listens while the simulator is at its own socket.
+fn beside(socket: &Path) -> PathBuf {
+    socket.with_extension("relay")
 }
 
 impl Relay {
@@ -58,14 +73,17 @@ impl Relay {
     /// # Errors
     /// The socket cannot be renamed, or none made in its place.
     pub fn in_place_of(socket: &Path, kills: &[f64]) -> io::Result<Self> {
-        let behind = socket.with_extension("behind");
-        std::fs::rename(socket, &behind)?;
+        std::fs::rename(socket, behind(socket))?;
         let listener = UnixListener::bind(socket)?;
-        let relay =
-            Self { socket: socket.to_owned(), ended: Arc::default(), plan: Shared::default() };
+        let relay = Self {
+            socket: socket.to_owned(),
+            ended: Arc::default(),
+            plan: Shared::default(),
+            is_between: AtomicBool::new(true),
+        };
         let ended = relay.ended.clone();
         relay.plan.lock().stops = kills.iter().rev().map(|at| (*at, Stop::Kill)).collect();
-        let relayed = Relayed { behind, plan: relay.plan.clone() };
+        let relayed = Relayed { behind: behind(socket), plan: relay.plan.clone() };
         std::thread::Builder::new().name("relay".into()).spawn(move || {
             for control in listener.incoming().flatten() {
                 if ended.load(Ordering::Acquire) {
@@ -95,6 +113,7 @@ impl Relay {
     /// It cannot be started.
     pub fn output(&self, command: &mut Command) -> io::Result<Output> {
         use std::process::Stdio;
+        self.stand_between(!self.plan.lock().stops.is_empty())?;
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut plan = self.plan.lock();
         let child: Child = command.spawn()?;
@@ -102,13 +121,32 @@ impl Relay {
         drop(plan);
         child.wait_with_output()
     }
+
+    /// Takes the place of the simulator's socket, or gives it back.
+    fn stand_between(&self, stands: bool) -> io::Result<()> {
+        let [socket, behind, beside] =
+            [self.socket.clone(), behind(&self.socket), beside(&self.socket)];
+        match (self.is_between.swap(stands, Ordering::AcqRel), stands) {
+            (true, false) => {
+                std::fs::rename(&socket, beside)?;
+                std::fs::rename(behind, socket)
+            }
+            (false, true) => {
+                std::fs::rename(&socket, behind)?;
+                std::fs::rename(beside, socket)
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Drop for Relay {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Release);
         // its thread waits for a client
-        let _ = UnixStream::connect(&self.socket);
+        let is_between = self.is_between.load(Ordering::Acquire);
+        let own = if is_between { self.socket.clone() } else { beside(&self.socket) };
+        let _ = UnixStream::connect(own);
     }
 }
 

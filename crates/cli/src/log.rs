@@ -137,7 +137,7 @@ impl Observer for Log {
             let tool = if axis == 2 { self.work.length } else { Length::ZERO };
             (sample.axis(axis).of_linear() - self.work.zero.linear[axis] - tool).value()
         };
-        let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
+        let spin = sample.truth.as_ref().map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
         self.lines.line(&format!(
             "{:8.3} {:5}  {:<12} {:>8} {:>8} {:>8} {:>9} {:>7}",
             sample.feedback.time.value(),

@@ -279,7 +279,8 @@ fn an_interrupted_run_leaves_nothing_behind() {
 fn a_long_program_with_subprograms_is_told_of_as_it_is_checked() {
     let folder = tempfile::tempdir().unwrap();
     let program = folder.path().join("long.ngc");
-    let lines = "X1 Y1\nX2 Y2\n".repeat(400_000);
+    let rest = "-".repeat(100);
+    let lines = format!("X1 Y1 ({rest})\nX2 Y2 ({rest})\n").repeat(24_000);
     let wrong = "G1 X[1\n";
     let text =
         format!("G21 F100\no1 sub\nG0 Z5\no1 endsub\no1 call\n{wrong}G1\n{lines}o2 call\nM2\n");
@@ -322,8 +323,11 @@ fn a_program_that_cannot_be_read_does_not_hide_the_others() {
 
 #[test]
 fn a_long_program_has_the_operations_of_its_pieces() {
+    const LONG: usize = 24_000;
     let folder = tempfile::tempdir().unwrap();
-    let moves = |count: usize| "X1 Y1\nX2 Y2\n".repeat(count);
+    // a comment that fills a piece with fewer lines
+    let rest = "-".repeat(100);
+    let moves = |count: usize| format!("X1 Y1 ({rest})\nX2 Y2 ({rest})\n").repeat(count);
     let text = |count| format!("G21 G90\nS100 M3\nG1 F100\n{}G0 Z-1\nM2\n", moves(count));
     let canon = |name: &str, text: String| {
         let program = folder.path().join(name);
@@ -333,11 +337,11 @@ fn a_long_program_has_the_operations_of_its_pieces() {
         said(&output)
     };
     // above 4 MiB a program is read in pieces: its beginning and its end are those of a short one
-    let (short, long) = (canon("short.ngc", text(4)), canon("long.ngc", text(400_000)));
+    let (short, long) = (canon("short.ngc", text(4)), canon("long.ngc", text(LONG)));
     let (short, long): (Vec<_>, Vec<_>) = (short.lines().collect(), long.lines().collect());
-    assert_eq!(long.len(), short.len() + 2 * (400_000 - 4));
+    assert_eq!(long.len(), short.len() + 2 * (LONG - 4));
     assert_eq!(long[..6], short[..6]);
-    let last = short.last().unwrap().replace("\"line\":13", "\"line\":800005");
+    let last = short.last().unwrap().replace("\"line\":13", &format!("\"line\":{}", 2 * LONG + 5));
     assert_eq!(*long.last().unwrap(), last);
 }
 

@@ -71,7 +71,7 @@ fn a_program_that_asks_the_machine_is_begun_before_and_behind_its_question() {
 
 /// The bar of 20 mm is turned to 16 mm; a thread M16x1.5 is cut on it, and one on the bar that is
 /// left behind the groove.
-const TURNED: &str = "%\nO1\nG21 G18 G97 G99\nT3333\nS1000 M3\nG0 X24. Z5.\nX18.\nG1 Z-30. F0.15\nG0 X24. Z5.\nX16.\nG1 Z-30. F0.15\nG0 X60. Z60.\n\
+const TURNED: &str = "%\nO1\nG21 G18 G97 G99\nT3333\nS1000 M3\nG0 X24. Z5.\nX18.\nG1 Z-30. F0.3\nG0 X24. Z5.\nX16.\nG1 Z-30. F0.3\nG0 X60. Z60.\n\
 T3232\nS800 M3\nG0 X20. Z6.\nG92 X15.4 Z-20. F1.5\nX15.\nX14.6\nX14.3\nX14.1\nX14.03\nX14.03\nG0 X60. Z60.\nM30\n%\n";
 const LATHE: [&str; 4] = ["--machine", "lathe", "--dialect", "fanuc-lathe-a"];
 

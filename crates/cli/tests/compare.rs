@@ -17,8 +17,14 @@ fn run(arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(said).unwrap())
 }
 
+/// Holes of a row.
+fn samples() -> u32 {
+    size::of(24, 60)
+}
+
 fn compare(speed: &str) -> String {
-    let (code, said) = run(&["compare", "--size", "M6", "--samples", "60", "--speed", speed]);
+    let samples = samples().to_string();
+    let (code, said) = run(&["compare", "--size", "M6", "--samples", &samples, "--speed", speed]);
     assert_eq!(code, Some(0), "{said}");
     said
 }
@@ -27,9 +33,11 @@ fn compare(speed: &str) -> String {
 /// and speed make of it.
 #[test]
 fn the_conventional_cycle_is_shown_at_long_stopping_times_as_well() {
-    for (stopping, overrun) in [("0.1", 1.458), ("0.3", 3.542), ("0.6", 6.667)] {
+    const COUNT: &str = "20";
+    let stops = [("0.3", 3.542), ("0.6", 6.667), ("0.1", 1.458)];
+    for &(stopping, overrun) in size::first_of(2, &stops) {
         let arguments = ["compare", "--size", "M8", "--speed", "1000", "--depth", "14"];
-        let more = ["--samples", "20", "--stopping-time", stopping];
+        let more = ["--samples", COUNT, "--stopping-time", stopping];
         let (code, table) = run(&[&arguments[..], &more[..]].concat());
         // at 0.6 s the clutch holder's dwell scatters by more than its travel: some of its holes
         // are lost, and named
@@ -38,7 +46,10 @@ fn the_conventional_cycle_is_shown_at_long_stopping_times_as_well() {
             "{table}"
         );
         let (holes, mean, _) = row(&table, "conventional");
-        assert!(holes == 20.0 && (mean / overrun - 1.0).abs() < 0.15, "{stopping}: {table}");
+        assert!(
+            holes.to_string() == COUNT && (mean / overrun - 1.0).abs() < 0.15,
+            "{stopping}: {table}"
+        );
         assert!(table.contains(&format!("{overrun:.2} mm too deep")), "{table}");
     }
 }
@@ -76,11 +87,11 @@ fn a_clutch_holder_keeps_its_depth_where_the_conventional_cycle_scatters_with_th
     for (speed, n) in [("1500", 25.0_f64), ("2000", 2000.0 / 60.0)] {
         let table = compare(speed);
         let (holes, mean, sigma) = row(&table, "clutch");
-        assert!(holes == 60.0 && mean.abs() < 0.02 && sigma < 5.0, "{table}");
+        assert!(holes == f64::from(samples()) && mean.abs() < 0.02 && sigma < 5.0, "{table}");
         let (holes, mean, sigma) = row(&table, "conventional");
         // the relay's 5 ms alone scatter by n·5 ms; with speed and stopping time it is at most
         // twice that
-        assert!(holes == 60.0 && mean > n * 0.02, "{table}");
+        assert!(holes == f64::from(samples()) && mean > n * 0.02, "{table}");
         assert!((130.0..=330.0).contains(&sigma) && sigma > n * 5.0 * 0.8, "{table}");
     }
 }

@@ -7,7 +7,7 @@ use test_support::size;
 #[test]
 fn tapping_programs_at_random_are_good_or_refused_before_motion() {
     let binary = Path::new(env!("CARGO_BIN_EXE_leadscrew"));
-    let count = size::of(24, 600);
+    let count = size::of(12, 600);
     let tally = trial::trials(binary, count, 7, |_| {});
     println!("{}", tally.text(count, 7));
     assert!(tally.violations == 0 && tally.broken.is_empty(), "{}", tally.broken.join("\n\n"));

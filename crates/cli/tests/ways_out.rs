@@ -36,7 +36,7 @@ fn stopped(text: &str, machine: &[&str], stop: Stop, cut: &str) -> (Simulator, V
 fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut() {
     let (text, machine) = (program("thread-m20x1.5.ngc"), ["--machine", "lathe"]);
     let stops = [Stop::Kill(3.3), Stop::PowerCut(3.8), Stop::Kill(3.8), Stop::PowerCut(3.3)];
-    for &stop in size::first_of(2, &stops) {
+    for (which, &stop) in size::first_of(2, &stops).iter().enumerate() {
         let (simulator, answer) = stopped(&text, &machine, stop, "threading pass");
         // a pass stood 1 mm and the thread's depth off its cut before
         assert!((number(&answer, "retreat_mm") - 1.985).abs() < 0.05, "{answer:#}");
@@ -45,6 +45,9 @@ fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut
         // X first, then spindle and Z together along the thread
         assert!(number(&answer, "helix_error_max_um") < 5.0, "{answer:#}");
         assert!(answer["note"].is_null(), "{answer:#}");
+        if which > 0 && !size::is_full() {
+            continue; // the sixteen passes were turned again behind the first stop
+        }
         let line = answer["line"].to_string();
         let again = simulator.run(&text, &["--machine", "lathe", "--from", &line]);
         let certificate = said(&again);

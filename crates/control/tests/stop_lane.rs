@@ -169,19 +169,22 @@ fn an_emergency_stop_opens_the_chain_before_anything_that_waits_in_the_queue() {
 
 /// Periods between a request and the first setpoint of X that shows it: the control's thread looks
 /// at periods, and at nothing that was asked of it.
-fn periods_until_it_acts(stop: Request, real_time: bool) -> usize {
-    let (_state, _hosted, client, disk) = homed(real_time);
-    let _let_go = LetGo(disk.clone());
+fn periods_until_it_acts(
+    client: &Client,
+    disk: &SlowDisk,
+    stop: Request,
+    real_time: bool,
+) -> usize {
     let begins = x(&client.latest());
-    client
-        .request(match stop {
-            Request::JogStop => Request::Jog(Axis::X, Jog::Increment(Coordinate::new(-60.0))),
-            _ => Request::ManualDataInput("G21 G91 G1 F1200 X-60".into()),
-        })
-        .unwrap();
-    until(&client, "it moves", |picture| (x(picture) - begins).abs() > 3.0);
+    let moves = match stop {
+        Request::JogStop => Request::Jog(Axis::X, Jog::Increment(Coordinate::new(-60.0))),
+        _ => Request::ManualDataInput("G21 G91 G1 F1200 X-60".into()),
+    };
+    // what was stopped before has to stand
+    until(client, "a move is accepted", |_| client.request(moves.clone()).is_ok());
+    until(client, "it moves", |picture| (x(picture) - begins).abs() > 3.0);
     disk.is_slow(true);
-    let flood = Flood::of(&client, 20);
+    let flood = Flood::of(client, 20);
     let asks = client.clone();
     let count = client.with(move |control| {
         // what its encoder reads, period by period: setpoints of the servo thread may be newer
@@ -211,18 +214,22 @@ fn periods_until_it_acts(stop: Request, real_time: bool) -> usize {
     });
     disk.is_slow(false);
     flood.end();
+    let _ = client.request(Request::Stop); // where a hold is to go on, or nothing is under way
     count.unwrap()
 }
 
+/// The last of them is an alarm.
 const STOPS: [Request; 4] =
     [Request::FeedHold, Request::Stop, Request::JogStop, Request::EmergencyStop(true)];
 
 #[test]
 fn a_stop_acts_within_three_periods_while_the_queue_is_full_and_the_disk_hangs() {
+    let (_state, _hosted, client, disk) = homed(false);
+    let _let_go = LetGo(disk.clone());
     for stop in STOPS {
         // an axis that is jogged lets go of its speed with the jerk of its feed: a micrometre later
         let most = if stop == Request::JogStop { 15 } else { 3 };
-        let count = periods_until_it_acts(stop.clone(), false);
+        let count = periods_until_it_acts(&client, &disk, stop.clone(), false);
         assert!(count <= most, "{stop:?}: {count} periods");
     }
 }
@@ -230,8 +237,10 @@ fn a_stop_acts_within_three_periods_while_the_queue_is_full_and_the_disk_hangs()
 /// 3 periods and 5 ms, as the encoder shows it: 5 µm behind where the axis would have been.
 #[test]
 fn in_real_time_a_stop_acts_within_milliseconds_while_the_control_does_something_else() {
+    let (_state, _hosted, client, disk) = homed(true);
+    let _let_go = LetGo(disk.clone());
     for stop in STOPS {
-        let count = periods_until_it_acts(stop.clone(), true);
+        let count = periods_until_it_acts(&client, &disk, stop.clone(), true);
         assert!(count <= 23, "{stop:?}: {count} periods");
     }
 }

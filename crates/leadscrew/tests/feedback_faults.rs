@@ -500,7 +500,7 @@ const FOUND: &[u32] = &[
 
 /// The cases to run, each fixed by its number: some seconds for a change, minutes for a night.
 fn cases() -> impl Iterator<Item = u32> {
-    let usual = test_support::size::of(96, 2000);
+    let usual = test_support::size::of(48, 2000);
     let cases = std::env::var("CASES").map_or(usual, |cases| cases.parse().unwrap());
     let first: u32 = std::env::var("SEED").map_or(0, |seed| seed.parse().unwrap());
     let among = first..first + cases;

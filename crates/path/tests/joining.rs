@@ -379,7 +379,7 @@ fn walk(steps: &[(f64, f64, f64)]) -> Vec<Point> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: size::of(60, 1200), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: size::of(24, 1200), ..ProptestConfig::default() })]
 
     #[test]
     fn any_walk_is_joined_within_p(

@@ -2,6 +2,7 @@
 use crate::common::{OPTIONS, line, machine, mm, program, rapid, tools, turn};
 use canon::{OpKind, PathMode};
 use plan::{Clock, FeedAndRapid, MachineLimits, Planner, Sample, Start, StepKind};
+use test_support::size;
 use units::Time;
 
 fn blended(p: f64) -> OpKind {
@@ -84,18 +85,19 @@ fn sampled(limits: &MachineLimits, kinds: &[OpKind]) -> Sample {
 #[test]
 fn stretches_planned_by_themselves_take_as_long_as_in_the_whole_path() {
     for (name, path) in [("surface", surface(1600)), ("corners", corners(1600))] {
-        for (limits, p) in [(machine(), 0.01), (slow(), 0.01), (slow(), 0.1)] {
+        let machines = [(machine(), 0.01), (slow(), 0.1), (slow(), 0.01)];
+        for (limits, p) in size::first_of(2, &machines) {
             let kinds =
-                [vec![turn(3000.0), rapid(0.0, 0.0, -10.0), blended(p)], path.clone()].concat();
-            let sample = sampled(&limits, &kinds);
+                [vec![turn(3000.0), rapid(0.0, 0.0, -10.0), blended(*p)], path.clone()].concat();
+            let sample = sampled(limits, &kinds);
             assert!(sample.stretches >= 8 && sample.kept.len() == sample.stretches, "{name}");
             let mut sum = FeedAndRapid::default();
             for stretch in &sample.kept {
-                let time = stretch.plan(&limits);
+                let time = stretch.plan(limits);
                 sum.feed += time.feed;
                 sum.rapid += time.rapid;
             }
-            let whole = whole(&limits, &kinds);
+            let whole = whole(limits, &kinds);
             let total = whole.total();
             for (sum, whole) in [(sum.feed, whole.feed), (sum.rapid, whole.rapid)] {
                 let off = (sum - whole).abs();

@@ -60,11 +60,11 @@ fn row(turns: &[(f64, f64)]) -> Vec<OpKind> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: size::of(3, 60), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: size::of(2, 60), ..ProptestConfig::default() })]
 
     #[test]
     fn side_by_side_the_steps_are_the_same_to_the_last_bit(
-        turns in prop::collection::vec((-0.6..0.6_f64, 0.05..0.4_f64), 1000..3000),
+        turns in prop::collection::vec((-0.6..0.6_f64, 0.05..0.4_f64), 1000..size::of(2000, 3000)),
         jerk in prop_oneof![Just(f64::INFINITY), Just(2e4)],
     ) {
         let kinds = row(&turns);

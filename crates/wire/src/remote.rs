@@ -1,5 +1,5 @@
 //! The two ends of the stream.
-use crate::frame::{HEAD, decode, encode, head};
+use crate::frame::{HEAD, LONGEST, TAIL, decode, encode, head};
 use crate::message::{Engagement, Hello, Message, Observed, Order, Welcome};
 use bus::{Command, Feedback, Truth};
 use std::io::{self, Read, Write};
@@ -69,13 +69,55 @@ pub struct Port<S> {
     stream: S,
     sent: u32,
     taken: u32,
-    buffer: Vec<u8>,
+    outgoing: Vec<u8>,
+    incoming: Incoming,
+}
+
+/// Bytes that were read and not taken yet: `bytes[from..to]`.
+#[derive(Debug)]
+struct Incoming {
+    bytes: Box<[u8]>,
+    from: usize,
+    to: usize,
+}
+
+impl Incoming {
+    fn new() -> Self {
+        Self { bytes: vec![0; 2 * (HEAD + LONGEST + TAIL)].into(), from: 0, to: 0 }
+    }
+
+    fn waiting(&self) -> &[u8] {
+        &self.bytes[self.from..self.to]
+    }
+
+    /// Where to read to: at least as much as a frame has.
+    fn free(&mut self) -> &mut [u8] {
+        if self.from == self.to {
+            (self.from, self.to) = (0, 0);
+        } else if self.from > 0 && self.bytes.len() - self.to < HEAD + LONGEST + TAIL {
+            self.bytes.copy_within(self.from..self.to, 0);
+            (self.from, self.to) = (0, self.to - self.from);
+        }
+        &mut self.bytes[self.to..]
+    }
+
+    /// A frame that has come whole, and its number; `None`: more of it is to come.
+    fn frame(&mut self) -> Result<Option<(Message, u32)>, Error> {
+        let waiting = self.waiting();
+        let Some(first) = waiting.first_chunk::<HEAD>() else { return Ok(None) };
+        let (_, follow) = head(first)?;
+        let Some(frame) = waiting.get(..HEAD + follow) else { return Ok(None) };
+        let decoded = decode(frame)?;
+        self.from += HEAD + follow;
+        Ok(Some(decoded))
+    }
 }
 
 impl<S: Read + Write> Port<S> {
     /// On a fresh stream.
     pub fn new(stream: S) -> Self {
-        Self { stream, sent: 0, taken: 0, buffer: Vec::with_capacity(1024) }
+        let outgoing = Vec::with_capacity(1024);
+        Self { stream, sent: 0, taken: 0, outgoing, incoming: Incoming::new() }
     }
 
     /// The stream itself.
@@ -88,9 +130,9 @@ impl<S: Read + Write> Port<S> {
     /// # Errors
     /// The stream refuses.
     pub fn send(&mut self, message: &Message) -> Result<(), Error> {
-        encode(message, self.sent, &mut self.buffer);
+        encode(message, self.sent, &mut self.outgoing);
         self.sent = self.sent.wrapping_add(1);
-        self.stream.write_all(&self.buffer)?;
+        self.stream.write_all(&self.outgoing)?;
         Ok(self.stream.flush()?)
     }
 
@@ -99,42 +141,44 @@ impl<S: Read + Write> Port<S> {
     /// # Errors
     /// The stream ends, or what comes is no frame.
     pub fn take(&mut self) -> Result<Message, Error> {
-        self.buffer.resize(HEAD, 0);
-        self.stream.read_exact(&mut self.buffer)?;
-        self.take_rest()
-    }
-
-    /// Wait for the next one, for as long as the stream is willing; `None`: nothing has begun to
-    /// come.
-    ///
-    /// # Errors
-    /// As [`Port::take`].
-    pub fn take_soon(&mut self) -> Result<Option<Message>, Error> {
-        self.buffer.resize(HEAD, 0);
-        let first = match self.stream.read(&mut self.buffer[..HEAD]) {
-            Ok(0) => return Err(Error::Gone(io::ErrorKind::UnexpectedEof.into())),
-            Ok(n) => n,
-            Err(e) if matches!(e.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
-                return Ok(None);
+        let (message, sequence) = loop {
+            if let Some(decoded) = self.incoming.frame()? {
+                break decoded;
             }
-            Err(e) => return Err(Error::Gone(e)),
+            self.read()?;
         };
-        self.stream.read_exact(&mut self.buffer[first..HEAD])?;
-        self.take_rest().map(Some)
-    }
-
-    fn take_rest(&mut self) -> Result<Message, Error> {
-        let mut first = [0; HEAD];
-        first.copy_from_slice(&self.buffer[..HEAD]);
-        let (_, follow) = head(&first)?;
-        self.buffer.resize(HEAD + follow, 0);
-        self.stream.read_exact(&mut self.buffer[HEAD..])?;
-        let (message, sequence) = decode(&self.buffer)?;
         if sequence != self.taken {
             return Err(Error::Sequence { found: sequence, expected: self.taken });
         }
         self.taken = self.taken.wrapping_add(1);
         Ok(message)
+    }
+
+    /// Wait for the next one, for as long as the stream is willing; `None`: it has not come whole.
+    ///
+    /// # Errors
+    /// As [`Port::take`].
+    pub fn take_soon(&mut self) -> Result<Option<Message>, Error> {
+        use io::ErrorKind::{TimedOut, WouldBlock};
+        match self.take() {
+            Err(Error::Gone(e)) if matches!(e.kind(), WouldBlock | TimedOut) => Ok(None),
+            other => other.map(Some),
+        }
+    }
+
+    /// Reads what has come, by one call; at least a byte.
+    fn read(&mut self) -> Result<(), Error> {
+        loop {
+            match self.stream.read(self.incoming.free()) {
+                Ok(0) => return Err(Error::Gone(io::ErrorKind::UnexpectedEof.into())),
+                Ok(count) => {
+                    self.incoming.to += count;
+                    return Ok(());
+                }
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+                Err(e) => return Err(Error::Gone(e)),
+            }
+        }
     }
 }
 

@@ -283,7 +283,7 @@ impl TapInWork {
 
 /// When the tool broke, if it is broken.
 fn breaks(sample: &Sample) -> Option<Time> {
-    sample.truth.is_some_and(|truth| truth.tool_broken).then_some(sample.feedback.time)
+    sample.truth.as_ref().is_some_and(|truth| truth.tool_broken).then_some(sample.feedback.time)
 }
 
 /// One period without orders: the drives alone, or a control that has stopped.

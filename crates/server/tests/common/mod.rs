@@ -21,6 +21,7 @@ pub struct Served {
     pub server: Server,
     pub folder: TempDir,
     agent: ureq::Agent,
+    pace: f64,
 }
 
 /// The programs of the shop.
@@ -108,7 +109,7 @@ impl Served {
     }
 
     pub fn of(how: How) -> Self {
-        let folder = TempDir::new().unwrap();
+        let (folder, pace) = (TempDir::new().unwrap(), how.pace);
         std::fs::copy(shop("plate-12xM6.ngc"), folder.path().join("plate.ngc")).unwrap();
         let control = ControlOptions {
             program: ProgramOptions::on(how.machine),
@@ -139,7 +140,7 @@ impl Served {
             .http_status_as_error(false)
             .timeout_global(Some(Duration::from_mins(1)))
             .build();
-        Self { server, folder, agent: config.into() }
+        Self { server, folder, agent: config.into(), pace }
     }
 
     pub fn url(&self, path: &str) -> String {
@@ -231,16 +232,18 @@ impl Served {
         self.get("/status").1
     }
 
-    /// Until the status is so.
+    /// Until the status is so: asked for every 25 ms of machine time, and no more often than each 5
+    /// ms on the wall.
     pub fn until(&self, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
         let start = control::clock::now();
+        let pause = Duration::from_secs_f64((0.025 / self.pace).max(0.005));
         loop {
             let status = self.status();
             if is_so(&status) {
                 return status;
             }
             assert!(control::clock::now() - start < COMES, "{what} does not come: {status}");
-            std::thread::sleep(Duration::from_millis(5));
+            std::thread::sleep(pause);
         }
     }
 

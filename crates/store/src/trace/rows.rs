@@ -77,9 +77,9 @@ impl Rows {
         };
         for (index, _) in &self.columns.axes {
             let (index, command) = (*index, &sample.command.axes[*index]);
-            let force = sample.truth.map_or(command.force, |t| t.axis_forces[index]);
+            let force = sample.truth.as_ref().map_or(command.force, |t| t.axis_forces[index]);
             let setpoint = if is_rotary(index) { ROTARY_SETPOINT } else { SETPOINT };
-            let real = sample.truth.map_or(f64::NAN, |t| t.axes[index].value());
+            let real = sample.truth.as_ref().map_or(f64::NAN, |t| t.axes[index].value());
             put(setpoint.snap(command.position.value()));
             put(NM.snap(real));
             put(NM.snap(sample.feedback.axes[index].position.value()));
@@ -91,8 +91,8 @@ impl Rows {
         }
         for index in 0..self.columns.spindles.len() {
             let command = &sample.command.spindles[index];
-            let torque = sample.truth.map_or(command.torque, |t| t.spindle_torques[index]);
-            let real = sample.truth.map_or(f64::NAN, |t| t.spindles[index].value());
+            let torque = sample.truth.as_ref().map_or(command.torque, |t| t.spindle_torques[index]);
+            let real = sample.truth.as_ref().map_or(f64::NAN, |t| t.spindles[index].value());
             put(ANGLE.snap(command.angle.value()));
             put(ANGLE.snap(real));
             put(ANGLE.snap(sample.feedback.spindles[index].angle.value()));

@@ -163,6 +163,93 @@ fn what_is_sent_is_taken() {
     assert!(matches!(port.take(), Err(Error::Gone(_))));
 }
 
+/// A stream that hands out so many bytes at a time, and says between two of them that nothing has
+/// come.
+struct Dripping {
+    script: Script,
+    at_once: usize,
+    reads: usize,
+    dry: bool,
+}
+
+impl Dripping {
+    fn new(at_once: usize, dry: bool) -> Self {
+        Self { script: script(&every_message()), at_once, reads: 0, dry }
+    }
+}
+
+impl Read for Dripping {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.reads += 1;
+        if self.dry && self.reads % 2 == 1 {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        let longest = buffer.len().min(self.at_once);
+        self.script.read(&mut buffer[..longest])
+    }
+}
+
+impl Write for Dripping {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_frame_is_taken_whole_in_whatever_pieces_it_comes() {
+    for at_once in [1, 2, 8, 9, 10, 100, 1000, usize::MAX] {
+        let mut port = Port::new(Dripping::new(at_once, false));
+        for message in every_message() {
+            assert_eq!(port.take().unwrap(), message, "{at_once} bytes at a time");
+        }
+        assert!(matches!(port.take(), Err(Error::Gone(_))));
+    }
+}
+
+#[test]
+fn long_frames_that_come_faster_than_they_are_taken_stay_whole() {
+    let long: Vec<_> =
+        (0..40).map(|i| Message::Told(i.to_string().repeat(4000 - 90 * i))).collect();
+    for at_once in [1000, 7000, usize::MAX] {
+        let stream = Dripping { script: script(&long), at_once, reads: 0, dry: false };
+        let mut port = Port::new(stream);
+        for message in &long {
+            assert_eq!(port.take().unwrap(), *message, "{at_once} bytes at a time");
+        }
+    }
+}
+
+/// A servo period costs a call of the system for what is sent, and one for what comes.
+#[test]
+fn a_frame_that_has_come_is_taken_by_one_read() {
+    for message in every_message() {
+        let script = script(std::slice::from_ref(&message));
+        let mut port = Port::new(Dripping { script, at_once: usize::MAX, reads: 0, dry: false });
+        assert_eq!(port.take().unwrap(), message);
+        assert_eq!(port.stream().reads, 1, "{message:?}");
+    }
+}
+
+#[test]
+fn what_has_not_come_whole_is_not_waited_for_and_what_has_come_of_it_is_not_lost() {
+    for at_once in [30, 200, usize::MAX] {
+        let mut port = Port::new(Dripping::new(at_once, true));
+        let mut came = Vec::new();
+        let ended = loop {
+            match port.take_soon() {
+                Ok(message) => came.extend(message),
+                Err(why) => break why,
+            }
+        };
+        assert_eq!(came, every_message(), "{at_once} bytes at a time");
+        assert!(matches!(ended, Error::Gone(_)));
+    }
+}
+
 #[test]
 fn a_tool_in_the_work_that_cannot_be_is_no_message() {
     let wrong = [
