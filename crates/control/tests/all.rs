@@ -7,5 +7,6 @@ mod proving;
 mod real_time;
 mod recovery;
 mod requests;
+mod state;
 mod stop_lane;
 mod stops;

@@ -39,7 +39,7 @@ const WAITS: Time = Time::s(600.0);
 const JOGS: Time = Time::s(1.0);
 
 /// What can be typed: words, and what they do.
-pub(crate) const WORDS: [(&str, &str); 43] = [
+pub(crate) const WORDS: [(&str, &str); 44] = [
     ("power on|off", "drives on or off"),
     ("emergency stop|release", "press or release the emergency stop of the simulated machine"),
     ("home [AXIS]", "home an axis, or all in the machine's order"),
@@ -59,6 +59,7 @@ pub(crate) const WORDS: [(&str, &str); 43] = [
     ("resume", "go on after a hold or a block"),
     ("confirm", "go on after M0 or M1"),
     ("stop", "give the program up"),
+    ("acknowledge state", "the values in force were compared with what the control wrote last"),
     ("reset", "clear alarms, forget what was executed"),
     ("retract", "back a held tap out of its thread"),
     ("recover", "take a tool out after drives, power or an encoder were gone"),
@@ -124,6 +125,7 @@ impl Command {
             ["resume"] => Self::Request(Request::Resume),
             ["confirm"] => Self::Request(Request::Confirm),
             ["stop"] => Self::Request(Request::Stop),
+            ["acknowledge", "state"] => Self::Request(Request::AcknowledgeState),
             ["reset"] => Self::Request(Request::Reset),
             ["retract"] => Self::Request(Request::Retract),
             ["recover"] => Self::Request(Request::Recover),

@@ -1,7 +1,7 @@
 //! Status, features, alarms, offsets and tools as text.
 use super::command::WORDS;
 use canon::Axis;
-use control::operation::{Control, Status};
+use control::operation::{Control, StateChangeStatus, Status};
 use std::fmt::Write as _;
 use units::Coordinate;
 
@@ -84,6 +84,10 @@ pub(super) fn status(status: &Status, as_json: bool) -> String {
     );
     for alarm in &status.alarms {
         let _ = writeln!(text, "  {alarm}");
+    }
+    for change in &status.state_changes {
+        let StateChangeStatus { datum, before, now, why } = change;
+        let _ = writeln!(text, "  state: {datum} {before} → {now}: {why}");
     }
     text
 }

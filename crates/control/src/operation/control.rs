@@ -26,7 +26,7 @@ use servo::StopLane;
 use sim::Faulty;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use store::state::LastProgram;
+use store::state::{LastProgram, StateChange};
 use units::Coordinate;
 
 /// What a control is switched on with.
@@ -86,6 +86,8 @@ pub struct Control {
     /// The program that was loaded last, and how far it came.
     pub(super) last_program: Option<LastProgram>,
     pub(super) kept: Kept,
+    /// What is in force and is not what the control wrote last, until it is acknowledged.
+    pub(super) state_changes: Vec<StateChange>,
     /// A machine in another process, and what it and the sync record keep of a tool in its work.
     pub(super) outside: Option<Outside>,
     pub(super) meters: Meters,
@@ -108,7 +110,7 @@ impl Control {
     pub fn new(options: ControlOptions) -> Result<Self, Refused> {
         let base = Session::load(&options.program, Path::new("-"), b"")?;
         let machine = &base.machine;
-        let (kept, state, mut found) = Kept::open(options.state.as_deref(), &machine.name)?;
+        let (kept, state, mut found) = Kept::open(options.state.as_deref(), machine)?;
         let seed = options.seed.unwrap_or(u64::from(machine.simulation.seed));
         let material = machine.setup.stock.material;
         let mut zero = machine.setup.g54;
@@ -171,6 +173,7 @@ impl Control {
             handwheel: [None; AXES],
             last_program: None,
             kept,
+            state_changes: Vec::new(),
             outside,
             meters: Meters::default(),
             runs: None,
@@ -252,6 +255,7 @@ impl Control {
             Request::Retract => self.retract(),
             Request::Recover => self.recover(),
             Request::ToolIsFree => self.tool_is_free(),
+            Request::AcknowledgeState => self.acknowledge_state(),
             Request::Reset => self.reset(),
             Request::SingleBlock(on) => self.set(kernel::Order::SingleBlock(*on)),
             Request::OptionalStop(on) => self.set(kernel::Order::OptionalStop(*on)),
@@ -324,6 +328,7 @@ impl Control {
             Need::NoManualMotion => !kernel.is_moving_manually() && !self.is_referencing(),
             Need::TapInThread => self.is_tap_in_thread(),
             Need::NoTapInThread => !self.is_tap_in_thread(),
+            Need::StateAcknowledged => self.state_changes.is_empty(),
         };
         if is_met { Ok(()) } else { Err(need.clone()) }
     }

@@ -1,16 +1,16 @@
 //! What outlives the control is saved when it changes, and in force again when it is switched on.
 use super::control::Control;
-use super::event::Alarm;
+use super::event::{Alarm, Event};
 use super::kept::kept_parameters;
 use super::ranges;
-use super::request::Refusal;
+use super::request::{Accepted, Refusal};
 use super::writer::{Key, Ticket};
 use crate::clock::unix_ms;
 use crate::config;
 use crate::job::Left;
 use canon::Axis;
 use store::state::{
-    AlarmRecord, HomedAxis, LastProgram, Settings, State, StateFolder, message_log,
+    AlarmRecord, HomedAxis, LastProgram, Settings, State, StateChange, StateFolder, message_log,
 };
 use units::{Length, Time};
 
@@ -29,6 +29,7 @@ impl Control {
             self.data.tools = tools;
         }
         self.alarms = state.alarms.into_iter().map(remembered).collect();
+        self.raise_state_changes(state.changes);
         if let Some(Settings {
             feed_override,
             rapid_override,
@@ -117,6 +118,9 @@ impl Control {
     /// The drives have come up: axes whose absolute encoders were referenced on this machine know
     /// where they are.
     pub(super) fn take_homed(&mut self) {
+        if !self.state_changes.is_empty() {
+            return; // they may not be those that were found
+        }
         for homing in config::homing(&self.base.machine) {
             let axis = homing.axis;
             let Some(kept) = self.kept.homed.of(axis.letter(), self.epoch()).cloned() else {
@@ -203,6 +207,85 @@ impl Control {
     pub(super) fn say_unkept(&mut self) {
         for why in self.kept.take_failed() {
             self.events.notice(why);
+        }
+    }
+}
+
+/// Number of the alarm that the state in force is not what the control wrote last.
+pub(super) const STATE_DIFFERS: u16 = 601;
+/// Values that its text names; the status has all.
+const MOST_NAMED: usize = 5;
+
+impl Control {
+    /// What is in force is not, or is not known to be, what the control wrote last: an alarm, and
+    /// nothing that depends on it until it is acknowledged.
+    fn raise_state_changes(&mut self, changes: Vec<StateChange>) {
+        if changes.is_empty() {
+            return;
+        }
+        let named: Vec<_> = changes.iter().take(MOST_NAMED).map(ToString::to_string).collect();
+        let more = match changes.len().saturating_sub(MOST_NAMED) {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        let alarm = Alarm {
+            number: STATE_DIFFERS,
+            text: format!(
+                "the state in force is not what the control wrote last: {}{more}",
+                named.join("; ")
+            ),
+            remedy: "Compare each value with the work, the tools and the machine, correct it, then acknowledge the state."
+                .into(),
+            program: None,
+            line: 0,
+            time: self.now(),
+            is_cleared: false,
+        };
+        for change in &changes {
+            self.events.notice(format!("state: {change}"));
+        }
+        let is_said = |known: &Alarm| known.number == alarm.number && known.text == alarm.text;
+        if !self.alarms.last().is_some_and(is_said) {
+            self.keep_alarm(&alarm);
+        } else {
+            self.alarms.pop(); // the one of the start before
+        }
+        self.alarms.push(alarm.clone());
+        self.events.push(Event::Alarm(alarm));
+        self.state_changes = changes;
+    }
+
+    /// The operator has compared what is in force.
+    pub(super) fn acknowledge_state(&mut self) -> Result<Accepted, Refusal> {
+        if self.state_changes.is_empty() {
+            return Err(Refusal::because(
+                "nothing is to be acknowledged: what is in force is what the control wrote last",
+            ));
+        }
+        self.kept.save(Key::Acknowledgement, StateFolder::acknowledge)?;
+        let changes = std::mem::take(&mut self.state_changes);
+        for alarm in self.alarms.iter_mut().filter(|alarm| alarm.number == STATE_DIFFERS) {
+            alarm.is_cleared = true;
+        }
+        if self.executor.kernel.is_ready() && !self.is_tool_left() {
+            self.take_homed();
+        }
+        let values = if changes.len() == 1 { "value" } else { "values" };
+        let note = format!("{} {values} of the state acknowledged", changes.len());
+        self.events.notice(note.clone());
+        Ok(Accepted { notes: vec![note] })
+    }
+
+    /// What is in force and is not what the control wrote last, until it is acknowledged.
+    pub fn state_changes(&self) -> &[StateChange] {
+        &self.state_changes
+    }
+
+    /// Alarms that a reset clears are cleared.
+    pub(super) fn clear_alarms(&mut self) {
+        let stays = !self.state_changes.is_empty();
+        for alarm in &mut self.alarms {
+            alarm.is_cleared |= !(stays && alarm.number == STATE_DIFFERS);
         }
     }
 }

@@ -73,7 +73,7 @@ pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
     AxisStatus, FeatureCount, LoadingStatus, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
-    Status, Switches, WaitingStatus, said_of,
+    StateChangeStatus, Status, Switches, WaitingStatus, said_of,
 };
 pub use timing::{Timed, Timing};
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};

@@ -104,6 +104,7 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
         | Request::Retract
         | Request::Recover
         | Request::ToolIsFree
+        | Request::AcknowledgeState
         | Request::Reset
         | Request::SingleBlock(_)
         | Request::OptionalStop(_) => Ok(()),

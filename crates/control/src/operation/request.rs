@@ -66,6 +66,8 @@ pub enum Request {
     Recover,
     /// The operator has looked: no tool is in the work.
     ToolIsFree,
+    /// The operator has compared what is in force with what the control wrote last.
+    AcknowledgeState,
     /// Clear alarms; make ready for the next program.
     Reset,
     /// Hold after each block.
@@ -150,12 +152,13 @@ impl Request {
         use Need::{
             EmergencyStopArmed, EmergencyStopTriggered, Homed, NoAlarm, NoManualMotion,
             NoProgramUnderWay, NoTapInThread, PowerOn, ProgramHeld, ProgramLoaded, ProgramUnderWay,
-            ProgramWaitsForConfirmation, Standstill, TapInThread,
+            ProgramWaitsForConfirmation, Standstill, StateAcknowledged, TapInThread,
         };
         match self {
             Self::Power(true) => &[EmergencyStopArmed, NoAlarm, NoTapInThread],
             Self::Power(false) => &[NoProgramUnderWay, NoTapInThread, Standstill],
             Self::EmergencyStop(true)
+            | Self::AcknowledgeState
             | Self::JogStop
             | Self::SingleBlock(_)
             | Self::OptionalStop(_)
@@ -164,11 +167,20 @@ impl Request {
             | Self::SpindleOverride(_) => &[],
             Self::EmergencyStop(false) => &[EmergencyStopTriggered],
             Self::Home(_) => &[
+                StateAcknowledged,
                 EmergencyStopArmed,
                 NoAlarm,
                 PowerOn,
                 NoProgramUnderWay,
                 NoManualMotion,
+                NoTapInThread,
+            ],
+            Self::Jog(_, Jog::To(_)) => &[
+                StateAcknowledged,
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
                 NoTapInThread,
             ],
             Self::Jog(..) | Self::TurnSpindle(..) | Self::OrientSpindle(..) => {
@@ -183,6 +195,7 @@ impl Request {
             Self::Search(_) => &[ProgramLoaded, NoProgramUnderWay],
             Self::Start => &[
                 ProgramLoaded,
+                StateAcknowledged,
                 EmergencyStopArmed,
                 NoAlarm,
                 PowerOn,
@@ -192,6 +205,7 @@ impl Request {
                 Homed(None),
             ],
             Self::ManualDataInput(_) => &[
+                StateAcknowledged,
                 EmergencyStopArmed,
                 NoAlarm,
                 PowerOn,

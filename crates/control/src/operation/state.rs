@@ -100,7 +100,8 @@ impl Execution {
     pub const fn after(self, event: ExecutionEvent) -> Option<Self> {
         use ExecutionEvent as On;
         Some(match (self, event) {
-            (Self::Active | Self::Wait, On::Hold) => Self::FeedHold,
+            // a hold acts before the control hears of it, and looks like the end of a block
+            (Self::Active | Self::Wait | Self::Interrupted, On::Hold) => Self::FeedHold,
             (Self::Active, On::BlockDone) => Self::Interrupted,
             (Self::Active, On::Stop) => Self::ProgramStopped,
             (Self::Active, On::OptionalStop) => Self::OptionalStop,
@@ -247,11 +248,13 @@ pub enum Need {
     TapInThread,
     /// No tap is held in its thread.
     NoTapInThread,
+    /// What is in force is what the control wrote last, or the operator has acknowledged it.
+    StateAcknowledged,
 }
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::EmergencyStopArmed,
         Self::EmergencyStopTriggered,
         Self::NoAlarm,
@@ -266,6 +269,7 @@ impl Need {
         Self::NoManualMotion,
         Self::TapInThread,
         Self::NoTapInThread,
+        Self::StateAcknowledged,
     ];
 
     /// Its name, for programs.
@@ -285,6 +289,7 @@ impl Need {
             Self::NoManualMotion => "no_manual_motion",
             Self::TapInThread => "tap_in_thread",
             Self::NoTapInThread => "no_tap_in_thread",
+            Self::StateAcknowledged => "state_acknowledged",
         }
     }
 
@@ -317,6 +322,7 @@ impl fmt::Display for Need {
             Self::NoManualMotion => "an axis is moved by hand: wait until it stands, or stop it",
             Self::TapInThread => "no tap stands in a thread",
             Self::NoTapInThread => "a tap stands in its thread: retract it, or recover it, first",
+            Self::StateAcknowledged => "the state in force is not what the control wrote last: compare each value, then acknowledge the state",
         })
     }
 }

@@ -54,6 +54,20 @@ pub struct Switches {
     pub block_skip: Vec<u8>,
 }
 
+/// A value that is in force and is not, or is not known to be, what the control wrote last.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
+pub struct StateChangeStatus {
+    /// Its name: `G54 X`, `tool 3 length_mm`; or the file, where nothing more is known.
+    pub datum: String,
+    /// As the control wrote it last.
+    pub before: String,
+    /// As it is in force.
+    pub now: String,
+    /// Which copy is in force, from when, and why.
+    pub why: String,
+}
+
 /// Something that a request may need, and that is not so now.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
@@ -192,12 +206,24 @@ pub struct Status {
     pub features: FeatureCount,
     /// Alarms that no reset has cleared.
     pub alarms: Vec<String>,
+    /// What is in force and is not what the control wrote last: until it is acknowledged, no
+    /// program, no blocks and no homing are started.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", ts(optional, as = "Option<Vec<StateChangeStatus>>"))]
+    pub state_changes: Vec<StateChangeStatus>,
     /// What requests may need and is not so now.
     pub unmet: Vec<NeedStatus>,
     /// How the servo thread keeps its time, in real time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub real_time: Option<crate::RealTimeFigures>,
+}
+
+impl StateChangeStatus {
+    fn of(change: &store::state::StateChange) -> Self {
+        let store::state::StateChange { datum, before, now, why } = change.clone();
+        Self { datum, before, now, why }
+    }
 }
 
 impl Control {
@@ -244,6 +270,7 @@ impl Control {
             message: self.message.clone(),
             features: self.counted(),
             alarms: self.uncleared(),
+            state_changes: self.state_changes.iter().map(StateChangeStatus::of).collect(),
             unmet: self.unmet(),
             real_time: self.real_time(),
         }

@@ -104,6 +104,8 @@ pub(crate) enum RequestBody {
     Recover {},
     /// State that no tool is in the work.
     ToolIsFree {},
+    /// State that what is in force was compared with what the control wrote last.
+    AcknowledgeState {},
     /// Clear alarms.
     Reset {},
     /// Hold after each block.
@@ -258,6 +260,7 @@ impl RequestBody {
             Self::Retract {} => Request::Retract,
             Self::Recover {} => Request::Recover,
             Self::ToolIsFree {} => Request::ToolIsFree,
+            Self::AcknowledgeState {} => Request::AcknowledgeState,
             Self::Reset {} => Request::Reset,
             Self::SingleBlock { on } => Request::SingleBlock(on),
             Self::OptionalStop { on } => Request::OptionalStop(on),

@@ -105,7 +105,7 @@ impl Default for Settings {
     }
 }
 
-/// Whose folder it is.
+/// Whose folder it is, as folders without a manifest say it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
@@ -113,13 +113,33 @@ pub struct Machine {
     pub name: String,
 }
 
+/// Files of the data.
+pub(super) const FILES: [&str; 5] =
+    [Parameters::FILE, ToolLibrary::FILE, Homing::FILE, LastProgram::FILE, Settings::FILE];
+
+/// Kind and version that the file of this name begins with.
+pub(super) fn kind(file: &str) -> (&'static str, u32) {
+    const KNOWN: [(&str, &str, u32); 5] = [
+        of::<Parameters>(),
+        of::<ToolLibrary>(),
+        of::<Homing>(),
+        of::<LastProgram>(),
+        of::<Settings>(),
+    ];
+    const fn of<D: Datum>() -> (&'static str, &'static str, u32) {
+        (D::FILE, D::KIND, D::VERSION)
+    }
+    let known = KNOWN.iter().find(|(name, ..)| *name == file);
+    known.map_or(("unknown", 0), |(_, kind, version)| (kind, *version))
+}
+
 /// Text of a plain struct. Its keys are names and its values numbers, text and lists: that cannot
 /// fail.
-fn to_toml<T: Serialize>(value: &T) -> String {
+pub(super) fn to_toml<T: Serialize>(value: &T) -> String {
     toml::to_string(value).unwrap_or_default()
 }
 
-fn from_toml<T: for<'de> Deserialize<'de>>(body: &str) -> Result<T, String> {
+pub(super) fn from_toml<T: for<'de> Deserialize<'de>>(body: &str) -> Result<T, String> {
     toml::from_str(body).map_err(|e| one_line(e.message()))
 }
 
