@@ -10,3 +10,4 @@ mod requests;
 mod state;
 mod stop_lane;
 mod stops;
+mod workpiece;

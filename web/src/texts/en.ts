@@ -262,6 +262,9 @@ export const resultTexts = {
   verdict: 'Verdict', what: 'What', line: 'Line', depth: 'Depth', depthError: 'Depth error', class: 'Class', time: 'At',
   verdicts: { good: 'good', failed: 'out of tolerance', not_judged: 'not judged' },
   chooseHint: 'Choose a feature: what was measured of it appears here.',
+  workpiece: (number: number, name: string | null) => (name ? `Workpiece ${number}, ${name}` : `Workpiece ${number}`),
+  beginWorkpiece: 'Next workpiece', endWorkpiece: 'Workpiece is done', hasEnded: 'it has ended: the next start begins another one',
+  unlisted: (count: number) => `${count} more are counted and no longer listed: the runs have them.`,
 };
 
 export const runTexts = {
@@ -269,7 +272,8 @@ export const runTexts = {
   program: 'Program', searchHint: 'part of its name',
   ended: 'Ended', cycleTime: 'Time', features: 'Features',
   counts: (good: number, failed: number, notJudged: number) => [`${good} good`, failed > 0 ? `${failed} out` : '', notJudged > 0 ? `${notJudged} not judged` : ''].filter(Boolean).join(', '),
-  notEnded: 'given up',
+  notEnded: 'given up', cutOff: 'cut off',
+  cutOffHint: (counts: string) => `The control ended while this program was under way. Cut until then: ${counts || 'nothing'}.`,
   empty: 'Each program that ends is kept here with its report: start one.',
   noneFound: 'No run that is kept is like this.',
   notKept: 'Runs are not kept: start the control with --state FOLDER.',
@@ -316,6 +320,7 @@ export const beginTexts = {
   at: { hole: 'Hole', line: 'Line', tool: 'Tool' },
   number: 'Number',
   search: 'Search',
+  programChanged: 'The program was changed since',
   noNumber: 'a hole, line or tool has a whole number, 1 or more',
 };
 

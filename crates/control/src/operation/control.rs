@@ -15,6 +15,7 @@ use super::ranges;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 use super::under_way::{InWork, Loaded, UnderWay};
+use super::workpiece::WorkpieceLog;
 use crate::job::{Before, Interruption, Operations, ProgramOptions, Session};
 use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
@@ -56,6 +57,8 @@ pub struct Control {
     pub(super) base: Session,
     pub(super) executor: Executor,
     pub(super) workpiece: Workpiece,
+    /// What was cut from it, and when it begins and ends.
+    pub(super) cut: WorkpieceLog,
     /// Zero of the work as it is clamped, in machine coordinates.
     pub(super) work_zero: Position,
     /// Number of the next operation that is done to the workpiece.
@@ -154,6 +157,7 @@ impl Control {
             options,
             executor: Executor::new(kernel, plant),
             workpiece: Workpiece::new(judge),
+            cut: WorkpieceLog::of(state.workpiece.clone()),
             work_zero: zero,
             next_op: 0,
             data,
@@ -242,7 +246,7 @@ impl Control {
             Request::TurnSpindle(spindle, spin) => self.turn_spindle(*spindle, *spin),
             Request::OrientSpindle(spindle, angle) => self.orient_spindle(*spindle, *angle),
             Request::Load(_)
-            | Request::Search(_)
+            | Request::Search(..)
             | Request::Start
             | Request::ManualDataInput(_) => match self.begin(request) {
                 Begun::Answered(answer) => answer,
@@ -255,6 +259,8 @@ impl Control {
             Request::Retract => self.retract(),
             Request::Recover => self.recover(),
             Request::ToolIsFree => self.tool_is_free(),
+            Request::BeginWorkpiece(name) => self.begin_workpiece(name.as_deref()),
+            Request::EndWorkpiece => self.end_workpiece(),
             Request::AcknowledgeState => self.acknowledge_state(),
             Request::Reset => self.reset(),
             Request::SingleBlock(on) => self.set(kernel::Order::SingleBlock(*on)),
@@ -437,16 +443,13 @@ impl Control {
         if judged > self.told_features
             && let Some(under_way) = &self.under_way
         {
-            for feature in &under_way.running.judged_so_far()[self.told_features..] {
-                self.events.push(Event::Feature(Box::new(feature.clone())));
-            }
-            self.told_features = judged;
             let first = under_way.first;
+            let new = under_way.running.judged_so_far()[self.told_features..].to_vec();
             let cut = super::under_way::count_from(first, under_way.running.judged_so_far());
+            self.told_features = judged;
+            self.tell_features(new);
             self.note_progress(first, cut, false);
-            if let Err(why) = self.keep_program() {
-                self.events.notice(why.to_string());
-            }
+            self.keep_progress();
         }
     }
 

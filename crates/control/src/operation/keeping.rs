@@ -8,6 +8,7 @@ use super::writer::{Key, Ticket};
 use crate::clock::unix_ms;
 use crate::config;
 use crate::job::Left;
+use crate::observers::use_up;
 use canon::Axis;
 use store::state::{
     AlarmRecord, HomedAxis, LastProgram, Settings, State, StateChange, StateFolder, message_log,
@@ -86,6 +87,23 @@ impl Control {
     pub(super) fn keep_program(&mut self) -> Result<(), Refusal> {
         let Some(last) = self.last_program.clone() else { return Ok(()) };
         self.kept.save(Key::Program, move |folder| folder.save_last_program(&last))
+    }
+
+    /// What a program that is under way has cut is on the disk: how far it is, what its tools have
+    /// cut, the workpiece, the run. What could not be kept is said.
+    pub(super) fn keep_progress(&mut self) {
+        let kept = [self.keep_program(), self.keep_used_tools(), self.keep_workpiece()];
+        for why in kept.into_iter().filter_map(Result::err) {
+            self.events.notice(why.to_string());
+        }
+    }
+
+    /// The tools are on the disk, with what the program under way has cut with them so far.
+    fn keep_used_tools(&mut self) -> Result<(), Refusal> {
+        let Some(under_way) = &self.under_way else { return Ok(()) };
+        let mut tools = self.data.tools.clone();
+        use_up(&mut tools, &under_way.running.tool_use());
+        self.kept.save(Key::Tools, move |folder| folder.save_tools(&tools))
     }
 
     /// What a program has changed; that it could not be kept is said, for nothing waits for an

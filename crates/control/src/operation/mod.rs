@@ -24,6 +24,7 @@
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
 //! | `outside`, `left_in_work` | a machine in another process and its sync record; a tool that a control before has left |
 //! | `ended`, `recording` | a program that has ended, for report, certificate and history; the folder of its record |
+//! | `workpiece` | the workpiece on the machine: its begin and end, what was cut from it |
 //! | `meters`, `timeline` | measured speed and load; planned ends of operations, for the time left |
 //! | `signals`, `tool_path` | what a scope shows; what a picture of the program is drawn from |
 //! | `hosted` | a control in a thread of its own, paced by the clock, for any number of clients |
@@ -58,6 +59,7 @@ mod timeline;
 mod timing;
 mod tool_path;
 mod under_way;
+mod workpiece;
 mod writer;
 
 pub use control::{Control, ControlOptions};
@@ -78,3 +80,4 @@ pub use status::{
 pub use timing::{Timed, Timing};
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};
 pub use under_way::LoadedProgram;
+pub use workpiece::{MOST_SHOWN, WorkpieceStatus};

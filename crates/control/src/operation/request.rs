@@ -46,8 +46,9 @@ pub enum Request {
     /// Load a program.
     Load(PathBuf),
     /// Find where the program would be begun at a line, a hole or a tool, and say all that is
-    /// restored before; the next start begins there.
-    Search(restart::From),
+    /// restored before; the next start begins there. True: also where the program was changed since
+    /// it was left half done.
+    Search(restart::From, bool),
     /// Start the program that is loaded, from its beginning or from where the last search has led.
     Start,
     /// Execute blocks that are typed.
@@ -66,6 +67,10 @@ pub enum Request {
     Recover,
     /// The operator has looked: no tool is in the work.
     ToolIsFree,
+    /// Another workpiece is clamped, with this name, if it has one: what is cut counts for it.
+    BeginWorkpiece(Option<String>),
+    /// The workpiece is done.
+    EndWorkpiece,
     /// The operator has compared what is in force with what the control wrote last.
     AcknowledgeState,
     /// Clear alarms; make ready for the next program.
@@ -192,7 +197,7 @@ impl Request {
             | Self::EditTool(..)
             | Self::RenewTool(_)
             | Self::LimitTool(..) => &[NoProgramUnderWay],
-            Self::Search(_) => &[ProgramLoaded, NoProgramUnderWay],
+            Self::Search(..) => &[ProgramLoaded, NoProgramUnderWay],
             Self::Start => &[
                 ProgramLoaded,
                 StateAcknowledged,
@@ -214,6 +219,9 @@ impl Request {
                 NoTapInThread,
                 Homed(None),
             ],
+            Self::BeginWorkpiece(_) | Self::EndWorkpiece => {
+                &[NoProgramUnderWay, NoTapInThread, NoManualMotion]
+            }
             Self::FeedHold => &[ProgramUnderWay, NoAlarm],
             Self::Resume => &[ProgramUnderWay, NoAlarm, ProgramHeld],
             Self::Confirm => &[ProgramUnderWay, NoAlarm, ProgramWaitsForConfirmation],

@@ -3,6 +3,7 @@ use super::control::Control;
 use super::message::MessageStatus;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Need, Power};
+use super::workpiece::WorkpieceStatus;
 use units::{Length, Spin, Time};
 use verify::{Feature, Verdict};
 
@@ -135,7 +136,7 @@ pub struct ProgramStatus {
     pub ahead_s: f64,
 }
 
-/// What was cut from the workpiece, by verdict.
+/// What was cut from a workpiece, by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct FeatureCount {
@@ -202,8 +203,10 @@ pub struct Status {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub message: Option<MessageStatus>,
-    /// Features of the workpiece.
+    /// Features of the workpiece, over all programs that were started on it.
     pub features: FeatureCount,
+    /// The workpiece.
+    pub workpiece: WorkpieceStatus,
     /// Alarms that no reset has cleared.
     pub alarms: Vec<String>,
     /// What is in force and is not what the control wrote last: until it is acknowledged, no
@@ -269,6 +272,7 @@ impl Control {
             left_in_work: self.left_in_work(),
             message: self.message.clone(),
             features: self.counted(),
+            workpiece: self.workpiece_status(),
             alarms: self.uncleared(),
             state_changes: self.state_changes.iter().map(StateChangeStatus::of).collect(),
             unmet: self.unmet(),
@@ -362,7 +366,8 @@ impl Control {
         })
     }
 
-    /// What was cut from the workpiece so far, with its verdicts.
+    /// What was cut from the workpiece so far, with its verdicts: the newest, and all of the last
+    /// program.
     pub fn features(&self) -> Vec<Feature> {
         self.judged()
     }
@@ -395,27 +400,13 @@ impl Control {
         let FeatureCount { good, failed, not_judged } = self.counted();
         good + failed + not_judged
     }
-
-    fn counted(&self) -> FeatureCount {
-        match &self.under_way {
-            Some(under_way) => count(under_way.running.judged_so_far()),
-            None => count(self.workpiece.judge.features()),
-        }
-    }
-
-    fn judged(&self) -> Vec<Feature> {
-        match &self.under_way {
-            Some(under_way) => under_way.running.judged_so_far().to_vec(),
-            None => self.workpiece.judge.features().to_vec(),
-        }
-    }
 }
 
 fn percent(share: f64) -> f64 {
     share * 100.0
 }
 
-fn count(features: &[Feature]) -> FeatureCount {
+pub(super) fn count(features: &[Feature]) -> FeatureCount {
     let mut count = FeatureCount::default();
     for feature in features {
         match feature.verdict {

@@ -25,6 +25,7 @@ pub(super) enum Key {
     Tools,
     Settings,
     Program,
+    Workpiece,
     Homing,
     /// That the operator has seen what differs.
     Acknowledgement,

@@ -5,6 +5,7 @@
 //!   parameters.var  work offsets and numbered parameters    alarms.jsonl   alarms, a line each
 //!   tools.toml      tools with wear and life                settings.toml  overrides, switches, units
 //!   homing.toml     references of absolute encoders         program.toml   the last program and its position
+//!   workpiece.toml  the workpiece, and what was cut from it
 //!   manifest.toml, manifest.copy.toml                       lock           process of the control that has it
 //!                   all of it as it was written last, twice
 //!
@@ -30,7 +31,7 @@ pub mod seal;
 
 pub use alarms::{AlarmRecord, MOST_ALARMS};
 pub use changes::StateChange;
-pub use data::{HomedAxis, Homing, LastProgram, LengthDisplay, Machine, Settings};
+pub use data::{HomedAxis, Homing, LastProgram, LengthDisplay, Machine, Settings, WorkpieceRecord};
 pub use manifest::{MachineIdentity, Origin};
 pub use seal::{Datum, Untrusted};
 
@@ -67,6 +68,8 @@ pub struct State {
     pub alarms: Vec<AlarmRecord>,
     /// What the operator had set; `None`: nothing was kept.
     pub settings: Option<Settings>,
+    /// The workpiece on the machine; `None`: none was kept.
+    pub workpiece: Option<WorkpieceRecord>,
     /// What is not what the control wrote last, and was not acknowledged.
     pub changes: Vec<StateChange>,
 }
@@ -177,6 +180,14 @@ impl StateFolder {
     /// As [`StateFolder::save_parameters`].
     pub fn save_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         self.save(settings)
+    }
+
+    /// Keep which workpiece is on the machine, and what was cut from it.
+    ///
+    /// # Errors
+    /// As [`StateFolder::save_parameters`].
+    pub fn save_workpiece(&mut self, workpiece: &WorkpieceRecord) -> Result<(), Error> {
+        self.save(workpiece)
     }
 
     /// Keep an alarm, after those that are kept already; of very many the oldest are forgotten.

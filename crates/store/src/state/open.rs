@@ -68,6 +68,7 @@ impl StateFolder {
             last_program: folder.read(has_manifest, &mut found)?,
             alarms: folder.read_alarms(has_manifest, &mut found),
             settings: folder.read(has_manifest, &mut found)?,
+            workpiece: folder.read(has_manifest, &mut found)?,
             changes: Vec::new(),
         };
         Ok(folder.opened(state, has_manifest, found))
