@@ -92,9 +92,13 @@ left_in_work?: LeftInWork,
  */
 message?: MessageStatus, 
 /**
- * Features of the workpiece.
+ * Features of the workpiece, over all programs that were started on it.
  */
 features: FeatureCount, 
+/**
+ * The workpiece.
+ */
+workpiece: WorkpieceStatus, 
 /**
  * Alarms that no reset has cleared.
  */
@@ -362,7 +366,11 @@ failed: number,
  */
 not_judged: number, };
 
-export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "acknowledge_state", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
+export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, 
+/**
+ * Also where the program was changed since it was left half done.
+ */
+program_changed?: boolean, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "begin_workpiece", name?: string, } | { "request": "end_workpiece", } | { "request": "acknowledge_state", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
 
 export type ToolFieldName = "length" | "diameter" | "wear_length" | "wear_radius";
 
@@ -953,6 +961,11 @@ cycle_time_s: number,
  * The program came to its end.
  */
 has_ended: boolean, 
+/**
+ * The control ended, or was killed, while it was under way: what is known of it was kept as it
+ * was cut.
+ */
+was_cut_off: boolean, 
 /**
  * `good`, `failed`, `not_judged`: of the whole run.
  */

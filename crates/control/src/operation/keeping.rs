@@ -263,10 +263,10 @@ impl Control {
             self.events.notice(format!("state: {change}"));
         }
         let is_said = |known: &Alarm| known.number == alarm.number && known.text == alarm.text;
-        if !self.alarms.last().is_some_and(is_said) {
-            self.keep_alarm(&alarm);
-        } else {
+        if self.alarms.last().is_some_and(is_said) {
             self.alarms.pop(); // the one of the start before
+        } else {
+            self.keep_alarm(&alarm);
         }
         self.alarms.push(alarm.clone());
         self.events.push(Event::Alarm(alarm));

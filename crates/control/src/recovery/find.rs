@@ -128,24 +128,9 @@ pub(super) fn find(
         diameter: stroke.diameter,
     };
     // nothing ties a tap in the air to its thread: no turn is to be shown
-    let (is_in_air, mut is_turn_known) = (setting.is_in_air(depth), true);
-    let (turned, how) = if welcome.turns_lost[usize::from(stroke.spindle)] {
-        let (bound, why) = shown(stroke, spindle, file.tapping.sync_stop, welcome.stop);
-        match stored.turn(reading, place, bound) {
-            Ok(turned) => (turned, format!("single-turn encoder, turn from the axis ({why})")),
-            Err(_) if is_in_air => {
-                is_turn_known = false;
-                (reading, "the tap stands over the work".to_owned())
-            }
-            Err(e) => {
-                return Err(format!(
-                    "the spindle's encoder has lost count of its turns, and the turn cannot be shown from the axis: {e} ({why})"
-                ));
-            }
-        }
-    } else {
-        (reading, "multi-turn encoder".to_owned())
-    };
+    let is_in_air = setting.is_in_air(depth);
+    let (turned, how, is_turn_known) =
+        turn(&stored, stroke, spindle, welcome, (file, place, is_in_air))?;
     if stroke.thread_length > Length::ZERO && depth > stroke.thread_length {
         return Err(format!(
             "the tap stands {:.3} mm deep, and its thread is {:.3} mm long: its shank has jammed in the hole, and the tap is taken to be \
@@ -220,6 +205,31 @@ pub(super) fn find(
         way,
         helix,
     })
+}
+
+/// Where the spindle stands, on what that rests, and whether its turn is known: of a tap in the air
+/// it need not be.
+fn turn(
+    stored: &Stored,
+    stroke: &Stroke,
+    spindle: &Spindle,
+    welcome: &Welcome,
+    (file, place, is_in_air): (&MachineFile, Length, bool),
+) -> Result<(Angle, String, bool), String> {
+    let reading = welcome.observed.feedback.spindles[usize::from(stroke.spindle)].angle;
+    if !welcome.turns_lost[usize::from(stroke.spindle)] {
+        return Ok((reading, "multi-turn encoder".to_owned(), true));
+    }
+    let (bound, why) = shown(stroke, spindle, file.tapping.sync_stop, welcome.stop);
+    match stored.turn(reading, place, bound) {
+        Ok(turned) => {
+            Ok((turned, format!("single-turn encoder, turn from the axis ({why})"), true))
+        }
+        Err(_) if is_in_air => Ok((reading, "the tap stands over the work".to_owned(), false)),
+        Err(e) => Err(format!(
+            "the spindle's encoder has lost count of its turns, and the turn cannot be shown from the axis: {e} ({why})"
+        )),
+    }
 }
 
 /// +1 where the way in is along the axis' positive sense, else −1.
@@ -378,8 +388,8 @@ mod tests {
                 let angle = welcome.observed.feedback.spindles[0].angle.value();
                 welcome.observed.feedback.spindles[0].angle = Angle::rev(angle.rem_euclid(1.0));
             }
-            welcome.evidence.sense = [Sense::Unknown, Sense::Positive, Sense::Negative]
-                [(chance() * 3.0) as usize];
+            welcome.evidence.sense =
+                [Sense::Unknown, Sense::Positive, Sense::Negative][(chance() * 3.0) as usize];
             let stage = if chance() < 0.5 { Stage::Inward } else { Stage::Outward };
             let way = find(&stroke, stage, &welcome, &file, RecoveryWay::UnloadFirst);
             let what = format!("case {case}: {stop:?}, {over} over the work");

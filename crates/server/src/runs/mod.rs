@@ -80,11 +80,16 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
-    /// In a state folder; what was not finished is removed.
+    /// In a state folder; of what was not finished a run is made that was cut off, or it is removed.
+    /// `shown` makes of a program's path what clients see of it.
     ///
     /// # Errors
     /// The folder cannot be made.
-    pub(crate) fn open(state: Option<&Path>, kept: KeptRuns) -> Result<Self, String> {
+    pub(crate) fn open(
+        state: Option<&Path>,
+        kept: KeptRuns,
+        shown: &dyn Fn(&str) -> String,
+    ) -> Result<Self, String> {
         let Some(folder) = state.map(|state| state.join("runs")) else {
             return Ok(Self::default());
         };
@@ -92,7 +97,7 @@ impl Runs {
             .map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
         let runs = Self { folder: Some(folder), kept };
         for unfinished in runs.names().into_iter().filter(|name| name.starts_with(HIDDEN)) {
-            if runs.finish_cut_off(&unfinished).is_some() {
+            if runs.finish_cut_off(&unfinished, shown).is_some() {
                 continue;
             }
             let _ = fs::remove_dir_all(runs.path(&unfinished)); // it is tried again at the next start
@@ -101,7 +106,7 @@ impl Runs {
     }
 
     /// A run that was under way when the server was killed; `None`: nothing is known of it.
-    fn finish_cut_off(&self, hidden: &str) -> Option<()> {
+    fn finish_cut_off(&self, hidden: &str, shown: &dyn Fn(&str) -> String) -> Option<()> {
         let (id, _) = hidden.strip_prefix(HIDDEN)?.rsplit_once('-')?;
         let (from, to) = (self.path(hidden), self.path(id));
         let (begun, cut) = BegunRun::read(&from)?;
@@ -113,7 +118,7 @@ impl Runs {
         let time_s = cut.last().map_or(0.0, |cut| cut.time_s);
         let run = RunBody {
             id: id.to_owned(),
-            program: begun.program,
+            program: shown(&begun.program),
             program_sha256: begun.program_sha256,
             ended_unix_ms: begun.begun_unix_ms + (time_s.max(0.0) * 1e3) as u64,
             cycle_time_s: time_s,
@@ -266,7 +271,8 @@ mod tests {
         fs::write(hidden.join(TRACE), "half a trace").expect("written");
         // one of which nothing is known
         fs::create_dir(home.path().join("runs/.1790000000001-Zz99")).expect("a folder");
-        let runs = Runs::open(Some(home.path()), KeptRuns::default()).expect("it opens");
+        let runs =
+            Runs::open(Some(home.path()), KeptRuns::default(), &str::to_owned).expect("it opens");
         let listed = runs.list(&Search::default()).runs;
         let [run] = listed.as_slice() else { panic!("{listed:?}") };
         assert_eq!((run.good, run.failed, run.cycle_time_s), (2, 1, 2.5));

@@ -26,6 +26,9 @@ impl fmt::Display for StateChange {
     }
 }
 
+/// The file of numbered parameters.
+const PARAMETERS: &str = <crate::parameters::Parameters as super::Datum>::FILE;
+
 /// Said of a value of which nothing shows what it was.
 pub(super) const UNKNOWN: &str = "not known";
 /// Said of a datum of which nothing is left.
@@ -38,7 +41,7 @@ const MOST_UNKNOWN: usize = 12;
 /// Values of a file's text, by name.
 fn values(file: &str, body: &str) -> BTreeMap<String, String> {
     let mut values = BTreeMap::new();
-    if file.ends_with(".var") {
+    if file == PARAMETERS {
         if let Ok(parameters) = crate::parameters::Parameters::parse(body, 0) {
             let named = parameters.iter().filter(|(_, value)| *value != 0.0);
             values.extend(named.map(|(number, value)| (parameter(number), shown(value))));
@@ -121,7 +124,7 @@ pub(super) fn between(
 ) -> Vec<StateChange> {
     let (old, new) = (before.map(|body| values(file, body)), now.map(|body| values(file, body)));
     // a parameter that is not there is 0
-    let absent = if file.ends_with(".var") { "0.000" } else { "none" };
+    let absent = if file == PARAMETERS { "0.000" } else { "none" };
     let side = |values: &Option<BTreeMap<String, String>>, name: &String, unknown: &str| {
         values.as_ref().map_or_else(
             || unknown.to_owned(),

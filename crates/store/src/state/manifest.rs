@@ -123,7 +123,7 @@ pub(super) struct Manifest {
 impl Manifest {
     /// That of a new folder.
     pub(super) fn new(machine: MachineIdentity, path: &Path) -> Self {
-        let seed = format!("{}:{}:{}", unix_ms(), std::process::id(), path.display());
+        let seed = format!("{}:{}:{}", unix_ns(), std::process::id(), path.display());
         let mut folder = crate::certificate::sha256(seed.as_bytes());
         folder.truncate(12);
         Self { folder, machine, ..Self::default() }
@@ -136,9 +136,8 @@ impl Manifest {
     /// A datum is written with this generation.
     pub(super) fn set(&mut self, name: &str, body: String) {
         let (generation, when) = (self.generation, now());
-        let before = self.entry(name).map_or(0, |entry| match entry.generation == generation {
-            true => entry.before,
-            false => entry.generation,
+        let before = self.entry(name).map_or(0, |entry| {
+            if entry.generation == generation { entry.before } else { entry.generation }
         });
         self.file.retain(|entry| entry.name != name);
         self.file.push(Entry { name: name.to_owned(), generation, before, when, body });
@@ -170,14 +169,16 @@ impl Datum for Manifest {
     }
 }
 
-fn unix_ms() -> u128 {
+/// When a state is written is no input of a run: it is said to people.
+#[allow(clippy::disallowed_methods)]
+fn unix_ns() -> u128 {
     let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     since.map_or(0, |since| since.as_nanos())
 }
 
 /// The moment, UTC, as `2026-11-29T17:02:37Z`.
 fn now() -> String {
-    utc((unix_ms() / 1_000_000_000) as i64)
+    utc((unix_ns() / 1_000_000_000) as i64)
 }
 
 /// Seconds since 1970 as a date of the Gregorian calendar (Hinnant, chrono-Compatible Low-Level

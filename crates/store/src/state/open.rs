@@ -93,7 +93,8 @@ impl StateFolder {
         if differs || !has_manifest || !self.stale.is_empty() {
             self.next().unacknowledged.extend(found.changes);
         }
-        state.changes = self.next.as_ref().unwrap_or(&self.manifest).unacknowledged.clone();
+        let manifest = self.next.as_ref().unwrap_or(&self.manifest);
+        state.changes.clone_from(&manifest.unacknowledged);
         let repaired = self.commit().and_then(|()| {
             let name = AlarmFile::NAME;
             if self.rejected.contains(name) && differs {
