@@ -352,6 +352,56 @@ line: number,
  */
 time_s: number, };
 
+export type LoadingStatus = { 
+/**
+ * Its name; `MDI` of what was typed.
+ */
+name: string, 
+/**
+ * How much of it is done, percent.
+ */
+percent: number, };
+
+export type StateChangeStatus = { 
+/**
+ * Its name: `G54 X`, `tool 3 length_mm`; or the file, where nothing more is known.
+ */
+datum: string, 
+/**
+ * As the control wrote it last.
+ */
+before: string, 
+/**
+ * As it is in force.
+ */
+now: string, 
+/**
+ * Which copy is in force, from when, and why.
+ */
+why: string, };
+
+export type WorkpieceStatus = { 
+/**
+ * Its number on this machine, from 1.
+ */
+number: number, 
+/**
+ * Its name; `null`: it has none.
+ */
+name: string | null, 
+/**
+ * Programs that were started on it.
+ */
+programs: number, 
+/**
+ * It has ended: the next start begins another one.
+ */
+is_ended: boolean, 
+/**
+ * Features of it that are counted and no longer listed.
+ */
+unlisted: number, };
+
 export type FeatureCount = { 
 /**
  * Within tolerance.

@@ -5,6 +5,7 @@ use control::job::ProgramOptions;
 use std::path::PathBuf;
 
 /// `leadscrew run`.
+#[allow(clippy::struct_excessive_bools)] // options, each asked for by itself
 #[derive(Args, Debug, Clone)]
 pub(crate) struct RunArgs {
     /// The program; `-` reads standard input
