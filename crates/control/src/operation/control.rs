@@ -6,6 +6,7 @@
 use super::data::Data;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
+use super::features::WorkpieceLog;
 use super::kept::Kept;
 use super::message::MessageStatus;
 use super::meters::Meters;
@@ -15,7 +16,6 @@ use super::ranges;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 use super::under_way::{InWork, Loaded, UnderWay};
-use super::workpiece::WorkpieceLog;
 use crate::job::{Before, Interruption, Operations, ProgramOptions, Session};
 use crate::observers::Workpiece;
 use crate::plant::{self, Plant};

@@ -1,11 +1,11 @@
 //! How a control is: all that a panel shows, as plain values with their units in their names.
 use super::control::Control;
+use super::features::{FeatureCount, WorkpieceStatus, said_of};
 use super::message::MessageStatus;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Need, Power};
-use super::workpiece::WorkpieceStatus;
 use units::{Length, Spin, Time};
-use verify::{Feature, Verdict};
+use verify::Feature;
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -134,18 +134,6 @@ pub struct ProgramStatus {
     /// How long what is planned, and waits to be executed, will take, s; what has no planned time
     /// counts nothing.
     pub ahead_s: f64,
-}
-
-/// What was cut from a workpiece, by verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
-pub struct FeatureCount {
-    /// Within tolerance.
-    pub good: usize,
-    /// Out of it.
-    pub failed: usize,
-    /// Not judged.
-    pub not_judged: usize,
 }
 
 /// The control.
@@ -404,28 +392,4 @@ impl Control {
 
 fn percent(share: f64) -> f64 {
     share * 100.0
-}
-
-pub(super) fn count(features: &[Feature]) -> FeatureCount {
-    let mut count = FeatureCount::default();
-    for feature in features {
-        match feature.verdict {
-            Verdict::Pass => count.good += 1,
-            Verdict::Fail { .. } => count.failed += 1,
-            Verdict::NotJudged { .. } => count.not_judged += 1,
-        }
-    }
-    count
-}
-
-/// A feature and its verdict, in one line.
-pub fn said_of(feature: &Feature) -> String {
-    let (line, kind) = (feature.line, feature.kind_name());
-    match feature.verdict.reason() {
-        None => format!("line {line}: {kind}: good"),
-        Some(reason) if matches!(feature.verdict, Verdict::NotJudged { .. }) => {
-            format!("line {line}: {kind}: not judged: {reason}")
-        }
-        Some(reason) => format!("line {line}: {kind}: out of tolerance: {reason}"),
-    }
 }

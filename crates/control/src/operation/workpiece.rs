@@ -6,78 +6,20 @@
 //! ```
 //!
 //! The judge has the features of the last program alone: those of the programs before are counted,
-//! and the newest [`MOST_SHOWN`] of them are kept to be shown. Each is in `features.jsonl` of the
-//! state folder, as long as that is not full, and in the history of runs.
+//! and the newest of them are kept to be shown. Each is in `features.jsonl` of the state folder, as
+//! long as that is not full, and in the history of runs.
 use super::control::Control;
+use super::features::{FeatureCount, WorkpieceLog, WorkpieceStatus, count, said_of};
 use super::request::{Accepted, Refusal};
-use super::status::{FeatureCount, count, said_of};
 use super::writer::Key;
 use crate::clock::unix_ms;
 use crate::config;
-use std::collections::VecDeque;
 use store::begun_run::{BegunRun, CutFeature};
 use store::state::{StateFolder, WorkpieceRecord, message_log};
 use verify::{Feature, Judge, Verdict};
 
-/// Features of programs before the last one that are kept to be shown.
-pub const MOST_SHOWN: usize = 500;
 /// Longest name of a workpiece.
 const LONGEST_NAME: usize = 200;
-
-/// What is known of the workpiece.
-#[derive(Debug, Default)]
-pub(super) struct WorkpieceLog {
-    /// Its number on this machine, from 1, its name, and what was cut from it by programs before
-    /// the last one.
-    pub(super) record: WorkpieceRecord,
-    /// The newest features of programs before the last one.
-    shown: VecDeque<Feature>,
-    /// What was cut, by a control before this one too, is another list than before.
-    changes: u64,
-}
-
-/// The workpiece, for a panel.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
-pub struct WorkpieceStatus {
-    /// Its number on this machine, from 1.
-    pub number: u32,
-    /// Its name; `null`: it has none.
-    pub name: Option<String>,
-    /// Programs that were started on it.
-    pub programs: u32,
-    /// It has ended: the next start begins another one.
-    pub is_ended: bool,
-    /// Features of it that are counted and no longer listed.
-    pub unlisted: usize,
-}
-
-impl WorkpieceLog {
-    /// As a control before this one has left it.
-    pub(super) fn of(record: Option<WorkpieceRecord>) -> Self {
-        let record = record.unwrap_or_else(|| WorkpieceRecord { number: 1, ..Default::default() });
-        Self { record, ..Self::default() }
-    }
-
-    /// Features of a program that is over.
-    fn keep(&mut self, features: Vec<Feature>) {
-        let FeatureCount { good, failed, not_judged } = count(&features);
-        self.record.good += good as u64;
-        self.record.failed += failed as u64;
-        self.record.not_judged += not_judged as u64;
-        self.changes += u64::from(!features.is_empty());
-        self.shown.extend(features);
-        let more = self.shown.len().saturating_sub(MOST_SHOWN);
-        self.shown.drain(..more);
-    }
-
-    /// What programs before the last one have cut.
-    pub(super) fn counted(&self) -> FeatureCount {
-        let WorkpieceRecord { good, failed, not_judged, .. } = self.record;
-        let of = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
-        FeatureCount { good: of(good), failed: of(failed), not_judged: of(not_judged) }
-    }
-}
 
 impl Control {
     /// What the last program has cut so far.

@@ -89,7 +89,7 @@ impl Origin {
 /// A datum as it was written last.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Entry {
+pub(super) struct WrittenDatum {
     /// Name of its file.
     pub(super) name: String,
     /// Generation in which it was written, and the one before; 0 is none.
@@ -117,7 +117,7 @@ pub(super) struct Manifest {
     #[serde(default)]
     pub(super) unacknowledged: Vec<StateChange>,
     #[serde(default)]
-    pub(super) file: Vec<Entry>,
+    pub(super) file: Vec<WrittenDatum>,
 }
 
 impl Manifest {
@@ -129,7 +129,7 @@ impl Manifest {
         Self { folder, machine, ..Self::default() }
     }
 
-    pub(super) fn entry(&self, name: &str) -> Option<&Entry> {
+    pub(super) fn entry(&self, name: &str) -> Option<&WrittenDatum> {
         self.file.iter().find(|entry| entry.name == name)
     }
 
@@ -140,11 +140,11 @@ impl Manifest {
             if entry.generation == generation { entry.before } else { entry.generation }
         });
         self.file.retain(|entry| entry.name != name);
-        self.file.push(Entry { name: name.to_owned(), generation, before, when, body });
+        self.file.push(WrittenDatum { name: name.to_owned(), generation, before, when, body });
     }
 
     /// What a file's second line says.
-    pub(super) fn origin(&self, entry: &Entry) -> Origin {
+    pub(super) fn origin(&self, entry: &WrittenDatum) -> Origin {
         Origin {
             generation: entry.generation,
             when: entry.when.clone(),

@@ -349,7 +349,7 @@ fn previous(name: &str) -> String {
 }
 
 /// A datum's file.
-fn sealed_entry(manifest: &Manifest, entry: &manifest::Entry) -> String {
+fn sealed_entry(manifest: &Manifest, entry: &manifest::WrittenDatum) -> String {
     let (kind, version) = data::kind(&entry.name);
     seal::sealed_as(kind, version, Some(&manifest.origin(entry)), &entry.body)
 }

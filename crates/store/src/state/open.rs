@@ -24,7 +24,7 @@ use std::path::Path;
 
 /// What is found while a folder is opened.
 #[derive(Default)]
-struct Found {
+struct FolderFindings {
     findings: Vec<Finding>,
     changes: Vec<StateChange>,
     /// Some file of a control is there.
@@ -56,7 +56,7 @@ impl StateFolder {
             is_batch: false,
         };
         folder.remove_remains()?;
-        let mut found = Found::default();
+        let mut found = FolderFindings::default();
         let has_manifest = folder.read_manifests(machine, &mut found)?;
         if !has_manifest {
             folder.refuse_legacy(machine, &mut found)?;
@@ -79,7 +79,7 @@ impl StateFolder {
         mut self,
         mut state: State,
         has_manifest: bool,
-        mut found: Found,
+        mut found: FolderFindings,
     ) -> (Self, State, Vec<Finding>) {
         if !has_manifest && !found.any && self.lock.had_state() {
             found.changes.push(StateChange {
@@ -116,7 +116,7 @@ impl StateFolder {
     fn read_manifests(
         &mut self,
         machine: &MachineIdentity,
-        found: &mut Found,
+        found: &mut FolderFindings,
     ) -> Result<bool, Error> {
         let (mut ours, mut foreign, mut newer, mut bad) = (Vec::new(), None, None, Vec::new());
         for name in MANIFESTS {
@@ -186,7 +186,11 @@ impl StateFolder {
     }
 
     /// A folder without manifest may say in `machine.toml` whose it is.
-    fn refuse_legacy(&mut self, machine: &MachineIdentity, found: &mut Found) -> Result<(), Error> {
+    fn refuse_legacy(
+        &mut self,
+        machine: &MachineIdentity,
+        found: &mut FolderFindings,
+    ) -> Result<(), Error> {
         match self.look::<Machine>(Machine::FILE) {
             Ok(Some(Sealed { value, .. })) if value.name != machine.name => {
                 Err(self.of_another(&format!("`{}`", value.name), &machine.to_string()))
@@ -220,7 +224,7 @@ impl StateFolder {
     fn read<D: Datum>(
         &mut self,
         has_manifest: bool,
-        found: &mut Found,
+        found: &mut FolderFindings,
     ) -> Result<Option<D>, Error> {
         let mut file = self.look::<D>(D::FILE);
         found.any |= !matches!(file, Ok(None));
@@ -308,7 +312,7 @@ impl StateFolder {
     fn read_unlisted<D: Datum>(
         &mut self,
         file: Result<Option<Sealed<D>>, Untrusted>,
-        found: &mut Found,
+        found: &mut FolderFindings,
     ) -> Option<D> {
         let said = match file {
             Ok(None) => return None,
@@ -342,7 +346,7 @@ impl StateFolder {
     fn read_alone<D: Datum>(
         &mut self,
         file: Result<Option<Sealed<D>>, Untrusted>,
-        found: &mut Found,
+        found: &mut FolderFindings,
     ) -> Result<Option<D>, Error> {
         let before = previous(D::FILE);
         let why = match &file {
@@ -395,7 +399,11 @@ impl StateFolder {
         Ok(Some(value))
     }
 
-    fn read_alarms(&mut self, has_manifest: bool, found: &mut Found) -> Vec<super::AlarmRecord> {
+    fn read_alarms(
+        &mut self,
+        has_manifest: bool,
+        found: &mut FolderFindings,
+    ) -> Vec<super::AlarmRecord> {
         let name = AlarmFile::NAME;
         let mut known = self.manifest.alarms;
         match plain::read(&self.path.join(name), AlarmFile::LARGEST) {
