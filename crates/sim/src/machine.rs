@@ -163,7 +163,8 @@ impl SimulatedMachine {
         self
     }
 
-    /// Clamp another workpiece: the same, without what was cut. Blanks beside a grinding wheel stay.
+    /// Clamp another workpiece: the same, without what was cut. Blanks beside a grinding wheel
+    /// stay.
     pub fn renew_work(&mut self) {
         if let (Some(cutting), Some(stock)) = (&mut self.cutting, &self.config.stock) {
             cutting.renew(&stock.holes);

@@ -80,8 +80,8 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
-    /// In a state folder; of what was not finished a run is made that was cut off, or it is removed.
-    /// `shown` makes of a program's path what clients see of it.
+    /// In a state folder; of what was not finished a run is made that was cut off, or it is
+    /// removed. `shown` makes of a program's path what clients see of it.
     ///
     /// # Errors
     /// The folder cannot be made.

@@ -1,4 +1,5 @@
-//! What a control has written last, in one file and its copy: `manifest.toml`, `manifest.copy.toml`.
+//! What a control has written last, in one file and its copy: `manifest.toml`,
+//! `manifest.copy.toml`.
 //!
 //! ```text
 //!   commit: manifest.toml ─► fsync ─► the data's own files, manifest.copy.toml ─► fsync

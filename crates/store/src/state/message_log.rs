@@ -1,5 +1,5 @@
-//! Logs, a line each: what programs have said to their operator, `messages.jsonl`, and what was cut,
-//! `features.jsonl`.
+//! Logs, a line each: what programs have said to their operator, `messages.jsonl`, and what was
+//! cut, `features.jsonl`.
 //!
 //! They are for people, and nothing is read from them; so their lines are appended without a seal.
 //! Of a large one the file before it is kept as `NAME.previous`, and no other.

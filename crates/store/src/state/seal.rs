@@ -9,8 +9,9 @@
 //! ```
 //!
 //! The second line says with which generation of the manifest it was written, when, and for which
-//! machine; the checksum covers it. A file that was cut short, or in which a byte has changed, is found by it. Who edits a file by
-//! hand writes `edited` in place of `checksum …`, and so says that the file is as it should be.
+//! machine; the checksum covers it. A file that was cut short, or in which a byte has changed, is
+//! found by it. Who edits a file by hand writes `edited` in place of `checksum …`, and so says that
+//! the file is as it should be.
 use super::manifest::Origin;
 use std::fmt;
 
