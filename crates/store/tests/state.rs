@@ -7,7 +7,7 @@ use std::path::Path;
 use store::parameters::Parameters;
 use store::state::{
     AlarmRecord, Finding, HomedAxis, Homing, LastProgram, LengthDisplay, MOST_ALARMS,
-    MachineIdentity, Settings, State, StateChange, StateFolder, Weight,
+    MachineIdentity, Settings, State, StateChange, StateFolder, Weight, WorkpieceRecord,
 };
 use test_support::size;
 use units::{Length, Time};
@@ -119,6 +119,7 @@ fn what_was_saved_last_is_there_after_the_control_is_switched_on_again() {
             last_program: Some(LastProgram { line: 251, ..program() }),
             alarms: vec![alarm(2101), alarm(2102)],
             settings: Some(settings()),
+            workpiece: None,
             changes: Vec::new(),
         };
         assert_eq!(state, wanted);
@@ -200,7 +201,7 @@ fn a_file_that_was_edited_and_says_so_is_in_force_and_each_value_is_named_until_
         assert_eq!(state.parameters, Some(parameters(-260.0)));
         let said = "parameters.var was edited by hand: it is used as it stands";
         assert_eq!((found[0].weight, found[0].to_string().as_str()), (Weight::Note, said));
-        assert_eq!(state.changes, [change.clone()]);
+        assert_eq!(state.changes, std::slice::from_ref(&change));
         // as often as the control is started, and whatever it keeps meanwhile
         let (mut folder, state, found) = open(path).unwrap();
         assert_eq!((state.changes, found), (vec![change], Vec::new()));
@@ -437,12 +438,13 @@ fn a_library_written_as_toml_reads_back_bit_for_bit() {
     assert_eq!(store::tools::parse_controls_toml(&store::tools::to_toml(&none)).unwrap(), none);
 }
 
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     "parameters.var",
     "tools.toml",
     "homing.toml",
     "program.toml",
     "settings.toml",
+    "workpiece.toml",
     "alarms.jsonl",
     "manifest.toml",
     "manifest.copy.toml",
@@ -538,6 +540,8 @@ fn written() -> (tempfile::TempDir, Others, State) {
         let zero = HomedAxis { axis: 'Z', zero: n, epoch: 1 };
         folder.save_homed(&Homing { axis: vec![zero] }).unwrap();
         folder.save_settings(&Settings { feed_override: n / 10.0, ..settings() }).unwrap();
+        let workpiece = WorkpieceRecord { number: n as u32, ..WorkpieceRecord::default() };
+        folder.save_workpiece(&workpiece).unwrap();
         folder.save_alarm(alarm(n as u32)).unwrap();
     };
     let with = |machine: &MachineIdentity, first: f64| {
@@ -584,6 +588,7 @@ fn held(folder: &Path, last: &State, what: &str) -> &'static str {
         ("axis Z", state.homed != last.homed),
         ("program", state.last_program != last.last_program),
         ("settings", state.settings != last.settings),
+        ("workpiece", state.workpiece != last.workpiece),
         ("alarms", state.alarms != last.alarms),
     ] {
         let is_all = named("all that was kept") || named("more values of");
