@@ -59,6 +59,8 @@ class RunOptions(ProgramOptions, total=False):
     """File of what is learnt from tap to tap; ``"off"``: none."""
     start_at: str | int | None
     """Begin at a line, at ``"hole 5"`` or at ``"tool 3"``: ``--from``."""
+    program_changed: bool | None
+    """Begin there though the program was changed since the sync record was written."""
     fault: Sequence[str] | str | None
     """Let the machine fail: ``"WHAT at MOMENT"``, as ``leadscrew run --help`` has it."""
     operator: Sequence[str] | str | None

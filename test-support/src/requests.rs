@@ -148,7 +148,7 @@ fn any(chance: &mut Chance, program: &Path) -> Request {
         9 => Request::TurnSpindle(chance.below(2) as usize, Spin::rpm(signed(chance, 12_000.0))),
         10 => Request::OrientSpindle(0, Angle::rev(chance.share())),
         11 => Request::Load(program.to_owned()),
-        12 => Request::Search(restart::From::Hole(1 + chance.below(6) as u32)),
+        12 => Request::Search(restart::From::Hole(1 + chance.below(6) as u32), false),
         13 => Request::Start,
         14 => Request::ManualDataInput("G91 G0 Z1\nG90".into()),
         15 => Request::FeedHold,

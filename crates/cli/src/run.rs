@@ -148,6 +148,7 @@ fn options(args: &RunArgs) -> RunOptions {
         force_ramp: args.force_ramp.map(Time::s),
         learning: args.learning.clone(),
         from: args.from,
+        program_changed: args.program_changed,
         faults: args.fault.clone(),
         operator: args.operator.clone(),
         recover: args.recover.map(Into::into),

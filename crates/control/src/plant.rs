@@ -113,6 +113,14 @@ impl Plant {
         })
     }
 
+    /// Another workpiece is clamped on a machine that is simulated here; on any other one that is
+    /// done by hand.
+    pub fn renew_work(&mut self) {
+        if let Self::Inside(machine) = self {
+            machine.machine_mut().renew_work();
+        }
+    }
+
     /// A fault of the machine is over.
     pub fn repair(&mut self, fault: Fault) {
         if let Self::Inside(machine) = self {

@@ -257,6 +257,11 @@ impl Running {
         self.services.record_writer.as_ref().map(RecordWriter::engaged)
     }
 
+    /// What each tool had cut when the last feature was judged, or since.
+    pub fn tool_use(&self) -> std::collections::BTreeMap<u32, canon::ToolUse> {
+        self.observers.tool_use()
+    }
+
     /// Before the first period: count what each tool cuts; this one is in the spindle.
     pub fn count_tool_use(&mut self, tool: u32) {
         if let Some(observers) = self.observers.here() {

@@ -7,6 +7,8 @@ mod proving;
 mod real_time;
 mod recovery;
 mod requests;
+mod state;
 mod stop_lane;
 mod stop_sequences;
 mod stops;
+mod workpiece;

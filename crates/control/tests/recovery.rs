@@ -116,3 +116,91 @@ fn a_tool_of_a_recovery_that_was_stopped_is_free_when_the_operator_says_so() {
     assert!(!control.status().is_tool_in_work);
     asked(&mut control, &Request::Power(true));
 }
+
+/// A machine that has been stopped somewhere in a tap, with this tool, at this depth of its tip, on
+/// its way in or out; `None`: the tap was over before.
+fn stopped_with(folder: &std::path::Path, tool: u32, depth: f64, inward: bool) -> Option<Control> {
+    let mut control = control();
+    asked(&mut control, &Request::Power(true));
+    until(&mut control, "ready", |control| control.status().is_ready);
+    asked(&mut control, &Request::Home(None));
+    until(&mut control, "homed", Control::is_homed_all);
+    let path = folder.join("one.ngc");
+    let text = format!(
+        "G21 G90 G54\nT{tool} M6\nG43 H{tool}\nS1500 M3\nG0 X12 Y12 Z30\nG99 G84 Z-14 R5 F1500\nG80\nG0 Z50\nM30\n"
+    );
+    std::fs::write(&path, text).unwrap();
+    asked(&mut control, &Request::Load(path));
+    asked(&mut control, &Request::Start);
+    for _ in 0..COMES {
+        control.period();
+        let activity = control.activity().name();
+        let (is_in, is_out) = (activity == "tap-in", activity == "tap-out");
+        let at = control.status().axes[2].work;
+        if inward && is_in && at < -depth || !inward && is_out && at > -depth {
+            return Some(control);
+        }
+        if control.execution() == Execution::ProgramCompleted {
+            return None;
+        }
+    }
+    None
+}
+
+/// Three recoveries, each stopped after a random time, and a fourth: whatever is said of the tool,
+/// a recovery that is asked for while the tool is said to be in the work is begun, and the last one
+/// brings it out. 2,000 at night.
+#[test]
+fn a_recovery_is_never_refused_for_a_false_reason_however_often_others_were_stopped_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = 0x2545_f491_4f6c_dd1d_u64;
+    let mut chance = || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (random >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut recovered, mut stopped, mut torn) = (0, 0, 0);
+    for case in 0..test_support::size::of(24, 2000) {
+        let tool = if chance() < 0.7 { 3 } else { 14 };
+        let (depth, inward) = (chance() * 14.0 - 1.0, chance() < 0.5);
+        let Some(mut control) = stopped_with(folder.path(), tool, depth, inward) else { continue };
+        asked(&mut control, &Request::EmergencyStop(true));
+        let mut said = format!("case {case}: T{tool}, {depth:.3} mm deep, inward {inward}");
+        for attempt in 0..4 {
+            for _ in 0..6000 {
+                control.period();
+            }
+            asked(&mut control, &Request::EmergencyStop(false));
+            control.period();
+            let status = control.status();
+            if control.broken_tool().is_some() {
+                torn += 1;
+                break;
+            }
+            if !status.is_tool_in_work {
+                break;
+            }
+            let at = status.axes[2].work;
+            if let Err(why) = control.request(&Request::Recover) {
+                panic!("{said}; recovery {attempt} at {at:.4} mm: {why}");
+            }
+            // the last one is not stopped
+            let after = if attempt == 3 { COMES } else { 1 + (chance().powi(2) * 9000.0) as usize };
+            for _ in 0..after {
+                control.period();
+                if !control.status().is_tool_in_work {
+                    break;
+                }
+            }
+            said = format!("{said}; {attempt} from {at:.4} mm, {after} periods");
+            if !control.status().is_tool_in_work {
+                recovered += 1;
+                break;
+            }
+            assert!(attempt < 3, "{said}: it does not come out: {:?}", control.status());
+            stopped += 1;
+            asked(&mut control, &Request::EmergencyStop(true));
+        }
+    }
+    println!("{recovered} recovered, {stopped} recoveries stopped, {torn} torn");
+    assert!(recovered > 0 && stopped > 0);
+}

@@ -310,6 +310,9 @@ impl fmt::Display for AlarmList {
              is off after 10 ms; if it reads again before, it is taken over as it moves and braked. Feed and\n\
              spindle of a thread are carried on their model until they read again, for 1 s at most\n\
              ([recovery](recovery.md#faults-of-feedback)).\n\n\
+             601, *the state in force is not what the control wrote last*, is raised by the control at its\n\
+             start and stops nothing: no program, no blocks and no homing are started until it is\n\
+             acknowledged ([what outlives the control](state.md)).\n\n\
              What is wrong with a *program* is found before anything moves; `leadscrew check` says it with\n\
              its code. This page is written from `crates/kernel/src/fault/text.rs`.\n\n",
         )?;

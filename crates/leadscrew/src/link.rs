@@ -80,8 +80,9 @@ impl Link {
             // a machine within this process begins anew each time: nothing can be in its work
             let machine = job.session.machine.name.clone();
             let identity = Identity { machine, serial: 0, epoch: 0 };
-            let (slots, _) = sync_record::open(folder, &identity)?
+            let (slots, kept) = sync_record::open(folder, &identity)?
                 .map_err(|why| Refused::because(why.to_string()))?;
+            refuse_changed(options, job, kept.record.as_ref())?;
             return Ok(Self { remote: None, state: Some((slots, identity)), recovered: None });
         };
         let machine = job.session.machine.name.clone();
@@ -103,6 +104,7 @@ impl Link {
             // the encoders show the tool outside: that is for a recovery to settle
             return Err(NotReady::Unsettled);
         }
+        refuse_changed(options, job, kept.record.as_ref())?;
         let checksum = crc32fast::hash(&job.program.text);
         let of_this = |r: &SyncRecord| r.stage == Stage::Recovered && r.place.checksum == checksum;
         let recovered = kept.record.filter(|r| options.from.is_some() && of_this(r));
@@ -163,6 +165,27 @@ pub(crate) fn simulated(job: &Job, seed: u64) -> Result<SimulatedMachine, Refuse
             Refused::because(format!("cams cannot be ground here: {problems}"))
         }),
     }
+}
+
+/// A program that was changed since its record was written is not begun in its middle without a
+/// word: its lines and holes may be others.
+fn refuse_changed(
+    options: &RunOptions,
+    job: &Job,
+    record: Option<&SyncRecord>,
+) -> Result<(), Refused> {
+    let Some(place) = record.map(|record| &record.place) else { return Ok(()) };
+    let file = |name: &str| std::path::Path::new(name).file_name().map(ToOwned::to_owned);
+    let is_this = file(&place.program).is_some() && file(&place.program) == file(&job.program.name);
+    let is_changed = place.checksum != crc32fast::hash(&job.program.text);
+    if options.from.is_none() || options.program_changed || !is_this || !is_changed {
+        return Ok(());
+    }
+    Err(Refused::because(format!(
+        "{} was changed since it was left at line {}, hole {}: its lines and holes may not be those that were cut; compare them, then say \
+         --program-changed",
+        job.program.name, place.line, place.hole
+    )))
 }
 
 /// Refuse where a tool is in the work, or may be.

@@ -48,6 +48,8 @@ pub struct RunOptions {
     pub learning: Option<PathBuf>,
     /// Begin in the middle.
     pub from: Option<restart::From>,
+    /// Begin there also where the program was changed since the sync record was written.
+    pub program_changed: bool,
     /// Faults of the machine, as `WHAT at MOMENT`.
     pub faults: Vec<String>,
     /// Orders of the operator, as `WHAT at MOMENT`.

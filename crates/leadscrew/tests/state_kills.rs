@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 use store::parameters::Parameters;
-use store::state::{AlarmRecord, LastProgram, State, StateFolder, Weight};
+use store::state::{AlarmRecord, LastProgram, MachineIdentity, State, StateFolder, Weight};
 use test_support::size;
 use units::Length;
 
@@ -21,6 +21,10 @@ const FOLDER: &str = "STATE_KILLS_FOLDER";
 const LONGEST_LIFE_MS: u64 = 400;
 const TAP: u32 = 3;
 const PROGRAM: &str = "G21 G90 G54 G17 G94\nT3 M6\nG43 H3\nS1000 M3\nG0 X0 Y0 Z20\nG99 G84 X0 Y0 Z-15 R5 F1000\nG80\nG0 Z50\nM2\n";
+
+fn machine() -> MachineIdentity {
+    MachineIdentity { name: "tapping-center".into(), axes: "XYZ".into(), spindles: 1 }
+}
 
 /// What was saved last of each datum: the number of the save is in every value of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,7 +54,7 @@ fn saved(state: &State) -> Saved {
 #[ignore = "the control that the other test kills"]
 fn control_that_is_killed() {
     let Some(path) = std::env::var_os(FOLDER) else { return };
-    let (mut folder, state, _) = StateFolder::open(Path::new(&path)).unwrap();
+    let (mut folder, state, _) = StateFolder::open(Path::new(&path), &machine()).unwrap();
     let mut last = saved(&state);
     let options = ProgramOptions::from("tapping-center");
     let mut session = Session::load(&options, "-".as_ref(), PROGRAM.as_bytes()).unwrap();
@@ -146,9 +150,10 @@ fn a_control_that_is_killed_at_any_instant_has_lost_nothing_that_it_acknowledged
         random ^= random << 17;
         let acknowledged =
             killed_after(Duration::from_millis(random % LONGEST_LIFE_MS), &path, before);
-        let (_, state, found) = StateFolder::open(&path).unwrap();
+        let (_, state, found) = StateFolder::open(&path, &machine()).unwrap();
         let serious: Vec<_> = found.iter().filter(|f| f.weight != Weight::Note).collect();
         assert!(serious.is_empty(), "kill {kill}: {serious:?}");
+        assert_eq!(state.changes, [], "kill {kill}: a kill is no damage");
         let now = saved(&state);
         for (kept, said) in [
             (now.offsets, acknowledged.offsets),

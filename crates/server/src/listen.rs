@@ -117,9 +117,10 @@ impl Server {
             .and_then(|all| all.without_folder_of("the login at the broker", login))
             .map_err(Refused)?;
         let tokens = token_file.as_deref().map(Tokens::read).transpose().map_err(Refused)?;
-        let runs = Runs::open(control.state.as_deref(), options.kept_runs).map_err(Refused)?;
         let shows = folder.clone();
         let shown = move |text: &str| shows.shown(text);
+        let runs =
+            Runs::open(control.state.as_deref(), options.kept_runs, &shown).map_err(Refused)?;
         let (recorder, recording) = Recorder::start(&runs, shown).map_err(Refused)?;
         let program = control.program.clone();
         let (told, pictures) = watch::channel(0);

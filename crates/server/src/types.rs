@@ -9,8 +9,9 @@ use crate::wire::{
 use control::RealTimeFigures;
 use control::operation::hosted::FindingData;
 use control::operation::{
-    AxisStatus, FeatureCount, LeftInWork, MessageStatus, NeedStatus, Overrides, ProgramStatus,
-    SpindleStatus, Status, Switches, WaitingStatus,
+    AxisStatus, FeatureCount, LeftInWork, LoadingStatus, MessageStatus, NeedStatus, Overrides,
+    ProgramStatus, SpindleStatus, StateChangeStatus, Status, Switches, WaitingStatus,
+    WorkpieceStatus,
 };
 use ts_rs::{Config, TS};
 
@@ -43,6 +44,9 @@ pub fn typescript() -> String {
         ProgramStatus,
         LeftInWork,
         MessageStatus,
+        LoadingStatus,
+        StateChangeStatus,
+        WorkpieceStatus,
         FeatureCount,
         RequestBody,
         ToolFieldName,

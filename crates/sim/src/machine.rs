@@ -44,6 +44,8 @@ pub struct SimulatedMachine {
     touch: Touch,
     /// The bar, where one turns in the first spindle.
     turning: Option<Turning>,
+    /// The bar as it is clamped.
+    new_bar: Option<Turning>,
     /// Where X, Y and Z are among `axes`.
     x_y_z: [Option<usize>; 3],
     feedback: Feedback,
@@ -93,6 +95,7 @@ impl SimulatedMachine {
             inputs: Inputs::default(),
             touch: Touch::default(),
             turning: None,
+            new_bar: None,
             x_y_z: [place(0), place(1), place(2)],
             feedback: Feedback::default(),
             truth: Truth::default(),
@@ -156,7 +159,17 @@ impl SimulatedMachine {
         let mut draws = Draws::new(Rng::new(self.config.seed ^ BAR), self.config.part);
         let scale = draws.factor(&self.config.scatter) * self.config.strength();
         self.turning = Some(Turning::new(bar, scale));
+        self.new_bar = self.turning.clone();
         self
+    }
+
+    /// Clamp another workpiece: the same, without what was cut. Blanks beside a grinding wheel
+    /// stay.
+    pub fn renew_work(&mut self) {
+        if let (Some(cutting), Some(stock)) = (&mut self.cutting, &self.config.stock) {
+            cutting.renew(&stock.holes);
+        }
+        self.turning.clone_from(&self.new_bar);
     }
 
     /// The same machine with these inputs.

@@ -10,6 +10,7 @@
 //!
 //! Units end at this edge: a key or column carries its unit in its name, a field its quantity.
 mod bases;
+pub mod begun_run;
 pub mod cams;
 pub mod certificate;
 mod kept_file;

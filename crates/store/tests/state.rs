@@ -2,13 +2,12 @@
 //! control is believed.
 
 use canon::{ToolLibrary, ToolUse};
-use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
 use store::parameters::Parameters;
 use store::state::{
-    AlarmRecord, Finding, HomedAxis, Homing, LastProgram, LengthDisplay, MOST_ALARMS, Settings,
-    State, StateFolder, Weight,
+    AlarmRecord, Finding, HomedAxis, Homing, LastProgram, LengthDisplay, MOST_ALARMS,
+    MachineIdentity, Settings, State, StateChange, StateFolder, Weight, WorkpieceRecord,
 };
 use test_support::size;
 use units::{Length, Time};
@@ -68,9 +67,17 @@ fn homing() -> Homing {
     Homing { axis: vec![HomedAxis { axis: 'Z', zero: -12.345_678_9, epoch: u64::MAX >> 1 }] }
 }
 
+fn machine() -> MachineIdentity {
+    MachineIdentity { name: "tapping-center".into(), axes: "XYZ".into(), spindles: 1 }
+}
+
+fn open(path: &Path) -> Result<(StateFolder, State, Vec<Finding>), store::Error> {
+    StateFolder::open(path, &machine())
+}
+
 /// A folder in which each datum was saved twice.
 fn kept(path: &Path) {
-    let (mut folder, _, _) = StateFolder::open(path).unwrap();
+    let (mut folder, _, _) = open(path).unwrap();
     for (x, wear) in [(-250.0, 0.0), (-251.5, -12.0)] {
         folder.save_parameters(&parameters(x)).unwrap();
         folder.save_tools(&tools(wear)).unwrap();
@@ -85,7 +92,7 @@ fn kept(path: &Path) {
 }
 
 fn opened(path: &Path) -> (State, Vec<Finding>) {
-    let (_, state, found) = StateFolder::open(path).unwrap();
+    let (_, state, found) = open(path).unwrap();
     (state, found)
 }
 
@@ -112,6 +119,8 @@ fn what_was_saved_last_is_there_after_the_control_is_switched_on_again() {
             last_program: Some(LastProgram { line: 251, ..program() }),
             alarms: vec![alarm(2101), alarm(2102)],
             settings: Some(settings()),
+            workpiece: None,
+            changes: Vec::new(),
         };
         assert_eq!(state, wanted);
     });
@@ -120,13 +129,13 @@ fn what_was_saved_last_is_there_after_the_control_is_switched_on_again() {
 #[test]
 fn a_second_control_is_refused_with_the_process_of_the_first() {
     in_a_folder(|path| {
-        let first = StateFolder::open(path).unwrap();
-        let refused = StateFolder::open(path).unwrap_err().to_string();
+        let first = open(path).unwrap();
+        let refused = open(path).unwrap_err().to_string();
         let id = std::process::id();
         let end = format!("another Leadscrew, process {id}, is controlling this machine");
         assert!(refused.ends_with(&end), "{refused}");
         drop(first);
-        assert!(StateFolder::open(path).is_ok());
+        assert!(open(path).is_ok());
     });
 }
 
@@ -134,29 +143,41 @@ fn a_second_control_is_refused_with_the_process_of_the_first() {
 fn the_sync_record_lies_in_the_same_folder_under_the_same_lock() {
     in_a_folder(|path| {
         use store::sync_record::slots::StateFolder as Records;
-        let (folder, _, _) = StateFolder::open(path).unwrap();
+        let (folder, _, _) = open(path).unwrap();
         assert!(Records::open(path).is_err());
         let records = Records::of(&folder);
         drop(folder);
-        assert!(StateFolder::open(path).is_err(), "the record's writer still has it");
+        assert!(open(path).is_err(), "the record's writer still has it");
         drop(records);
-        assert!(StateFolder::open(path).is_ok());
+        assert!(open(path).is_ok());
     });
 }
 
 #[test]
-fn a_folder_of_another_machine_is_not_used() {
+fn a_folder_of_another_machine_is_not_used_whichever_of_its_files_are_left() {
     in_a_folder(|path| {
-        let (mut folder, _, _) = StateFolder::open(path).unwrap();
-        assert_eq!(folder.claim("tapping-center").unwrap(), []);
-        assert_eq!(folder.claim("tapping-center").unwrap(), []);
-        let refused = folder.claim("vfd-mill").unwrap_err().to_string();
+        kept(path);
+        for other in [
+            MachineIdentity { name: "vfd-mill".into(), ..machine() },
+            MachineIdentity { axes: "XYZA".into(), ..machine() },
+            MachineIdentity { spindles: 2, ..machine() },
+        ] {
+            let refused = StateFolder::open(path, &other).unwrap_err().to_string();
+            let said = format!("the machine {}, and this one is {other}: name", machine());
+            assert!(refused.contains(&said), "{refused}");
+        }
+        let mill = MachineIdentity { name: "vfd-mill".into(), ..machine() };
+        for name in ["manifest.toml", "manifest.copy.toml"] {
+            fs::remove_file(path.join(name)).unwrap();
+        }
+        let refused = StateFolder::open(path, &mill).unwrap_err().to_string();
         assert!(refused.contains("`tapping-center`, and this one is `vfd-mill`"), "{refused}");
+        assert!(open(path).is_ok());
     });
 }
 
 #[test]
-fn a_file_that_was_edited_is_used_if_it_says_so_and_not_if_it_does_not() {
+fn a_file_that_was_edited_and_says_so_is_in_force_and_each_value_is_named_until_acknowledged() {
     in_a_folder(|path| {
         kept(path);
         let file = path.join("parameters.var");
@@ -165,15 +186,29 @@ fn a_file_that_was_edited_is_used_if_it_says_so_and_not_if_it_does_not() {
         assert_ne!(edited, text);
         fs::write(&file, &edited).unwrap();
         let (state, found) = opened(path);
-        assert_eq!(state.parameters, Some(parameters(-250.0)));
-        assert_eq!(found[0].weight, Weight::PreviousUsed);
+        assert_eq!((state.parameters, state.changes), (Some(parameters(-251.5)), Vec::new()));
+        assert_eq!(found[0].weight, Weight::Note);
         assert!(found[0].sentence.contains("writes `edited` in place of the checksum"));
         let (_, body) = edited.split_once('\n').unwrap();
         fs::write(&file, format!("# leadscrew parameters 1, edited\r\n{body}")).unwrap();
+        let change = StateChange {
+            datum: "G54 X".into(),
+            before: "-251.500".into(),
+            now: "-260.000".into(),
+            why: "parameters.var was edited by hand and is in force".into(),
+        };
         let (state, found) = opened(path);
         assert_eq!(state.parameters, Some(parameters(-260.0)));
         let said = "parameters.var was edited by hand: it is used as it stands";
         assert_eq!((found[0].weight, found[0].to_string().as_str()), (Weight::Note, said));
+        assert_eq!(state.changes, std::slice::from_ref(&change));
+        // as often as the control is started, and whatever it keeps meanwhile
+        let (mut folder, state, found) = open(path).unwrap();
+        assert_eq!((state.changes, found), (vec![change], Vec::new()));
+        folder.save_tools(&tools(9.0)).unwrap();
+        folder.acknowledge().unwrap();
+        drop(folder);
+        assert_eq!(opened(path).0.changes, []);
     });
 }
 
@@ -183,7 +218,7 @@ fn what_is_not_believed_is_set_aside_and_never_written_over() {
         kept(path);
         for (n, garbage) in ["shop's own words", "others"].iter().enumerate() {
             fs::write(path.join("tools.toml"), garbage).unwrap();
-            let (mut folder, state, _) = StateFolder::open(path).unwrap();
+            let (mut folder, state, _) = open(path).unwrap();
             assert!(state.tools.is_some());
             folder.save_tools(&tools(n as f64)).unwrap();
             let aside = path.join(format!("tools.toml.rejected-{}", n + 1));
@@ -194,14 +229,15 @@ fn what_is_not_believed_is_set_aside_and_never_written_over() {
 }
 
 #[test]
-fn a_control_that_was_killed_between_its_two_renames_has_lost_nothing() {
+fn a_file_that_is_missing_is_whole_again_from_the_manifest() {
     in_a_folder(|path| {
         kept(path);
         // on a file system without links the name is free for a moment
         fs::rename(path.join("tools.toml"), path.join("tools.toml.previous")).unwrap();
         let (state, found) = opened(path);
         assert_eq!(state.tools, Some(tools(-12.0)));
-        let said = "tools.toml is missing: the version before it is used";
+        let said =
+            "tools.toml is missing: what the control wrote last is in force, from the manifest";
         assert_eq!((found.len(), found[0].sentence.as_str()), (1, said));
     });
 }
@@ -213,7 +249,7 @@ fn a_save_after_a_kill_between_link_and_rename_leaves_no_link_behind() {
         // killed there, both names are links of one file
         fs::remove_file(path.join("tools.toml.previous")).unwrap();
         fs::hard_link(path.join("tools.toml"), path.join("tools.toml.previous")).unwrap();
-        let (mut folder, _, found) = StateFolder::open(path).unwrap();
+        let (mut folder, _, found) = open(path).unwrap();
         assert_eq!(found, []);
         folder.save_tools(&tools(5.0)).unwrap();
         assert!(!path.join(".state-new-tools.toml").exists());
@@ -239,7 +275,7 @@ fn hostile(name: &str, put: impl FnOnce(&Path)) -> String {
     let file = path.join(name);
     fs::remove_file(&file).unwrap();
     put(&file);
-    match StateFolder::open(&path) {
+    match open(&path) {
         Ok((mut folder, _, found)) => {
             assert_eq!(found.len(), 1, "{found:?}");
             folder.save_tools(&tools(77.0)).unwrap();
@@ -263,7 +299,7 @@ fn everything_hostile_in_a_files_place_is_one_sentence_and_does_no_harm() {
     let target = elsewhere.path().join("target");
     fs::write(&target, "of somebody else").unwrap();
     let link = |file: &Path| symlink(&target, file).unwrap();
-    let used = "the version before it is used";
+    let used = "what the control wrote last is in force, from the manifest";
     let not_plain = "and a state folder holds plain files";
     assert_eq!(
         hostile("tools.toml", link),
@@ -327,23 +363,30 @@ fn a_lock_that_is_a_folder_and_a_folder_that_is_a_file_are_refused_in_a_sentence
     let home = tempfile::tempdir().unwrap();
     let path = home.path().join("state");
     fs::create_dir_all(path.join("lock")).unwrap();
-    let refused = StateFolder::open(&path).unwrap_err().to_string();
+    let refused = open(&path).unwrap_err().to_string();
     assert!(refused.ends_with("it is a folder"), "{refused}");
     let file = home.path().join("file");
     fs::write(&file, "").unwrap();
-    assert!(StateFolder::open(&file).is_err());
+    assert!(open(&file).is_err());
 }
 
 #[test]
 fn of_very_many_alarms_the_newest_are_kept() {
     in_a_folder(|path| {
         // a full file, as a control would have written it
-        let (mut folder, _, _) = StateFolder::open(path).unwrap();
+        let (mut folder, _, _) = open(path).unwrap();
         folder.save_alarm(alarm(0)).unwrap();
         let line = fs::read_to_string(path.join("alarms.jsonl")).unwrap();
         drop(folder);
-        fs::write(path.join("alarms.jsonl"), line.repeat(MOST_ALARMS)).unwrap();
-        let (mut folder, state, found) = StateFolder::open(path).unwrap();
+        assert!(line.starts_with("{\"nth\":1,"));
+        let (mut folder, _, _) = open(path).unwrap();
+        folder.begin_batch();
+        for _ in 1..MOST_ALARMS {
+            folder.save_alarm(alarm(0)).unwrap();
+        }
+        folder.commit().unwrap();
+        drop(folder);
+        let (mut folder, state, found) = open(path).unwrap();
         assert_eq!((state.alarms.len(), found.len()), (MOST_ALARMS, 0));
         folder.save_alarm(alarm(1)).unwrap();
         folder.save_alarm(alarm(2)).unwrap();
@@ -361,7 +404,7 @@ fn an_alarm_that_was_cut_short_by_a_power_cut_costs_no_other() {
         let file = path.join("alarms.jsonl");
         let whole = fs::read(&file).unwrap();
         fs::write(&file, &whole[..whole.len() - 9]).unwrap();
-        let (mut folder, state, found) = StateFolder::open(path).unwrap();
+        let (mut folder, state, found) = open(path).unwrap();
         assert_eq!((state.alarms, found.len()), (vec![alarm(2101)], 1));
         folder.save_alarm(alarm(2103)).unwrap();
         drop(folder);
@@ -395,77 +438,252 @@ fn a_library_written_as_toml_reads_back_bit_for_bit() {
     assert_eq!(store::tools::parse_controls_toml(&store::tools::to_toml(&none)).unwrap(), none);
 }
 
-const FILES: [&str; 6] = [
+const FILES: [&str; 9] = [
     "parameters.var",
     "tools.toml",
     "homing.toml",
     "program.toml",
     "settings.toml",
+    "workpiece.toml",
     "alarms.jsonl",
+    "manifest.toml",
+    "manifest.copy.toml",
 ];
 
-/// A folder whose file was damaged: what it says is what was saved last or before, and if not the
-/// last, a sentence says so.
-fn damaged(name: &str, damage: impl FnOnce(&mut Vec<u8>)) -> Result<(), TestCaseError> {
-    let home = tempfile::tempdir().unwrap();
-    let path = home.path().join("state");
-    kept(&path);
-    let (last, _) = opened(&path);
-    let file = path.join(name);
-    let mut bytes = fs::read(&file).unwrap();
-    let whole = bytes.clone();
-    damage(&mut bytes);
-    fs::write(&file, &bytes).unwrap();
-    let (state, found) = opened(&path);
-    if found.is_empty() {
-        prop_assert!(state == last, "{name} is believed, and it was damaged");
-        // nothing that counts was damaged, or an alarm's whole line is gone
-        prop_assert!(bytes == whole || name == "alarms.jsonl", "{name}");
-        return Ok(());
-    }
-    prop_assert_eq!(found.len(), 1);
-    prop_assert!(found[0].sentence.starts_with(name));
-    if name == "alarms.jsonl" {
-        prop_assert!(state.alarms.iter().all(|a| *a == alarm(2101) || *a == alarm(2102)));
-        return Ok(());
-    }
-    prop_assert_eq!(found[0].weight, Weight::PreviousUsed);
-    let before = State {
-        parameters: Some(parameters(-250.0)),
-        tools: Some(tools(0.0)),
-        homed: Homing::default(),
-        last_program: Some(LastProgram { line: 250, ..program() }),
-        settings: Some(Settings::default()),
-        alarms: last.alarms.clone(),
-    };
-    let expected = match name {
-        "parameters.var" => State { parameters: before.parameters, ..last },
-        "tools.toml" => State { tools: before.tools, ..last },
-        "homing.toml" => State { homed: before.homed, ..last },
-        "program.toml" => State { last_program: before.last_program, ..last },
-        _ => State { settings: before.settings, ..last },
-    };
-    prop_assert_eq!(state, expected);
-    Ok(())
+/// What becomes of files of a state while no control has the folder.
+#[derive(Clone, Copy, Debug)]
+enum Damage {
+    BitFlipped(usize, u8),
+    CutShort(usize),
+    Emptied,
+    Removed,
+    /// Together with the version before, and the other copy.
+    RemovedWithItsBackup,
+    /// The same file of another machine, and of another folder of this one.
+    OfAnotherMachine,
+    OfAnotherFolder,
+    OfANewerVersion,
+    /// As it was when each datum had been saved once.
+    AnOlderCopy,
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(size::of(60, 1200)))]
-
-    #[test]
-    fn a_byte_changed_anywhere_is_noticed_and_the_version_before_is_used(
-        file in 0..FILES.len(), at in any::<prop::sample::Index>(), change in 1..=255_u8
-    ) {
-        damaged(FILES[file], |bytes| {
-            let at = at.index(bytes.len());
-            bytes[at] ^= change;
-        })?;
+impl Damage {
+    fn all(at: usize, bit: u8) -> [Self; 9] {
+        [
+            Self::BitFlipped(at, bit),
+            Self::CutShort(at),
+            Self::Emptied,
+            Self::Removed,
+            Self::RemovedWithItsBackup,
+            Self::OfAnotherMachine,
+            Self::OfAnotherFolder,
+            Self::OfANewerVersion,
+            Self::AnOlderCopy,
+        ]
     }
 
-    #[test]
-    fn a_file_cut_short_anywhere_is_noticed_and_the_version_before_is_used(
-        file in 0..FILES.len() - 1, at in any::<prop::sample::Index>()
-    ) {
-        damaged(FILES[file], |bytes| bytes.truncate(at.index(bytes.len())))?;
+    fn strike(self, path: &Path, name: &str, others: &Others) {
+        let file = path.join(name);
+        let mut bytes = fs::read(&file).unwrap();
+        let of = |folder: &tempfile::TempDir| fs::read(folder.path().join(name)).unwrap();
+        match self {
+            Self::BitFlipped(at, bit) => {
+                let at = at % bytes.len();
+                bytes[at] ^= 1 << (bit % 8);
+            }
+            Self::CutShort(at) => bytes.truncate(at % bytes.len()),
+            Self::Emptied => bytes.clear(),
+            Self::Removed => return fs::remove_file(&file).unwrap(),
+            Self::RemovedWithItsBackup => {
+                let all = match name.strip_prefix("manifest") {
+                    Some(_) => vec!["manifest.toml".into(), "manifest.copy.toml".into()],
+                    None => vec![name.to_owned(), format!("{name}.previous")],
+                };
+                return all.iter().for_each(|name: &String| {
+                    let _ = fs::remove_file(path.join(name)); // it has no version before
+                });
+            }
+            Self::OfAnotherMachine => bytes = of(&others.machine),
+            Self::OfAnotherFolder => bytes = of(&others.folder),
+            Self::OfANewerVersion => {
+                let text = String::from_utf8(bytes).unwrap();
+                bytes = text.replacen(" 1, checksum ", " 9, checksum ", 1).into_bytes();
+            }
+            Self::AnOlderCopy => bytes = of(&others.before),
+        }
+        fs::write(file, bytes).unwrap();
     }
+}
+
+/// Folders from which files are taken.
+struct Others {
+    machine: tempfile::TempDir,
+    folder: tempfile::TempDir,
+    before: tempfile::TempDir,
+}
+
+fn copied(from: &Path) -> tempfile::TempDir {
+    let to = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        fs::copy(entry.path(), to.path().join(entry.file_name())).unwrap();
+    }
+    to
+}
+
+/// A folder as it was left, the same state that differs in each value, and the folder before that.
+fn written() -> (tempfile::TempDir, Others, State) {
+    let all = |folder: &mut StateFolder, n: f64| {
+        folder.save_parameters(&parameters(n)).unwrap();
+        folder.save_tools(&tools(n)).unwrap();
+        folder.save_last_program(&LastProgram { line: n as u32, ..program() }).unwrap();
+        let zero = HomedAxis { axis: 'Z', zero: n, epoch: 1 };
+        folder.save_homed(&Homing { axis: vec![zero] }).unwrap();
+        folder.save_settings(&Settings { feed_override: n / 10.0, ..settings() }).unwrap();
+        let workpiece = WorkpieceRecord { number: n as u32, ..WorkpieceRecord::default() };
+        folder.save_workpiece(&workpiece).unwrap();
+        folder.save_alarm(alarm(n as u32)).unwrap();
+    };
+    let with = |machine: &MachineIdentity, first: f64| {
+        let home = tempfile::tempdir().unwrap();
+        let (mut folder, _, _) = StateFolder::open(home.path(), machine).unwrap();
+        all(&mut folder, first);
+        (home, folder)
+    };
+    let (home, mut folder) = with(&machine(), 1.0);
+    let before = copied(home.path());
+    all(&mut folder, 2.0);
+    drop(folder);
+    let mill = MachineIdentity { name: "vfd-mill".into(), ..machine() };
+    let others = Others { machine: with(&mill, 3.0).0, folder: with(&machine(), 4.0).0, before };
+    let (state, found) = opened(home.path());
+    assert_eq!(found, []);
+    (home, others, state)
+}
+
+/// After any damage the state is the same, or the start is refused, or each value that is another
+/// one is named, at this start and at the next.
+fn held(folder: &Path, last: &State, what: &str) -> &'static str {
+    let (state, found) = match open(folder) {
+        Ok((folder, state, found)) => {
+            drop(folder);
+            (state, found)
+        }
+        Err(refused) => {
+            let why = refused.to_string();
+            assert!(why.contains("name another folder"), "{what}: {why}");
+            return "refused";
+        }
+    };
+    if state.changes.is_empty() {
+        assert_eq!(state, *last, "{what}: {found:?}");
+        let (again, found) = opened(folder);
+        assert_eq!((again, found), (last.clone(), Vec::new()), "{what}: it is whole again");
+        return "the same state";
+    }
+    let named = |part: &str| state.changes.iter().any(|change| change.datum.contains(part));
+    for (part, differs) in [
+        ("G54 X", state.parameters != last.parameters),
+        ("tool 3", state.tools != last.tools),
+        ("axis Z", state.homed != last.homed),
+        ("program", state.last_program != last.last_program),
+        ("settings", state.settings != last.settings),
+        ("workpiece", state.workpiece != last.workpiece),
+        ("alarms", state.alarms != last.alarms),
+    ] {
+        let is_all = named("all that was kept") || named("more values of");
+        let is_all = is_all || named("history of alarms") && part == "alarms";
+        assert!(!differs || named(part) || is_all, "{what}: {part}: {:?}", state.changes);
+    }
+    let (again, _) = opened(folder);
+    assert_eq!(again, state, "{what}: it is said as long as it is not acknowledged");
+    "named"
+}
+
+#[test]
+fn whatever_becomes_of_a_file_the_state_is_the_same_or_each_value_that_differs_is_named() {
+    let (home, others, last) = written();
+    let mut random = 0x9e37_79b9_7f4a_7c15_usize;
+    for round in 0..size::of(2, 60) {
+        for name in FILES {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            for damage in Damage::all(random >> 20, (random >> 12) as u8) {
+                let folder = copied(home.path());
+                damage.strike(folder.path(), name, &others);
+                let what = format!("round {round}: {name}: {damage:?}");
+                let ended = held(folder.path(), &last, &what);
+                // one file alone costs nothing: it is in the manifest, which is there twice
+                let is_alone = !matches!(damage, Damage::RemovedWithItsBackup)
+                    || !name.starts_with("manifest");
+                let is_history = name == "alarms.jsonl";
+                assert!(!is_alone || is_history || ended == "the same state", "{what}: {ended}");
+            }
+        }
+    }
+}
+
+#[test]
+fn whatever_becomes_of_two_files_at_once_the_same_holds() {
+    let (home, others, last) = written();
+    let mut random = 0x2545_f491_4f6c_dd1d_usize;
+    let mut ends = std::collections::BTreeMap::<_, u32>::new();
+    for round in 0..size::of(120, 5000) {
+        let folder = copied(home.path());
+        let mut what = format!("round {round}");
+        for _ in 0..2 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let name = FILES[(random >> 40) % FILES.len()];
+            let damage = Damage::all(random >> 20, (random >> 12) as u8)[(random >> 50) % 9];
+            what = format!("{what}; {name}: {damage:?}");
+            if folder.path().join(name).exists() {
+                damage.strike(folder.path(), name, &others);
+            }
+        }
+        *ends.entry(held(folder.path(), &last, &what)).or_default() += 1;
+    }
+    println!("{ends:?}");
+    assert!(ends["the same state"] > 0 && ends["named"] > 0, "{ends:?}");
+}
+
+#[test]
+fn a_folder_whose_files_are_all_gone_is_no_new_one() {
+    let (home, _, _) = written();
+    for entry in fs::read_dir(home.path()).unwrap() {
+        let entry = entry.unwrap();
+        if entry.file_name() != "lock" {
+            fs::remove_file(entry.path()).unwrap();
+        }
+    }
+    let (state, _) = opened(home.path());
+    assert_eq!(state.changes[0].datum, "all that was kept");
+    let new = tempfile::tempdir().unwrap();
+    assert_eq!(opened(new.path()), (State::default(), Vec::new()));
+    assert_eq!(opened(new.path()), (State::default(), Vec::new()), "it has kept nothing yet");
+}
+
+#[test]
+fn a_folder_of_a_version_without_manifest_is_used_when_its_values_are_acknowledged() {
+    in_a_folder(|path| {
+        fs::create_dir(path).unwrap();
+        let body = "5221\t5.000000\n";
+        let checksum = crc32(body);
+        let text = format!("# leadscrew parameters 1, checksum {checksum:08x}\n{body}");
+        fs::write(path.join("parameters.var"), text).unwrap();
+        let (mut folder, state, _) = open(path).unwrap();
+        assert_eq!(state.parameters.unwrap().get(5221), Some(5.0));
+        let said = state.changes[0].to_string();
+        assert!(said.starts_with("G54 X not known → 5.000: parameters.var "), "{said}");
+        folder.acknowledge().unwrap();
+        drop(folder);
+        assert_eq!(opened(path).0.changes, []);
+    });
+}
+
+/// CRC-32 of ISO-HDLC, a bit at a time.
+fn crc32(text: &str) -> u32 {
+    !text.bytes().fold(!0_u32, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 }
+        })
+    })
 }

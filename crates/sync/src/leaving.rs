@@ -69,6 +69,11 @@ impl Setting {
         if self.is_stiff() { GIVE.0 } else { GIVE.1 }
     }
 
+    /// A tap whose tip is so deep, below zero over the work, is out of it whatever its angle.
+    pub fn is_in_air(&self, depth: Length) -> bool {
+        depth < -self.give()
+    }
+
     /// How far off its coupling a tap is when its core tears.
     pub fn bears(&self) -> Length {
         let core = CORE * self.diameter.value();
@@ -91,7 +96,7 @@ impl Stored {
         }
         let depth = (at.place - setting.surface) * self.inward();
         let (error, give) = (self.error(at).abs(), setting.give());
-        if depth < -give || depth <= Length::ZERO && error > give {
+        if setting.is_in_air(depth) || depth <= Length::ZERO && error > give {
             return Ok(Leaving::Straight);
         }
         let bears = setting.bears();

@@ -59,6 +59,18 @@ pub(crate) struct Drilled {
     pub(crate) bottom_mm: f64,
 }
 
+impl Drilled {
+    /// Another hole is part of this one: in the same place, as wide, and no deeper.
+    pub(crate) fn stands_for(&self, other: &Self) -> bool {
+        const SAME: Length = Length::um(1.0);
+        let is_near = |a: Length, b: Length| (a - b).abs() <= SAME;
+        is_near(self.at[0], other.at[0])
+            && is_near(self.at[1], other.at[1])
+            && is_near(self.diameter, other.diameter)
+            && self.bottom_mm <= other.bottom_mm + SAME.value()
+    }
+}
+
 impl HoleTrack {
     pub(crate) fn new(stroke: Stroke) -> Self {
         Self { stroke, visit: Visit::new() }

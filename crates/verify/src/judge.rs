@@ -323,6 +323,12 @@ impl Judge {
         &self.features
     }
 
+    /// The features judged so far, which the judge forgets.
+    pub fn take_features(&mut self) -> Vec<Feature> {
+        self.thrown.clear();
+        std::mem::take(&mut self.features)
+    }
+
     /// Nothing is ordered that was not judged yet: what is there is all that [`Self::finish`] would
     /// say.
     pub fn is_settled(&self) -> bool {
@@ -370,7 +376,11 @@ impl Judge {
             (Track::Hole { track, tool }, _) => {
                 let with = (tool, tool.and_then(|number| config.tools.get(number)));
                 track.finish(op, line, with, now, config, &self.drilled).map(|(found, drilled)| {
-                    self.drilled.extend(drilled);
+                    if let Some(new) = drilled {
+                        // the same hole, drilled again by the same tool
+                        self.drilled.retain(|old| !new.stands_for(old));
+                        self.drilled.push(new);
+                    }
                     found.map(FeatureKind::Hole)
                 })
             }

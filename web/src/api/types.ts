@@ -92,13 +92,22 @@ left_in_work?: LeftInWork,
  */
 message?: MessageStatus, 
 /**
- * Features of the workpiece.
+ * Features of the workpiece, over all programs that were started on it.
  */
 features: FeatureCount, 
+/**
+ * The workpiece.
+ */
+workpiece: WorkpieceStatus, 
 /**
  * Alarms that no reset has cleared.
  */
 alarms: Array<string>, 
+/**
+ * What is in force and is not what the control wrote last: until it is acknowledged, no
+ * program, no blocks and no homing are started.
+ */
+state_changes?: Array<StateChangeStatus>, 
 /**
  * What requests may need and is not so now.
  */
@@ -343,6 +352,56 @@ line: number,
  */
 time_s: number, };
 
+export type LoadingStatus = { 
+/**
+ * Its name; `MDI` of what was typed.
+ */
+name: string, 
+/**
+ * How much of it is done, percent.
+ */
+percent: number, };
+
+export type StateChangeStatus = { 
+/**
+ * Its name: `G54 X`, `tool 3 length_mm`; or the file, where nothing more is known.
+ */
+datum: string, 
+/**
+ * As the control wrote it last.
+ */
+before: string, 
+/**
+ * As it is in force.
+ */
+now: string, 
+/**
+ * Which copy is in force, from when, and why.
+ */
+why: string, };
+
+export type WorkpieceStatus = { 
+/**
+ * Its number on this machine, from 1.
+ */
+number: number, 
+/**
+ * Its name; `null`: it has none.
+ */
+name: string | null, 
+/**
+ * Programs that were started on it.
+ */
+programs: number, 
+/**
+ * It has ended: the next start begins another one.
+ */
+is_ended: boolean, 
+/**
+ * Features of it that are counted and no longer listed.
+ */
+unlisted: number, };
+
 export type FeatureCount = { 
 /**
  * Within tolerance.
@@ -357,7 +416,11 @@ failed: number,
  */
 not_judged: number, };
 
-export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
+export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, 
+/**
+ * Also where the program was changed since it was left half done.
+ */
+program_changed?: boolean, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "begin_workpiece", name?: string, } | { "request": "end_workpiece", } | { "request": "acknowledge_state", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
 
 export type ToolFieldName = "length" | "diameter" | "wear_length" | "wear_radius";
 
@@ -948,6 +1011,11 @@ cycle_time_s: number,
  * The program came to its end.
  */
 has_ended: boolean, 
+/**
+ * The control ended, or was killed, while it was under way: what is known of it was kept as it
+ * was cut.
+ */
+was_cut_off: boolean, 
 /**
  * `good`, `failed`, `not_judged`: of the whole run.
  */

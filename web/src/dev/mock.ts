@@ -61,7 +61,7 @@ export function mock(): void {
       tool: 3, work_offset: 'G54', codes: ['G0', 'G17', 'G21', 'G90', 'G94', 'G54', 'G43', 'G80', 'M3', 'M8'],
       overrides: { feed_percent: 100, rapid_percent: 50, spindle_percent: 100, is_locked: true },
       program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s, left_s: Math.max(0, 62 - s), ahead_s: 0.5 }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
-      features: { good: 6, failed: 0, not_judged: 1 }, alarms: [], path_mm_per_min: 0, switches: { single_block: false, optional_stop: false, block_skip: [] }, unmet: ['program_waits_for_confirmation', ...(how ? ['program_under_way'] : [])].map((need) => ({ need, reason: 'this is a mock', remedy: null })),
+      features: { good: 6, failed: 0, not_judged: 1 }, workpiece: { number: 1, name: null, programs: 1, is_ended: false, unlisted: 0 }, alarms: [], path_mm_per_min: 0, switches: { single_block: false, optional_stop: false, block_skip: [] }, unmet: ['program_waits_for_confirmation', ...(how ? ['program_under_way'] : [])].map((need) => ({ need, reason: 'this is a mock', remedy: null })),
     };
     if (how === 'stuck') Object.assign(status, { execution: 'STOPPED', activity: 'idle', sync_error_um: -3.2, alarms: ['the encoder of spindle 0 says nothing'] });
     if (how === 'manual') Object.assign(status, { execution: 'READY', mode: 'MANUAL', activity: 'idle', sync_error_um: null, is_tool_in_work: false });

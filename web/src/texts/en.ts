@@ -180,6 +180,13 @@ export const alarmTexts = {
   none: 'No alarm stops the machine.',
   nothing: 'no alarm stops the machine: there is nothing to reset',
   nonePast: 'What a reset has cleared appears here, with its cause and remedy.',
+  state: 'State that the control has not written',
+  stateHint: 'Compare each value with the work, the tools and the machine, correct it, then acknowledge. Until then no program, no blocks and no homing are started.',
+  acknowledge: 'Acknowledge',
+  datum: 'Value',
+  before: 'As written last',
+  now: 'In force',
+  why: 'Why',
   remedy: 'Remedy',
   time: 'Time',
   what: 'What has happened',
@@ -255,6 +262,9 @@ export const resultTexts = {
   verdict: 'Verdict', what: 'What', line: 'Line', depth: 'Depth', depthError: 'Depth error', class: 'Class', time: 'At',
   verdicts: { good: 'good', failed: 'out of tolerance', not_judged: 'not judged' },
   chooseHint: 'Choose a feature: what was measured of it appears here.',
+  workpiece: (number: number, name: string | null) => (name ? `Workpiece ${number}, ${name}` : `Workpiece ${number}`),
+  beginWorkpiece: 'Next workpiece', endWorkpiece: 'Workpiece is done', hasEnded: 'it has ended: the next start begins another one',
+  unlisted: (count: number) => `${count} more are counted and no longer listed: the runs have them.`,
 };
 
 export const runTexts = {
@@ -262,7 +272,8 @@ export const runTexts = {
   program: 'Program', searchHint: 'part of its name',
   ended: 'Ended', cycleTime: 'Time', features: 'Features',
   counts: (good: number, failed: number, notJudged: number) => [`${good} good`, failed > 0 ? `${failed} out` : '', notJudged > 0 ? `${notJudged} not judged` : ''].filter(Boolean).join(', '),
-  notEnded: 'given up',
+  notEnded: 'given up', cutOff: 'cut off',
+  cutOffHint: (counts: string) => `The control ended while this program was under way. Cut until then: ${counts || 'nothing'}.`,
   empty: 'Each program that ends is kept here with its report: start one.',
   noneFound: 'No run that is kept is like this.',
   notKept: 'Runs are not kept: start the control with --state FOLDER.',
@@ -309,6 +320,7 @@ export const beginTexts = {
   at: { hole: 'Hole', line: 'Line', tool: 'Tool' },
   number: 'Number',
   search: 'Search',
+  programChanged: 'The program was changed since',
   noNumber: 'a hole, line or tool has a whole number, 1 or more',
 };
 

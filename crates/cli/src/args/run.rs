@@ -5,6 +5,7 @@ use control::job::ProgramOptions;
 use std::path::PathBuf;
 
 /// `leadscrew run`.
+#[allow(clippy::struct_excessive_bools)] // options, each asked for by itself
 #[derive(Args, Debug, Clone)]
 pub(crate) struct RunArgs {
     /// The program; `-` reads standard input
@@ -58,6 +59,9 @@ pub(crate) struct RunArgs {
     /// spindle and modes as they would be there; never within a cycle
     #[arg(long, value_name = "LINE|hole N|tool N")]
     pub(crate) from: Option<control::job::restart::From>,
+    /// Begin there though the program is not the one of the sync record: it was changed since
+    #[arg(long, requires = "from")]
+    pub(crate) program_changed: bool,
     /// Let the machine fail: WHAT at MOMENT; several separated by `;`, see below
     #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "simulator")]
     pub(crate) fault: Vec<String>,

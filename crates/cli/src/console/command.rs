@@ -39,7 +39,7 @@ const WAITS: Time = Time::s(600.0);
 const JOGS: Time = Time::s(1.0);
 
 /// What can be typed: words, and what they do.
-pub(crate) const WORDS: [(&str, &str); 43] = [
+pub(crate) const WORDS: [(&str, &str); 46] = [
     ("power on|off", "drives on or off"),
     ("emergency stop|release", "press or release the emergency stop of the simulated machine"),
     ("home [AXIS]", "home an axis, or all in the machine's order"),
@@ -52,13 +52,19 @@ pub(crate) const WORDS: [(&str, &str); 43] = [
     ("spindle stop", "bring it to rest"),
     ("spindle orient 90", "bring it to so many degrees and hold it there"),
     ("load FILE", "load a program"),
-    ("search line 27|hole 5|tool 3", "where the program would begin, and what is restored before"),
+    (
+        "search line 27|hole 5|tool 3 [program changed]",
+        "where the program would begin, and what is restored before",
+    ),
     ("start", "start the program, from where the search has led"),
     ("mdi BLOCKS", "execute blocks; several are separated by ;"),
     ("hold", "hold the feed"),
     ("resume", "go on after a hold or a block"),
     ("confirm", "go on after M0 or M1"),
     ("stop", "give the program up"),
+    ("workpiece begin [NAME]", "another one is clamped: what is cut counts for it"),
+    ("workpiece end", "it is done: the next start begins another one"),
+    ("acknowledge state", "the values in force were compared with what the control wrote last"),
     ("reset", "clear alarms, forget what was executed"),
     ("retract", "back a held tap out of its thread"),
     ("recover", "take a tool out after drives, power or an encoder were gone"),
@@ -115,15 +121,24 @@ impl Command {
                 Self::Request(Request::SpindleOverride(share(percent)?))
             }
             ["spindle", rest @ ..] => spindle(rest)?,
+            ["search", rest @ .., "program", "changed"] => {
+                Self::Request(Request::Search(rest.join(" ").parse()?, true))
+            }
             ["search", rest @ ..] => {
                 let from: restart::From = rest.join(" ").parse()?;
-                Self::Request(Request::Search(from))
+                Self::Request(Request::Search(from, false))
             }
             ["start"] => Self::Request(Request::Start),
             ["hold"] => Self::Request(Request::FeedHold),
             ["resume"] => Self::Request(Request::Resume),
             ["confirm"] => Self::Request(Request::Confirm),
             ["stop"] => Self::Request(Request::Stop),
+            ["workpiece", "begin"] => Self::Request(Request::BeginWorkpiece(None)),
+            ["workpiece", "begin", name @ ..] => {
+                Self::Request(Request::BeginWorkpiece(Some(name.join(" "))))
+            }
+            ["workpiece", "end"] => Self::Request(Request::EndWorkpiece),
+            ["acknowledge", "state"] => Self::Request(Request::AcknowledgeState),
             ["reset"] => Self::Request(Request::Reset),
             ["retract"] => Self::Request(Request::Retract),
             ["recover"] => Self::Request(Request::Recover),
@@ -331,7 +346,7 @@ mod tests {
         );
         assert_eq!(
             read("search hole 5"),
-            Command::Request(Request::Search(restart::From::Hole(5)))
+            Command::Request(Request::Search(restart::From::Hole(5), false))
         );
         assert_eq!(read("wait 2 s"), Command::Pass(Time::s(2.0)));
         assert_eq!(

@@ -1,7 +1,7 @@
 //! Status, features, alarms, offsets and tools as text.
 use super::command::WORDS;
 use canon::Axis;
-use control::operation::{Control, Status};
+use control::operation::{Control, StateChangeStatus, Status, WorkpieceStatus};
 use std::fmt::Write as _;
 use units::Coordinate;
 
@@ -79,11 +79,19 @@ pub(super) fn status(status: &Status, as_json: bool) -> String {
     let features = status.features;
     let _ = writeln!(
         text,
-        "  features: {} good, {} out of tolerance, {} not judged",
-        features.good, features.failed, features.not_judged
+        "  {}: {} features good, {} out of tolerance, {} not judged, {} programs",
+        workpiece(&status.workpiece),
+        features.good,
+        features.failed,
+        features.not_judged,
+        status.workpiece.programs
     );
     for alarm in &status.alarms {
         let _ = writeln!(text, "  {alarm}");
+    }
+    for change in &status.state_changes {
+        let StateChangeStatus { datum, before, now, why } = change;
+        let _ = writeln!(text, "  state: {datum} {before} → {now}: {why}");
     }
     text
 }
@@ -97,13 +105,26 @@ pub(super) fn features(control: &Control) -> String {
     for breach in control.breaches() {
         let _ = writeln!(text, "  safety check violated: {breach}");
     }
-    let count = control.status().features;
+    let Status { features: count, workpiece: work, .. } = control.status();
+    if work.unlisted > 0 {
+        let _ = writeln!(text, "  and {} before, in features.jsonl", work.unlisted);
+    }
     let _ = writeln!(
         text,
-        "  {} good, {} out of tolerance, {} not judged",
-        count.good, count.failed, count.not_judged
+        "  {}: {} good, {} out of tolerance, {} not judged",
+        workpiece(&work),
+        count.good,
+        count.failed,
+        count.not_judged
     );
     text
+}
+
+/// Number and name of the workpiece.
+fn workpiece(work: &WorkpieceStatus) -> String {
+    let name = work.name.as_ref().map_or(String::new(), |name| format!(" ({name})"));
+    let ended = if work.is_ended { ", ended" } else { "" };
+    format!("workpiece {}{name}{ended}", work.number)
 }
 
 /// Alarms, oldest first.

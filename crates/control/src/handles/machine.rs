@@ -97,6 +97,14 @@ impl MachineHandle {
         }
     }
 
+    /// [`Plant::renew_work`].
+    pub fn renew_work(&mut self) {
+        match self {
+            Self::Here(machine) => machine.renew_work(),
+            Self::There(link) => link.renew_work(),
+        }
+    }
+
     /// [`Plant::repair`].
     pub fn repair(&mut self, fault: Fault) {
         match self {

@@ -11,8 +11,9 @@
 //! depends on when they are seen, so two runs of the same inputs stay bit-identical.
 use super::Observers;
 use bus::Sample;
-use canon::{Op, ProgramFrame};
+use canon::{Op, ProgramFrame, ToolUse};
 use kernel::Event;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
@@ -41,12 +42,17 @@ pub(crate) struct Beside {
     looks: SyncSender<Look>,
     /// Until it has ended.
     thread: Option<JoinHandle<Option<Box<Observers>>>>,
-    judged: Receiver<Feature>,
+    judged: Receiver<(Feature, ToolUses)>,
     features: Vec<Feature>,
+    /// What each tool had cut when the last of them was judged.
+    tool_use: ToolUses,
     breaches: Arc<AtomicUsize>,
     /// The operator's share of the spindle speed, as they know it.
     share: Option<f64>,
 }
+
+/// What each tool has cut, by its number.
+type ToolUses = BTreeMap<u32, ToolUse>;
 
 /// What there is to look at.
 enum Look {
@@ -58,7 +64,7 @@ enum Look {
 
 /// What the thread tells while it looks.
 struct NewFeatures {
-    features: Sender<Feature>,
+    features: Sender<(Feature, ToolUses)>,
     count: usize,
     breaches: Arc<AtomicUsize>,
 }
@@ -73,6 +79,7 @@ impl Observing {
         let (tell, judged) = channel();
         let breaches = Arc::new(AtomicUsize::new(0));
         let features = observers.judge.features().to_vec();
+        let tool_use = observers.tool_use();
         let (count, known) = (features.len(), Arc::clone(&breaches));
         let told = NewFeatures { features: tell, count, breaches: known };
         let thread = std::thread::Builder::new().name("observers".into());
@@ -80,8 +87,17 @@ impl Observing {
             .spawn(move || look(handed_over.recv().ok(), &looked_at, told))
             .map_err(|e| format!("cannot start the observers' thread: {e}"))?;
         let (samples, thread) = (Vec::with_capacity(batch), Some(thread));
-        let beside =
-            Beside { samples, batch, looks, thread, judged, features, breaches, share: None };
+        let beside = Beside {
+            samples,
+            batch,
+            looks,
+            thread,
+            judged,
+            features,
+            tool_use,
+            breaches,
+            share: None,
+        };
         if let Self::Here(observers) = std::mem::replace(self, Self::Beside(beside)) {
             let _ = hand_over.send(observers); // it waits for them
         }
@@ -161,6 +177,14 @@ impl Observing {
         }
     }
 
+    /// What each tool had cut when the last feature was judged, or since.
+    pub(crate) fn tool_use(&self) -> ToolUses {
+        match self {
+            Self::Here(observers) => observers.tool_use(),
+            Self::Beside(beside) => beside.tool_use.clone(),
+        }
+    }
+
     /// How often what may never happen did.
     pub(crate) fn breach_count(&self) -> usize {
         match self {
@@ -202,7 +226,10 @@ impl Beside {
     fn send(&mut self, look: Look) {
         // a thread that has broken down is told of at the end
         let _ = self.looks.send(look);
-        self.features.extend(self.judged.try_iter());
+        for (feature, tool_use) in self.judged.try_iter() {
+            self.features.push(feature);
+            self.tool_use = tool_use;
+        }
     }
 }
 
@@ -229,7 +256,7 @@ impl NewFeatures {
     /// What is new.
     fn tell(&mut self, observers: &Observers) {
         for feature in observers.judge.features().iter().skip(self.count) {
-            let _ = self.features.send(feature.clone()); // the run may be over
+            let _ = self.features.send((feature.clone(), observers.tool_use())); // the run may be over
             self.count += 1;
         }
         self.breaches.store(observers.watch.breaches().len(), Relaxed);

@@ -11,7 +11,7 @@ pub use trace::TraceThread;
 use crate::Timings;
 use crate::job::Session;
 use bus::Sample;
-use canon::{Op, OpKind, ProgramFrame};
+use canon::{Op, OpKind, ProgramFrame, ToolUse};
 use kernel::{Event, EventKind, WaitFor};
 use report::Recorder;
 use std::collections::BTreeMap;
@@ -105,6 +105,11 @@ impl Observers {
             warnings: Vec::new(),
             confirmed: Vec::new(),
         }
+    }
+
+    /// What each tool has cut so far, by its number.
+    pub(super) fn tool_use(&self) -> BTreeMap<u32, ToolUse> {
+        self.tool_use.as_ref().map(|count| count.so_far().clone()).unwrap_or_default()
     }
 
     /// An operation is planned.

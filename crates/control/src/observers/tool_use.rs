@@ -32,6 +32,11 @@ impl ToolUseCount {
         core::mem::take(&mut self.used)
     }
 
+    /// What was cut since this was taken last, by the tool's number.
+    pub fn so_far(&self) -> &BTreeMap<u32, ToolUse> {
+        &self.used
+    }
+
     /// An operation is planned.
     pub(super) fn op(&mut self, index: u32, op: &Op) {
         if let Some(tool) = self.uses.counts(op) {

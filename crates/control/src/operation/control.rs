@@ -6,6 +6,7 @@
 use super::data::Data;
 use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
+use super::features::WorkpieceLog;
 use super::kept::Kept;
 use super::message::MessageStatus;
 use super::meters::Meters;
@@ -26,7 +27,7 @@ use servo::StopLane;
 use sim::Faulty;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use store::state::LastProgram;
+use store::state::{LastProgram, StateChange};
 use units::Coordinate;
 
 /// What a control is switched on with.
@@ -56,6 +57,8 @@ pub struct Control {
     pub(super) base: Session,
     pub(super) executor: Executor,
     pub(super) workpiece: Workpiece,
+    /// What was cut from it, and when it begins and ends.
+    pub(super) cut: WorkpieceLog,
     /// Zero of the work as it is clamped, in machine coordinates.
     pub(super) work_zero: Position,
     /// Number of the next operation that is done to the workpiece.
@@ -86,6 +89,8 @@ pub struct Control {
     /// The program that was loaded last, and how far it came.
     pub(super) last_program: Option<LastProgram>,
     pub(super) kept: Kept,
+    /// What is in force and is not what the control wrote last, until it is acknowledged.
+    pub(super) state_changes: Vec<StateChange>,
     /// A machine in another process, and what it and the sync record keep of a tool in its work.
     pub(super) outside: Option<Outside>,
     pub(super) meters: Meters,
@@ -108,7 +113,7 @@ impl Control {
     pub fn new(options: ControlOptions) -> Result<Self, Refused> {
         let base = Session::load(&options.program, Path::new("-"), b"")?;
         let machine = &base.machine;
-        let (kept, state, mut found) = Kept::open(options.state.as_deref(), &machine.name)?;
+        let (kept, state, mut found) = Kept::open(options.state.as_deref(), machine)?;
         let seed = options.seed.unwrap_or(u64::from(machine.simulation.seed));
         let material = machine.setup.stock.material;
         let mut zero = machine.setup.g54;
@@ -152,6 +157,7 @@ impl Control {
             options,
             executor: Executor::new(kernel, plant),
             workpiece: Workpiece::new(judge),
+            cut: WorkpieceLog::of(state.workpiece.clone()),
             work_zero: zero,
             next_op: 0,
             data,
@@ -171,6 +177,7 @@ impl Control {
             handwheel: [None; AXES],
             last_program: None,
             kept,
+            state_changes: Vec::new(),
             outside,
             meters: Meters::default(),
             runs: None,
@@ -239,7 +246,7 @@ impl Control {
             Request::TurnSpindle(spindle, spin) => self.turn_spindle(*spindle, *spin),
             Request::OrientSpindle(spindle, angle) => self.orient_spindle(*spindle, *angle),
             Request::Load(_)
-            | Request::Search(_)
+            | Request::Search(..)
             | Request::Start
             | Request::ManualDataInput(_) => match self.begin(request) {
                 Begun::Answered(answer) => answer,
@@ -252,6 +259,9 @@ impl Control {
             Request::Retract => self.retract(),
             Request::Recover => self.recover(),
             Request::ToolIsFree => self.tool_is_free(),
+            Request::BeginWorkpiece(name) => self.begin_workpiece(name.as_deref()),
+            Request::EndWorkpiece => self.end_workpiece(),
+            Request::AcknowledgeState => self.acknowledge_state(),
             Request::Reset => self.reset(),
             Request::SingleBlock(on) => self.set(kernel::Order::SingleBlock(*on)),
             Request::OptionalStop(on) => self.set(kernel::Order::OptionalStop(*on)),
@@ -325,6 +335,7 @@ impl Control {
             Need::TapInThread => self.is_tap_in_thread(),
             Need::NoTapInThread => !self.is_tap_in_thread(),
             Need::NotRecovering => !self.is_recovering,
+            Need::StateAcknowledged => self.state_changes.is_empty(),
         };
         if is_met { Ok(()) } else { Err(need.clone()) }
     }
@@ -433,16 +444,13 @@ impl Control {
         if judged > self.told_features
             && let Some(under_way) = &self.under_way
         {
-            for feature in &under_way.running.judged_so_far()[self.told_features..] {
-                self.events.push(Event::Feature(Box::new(feature.clone())));
-            }
-            self.told_features = judged;
             let first = under_way.first;
+            let new = under_way.running.judged_so_far()[self.told_features..].to_vec();
             let cut = super::under_way::count_from(first, under_way.running.judged_so_far());
+            self.told_features = judged;
+            self.tell_features(new);
             self.note_progress(first, cut, false);
-            if let Err(why) = self.keep_program() {
-                self.events.notice(why.to_string());
-            }
+            self.keep_progress();
         }
     }
 

@@ -123,9 +123,7 @@ impl Control {
                 self.executor.kernel.switch_off();
             }
             self.told_faults = 0;
-            for alarm in &mut self.alarms {
-                alarm.is_cleared = true;
-            }
+            self.clear_alarms();
         } else if self.power == Power::On {
             self.executor.kernel.order(Order::Abort); // what turns comes to rest first
             self.is_resetting = true;
@@ -233,9 +231,7 @@ impl Control {
         self.executor.kernel.go_on();
         self.executor.kernel.clear();
         self.left_is_out();
-        for alarm in &mut self.alarms {
-            alarm.is_cleared = true;
-        }
+        self.clear_alarms();
         self.events.push(Event::Notice("the tool is out of the work".into()));
     }
 
@@ -252,9 +248,7 @@ impl Control {
         self.executor.kernel.switch_on();
         self.executor.kernel.switch_off();
         (self.power, self.told_faults) = (Power::Off, 0);
-        for alarm in &mut self.alarms {
-            alarm.is_cleared = true;
-        }
+        self.clear_alarms();
         self.everything_was_stopped();
         Ok(Accepted::default())
     }

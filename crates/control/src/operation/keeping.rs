@@ -1,16 +1,17 @@
 //! What outlives the control is saved when it changes, and in force again when it is switched on.
 use super::control::Control;
-use super::event::Alarm;
+use super::event::{Alarm, Event};
 use super::kept::kept_parameters;
 use super::ranges;
-use super::request::Refusal;
+use super::request::{Accepted, Refusal};
 use super::writer::{Key, Ticket};
 use crate::clock::unix_ms;
 use crate::config;
 use crate::job::Left;
+use crate::observers::use_up;
 use canon::Axis;
 use store::state::{
-    AlarmRecord, HomedAxis, LastProgram, Settings, State, StateFolder, message_log,
+    AlarmRecord, HomedAxis, LastProgram, Settings, State, StateChange, StateFolder, message_log,
 };
 use units::{Length, Time};
 
@@ -29,6 +30,7 @@ impl Control {
             self.data.tools = tools;
         }
         self.alarms = state.alarms.into_iter().map(remembered).collect();
+        self.raise_state_changes(state.changes);
         if let Some(Settings {
             feed_override,
             rapid_override,
@@ -87,6 +89,23 @@ impl Control {
         self.kept.save(Key::Program, move |folder| folder.save_last_program(&last))
     }
 
+    /// What a program that is under way has cut is on the disk: how far it is, what its tools have
+    /// cut, the workpiece, the run. What could not be kept is said.
+    pub(super) fn keep_progress(&mut self) {
+        let kept = [self.keep_program(), self.keep_used_tools(), self.keep_workpiece()];
+        for why in kept.into_iter().filter_map(Result::err) {
+            self.events.notice(why.to_string());
+        }
+    }
+
+    /// The tools are on the disk, with what the program under way has cut with them so far.
+    fn keep_used_tools(&mut self) -> Result<(), Refusal> {
+        let Some(under_way) = &self.under_way else { return Ok(()) };
+        let mut tools = self.data.tools.clone();
+        use_up(&mut tools, &under_way.running.tool_use());
+        self.kept.save(Key::Tools, move |folder| folder.save_tools(&tools))
+    }
+
     /// What a program has changed; that it could not be kept is said, for nothing waits for an
     /// answer.
     pub(super) fn keep_all(&mut self) {
@@ -117,6 +136,9 @@ impl Control {
     /// The drives have come up: axes whose absolute encoders were referenced on this machine know
     /// where they are.
     pub(super) fn take_homed(&mut self) {
+        if !self.state_changes.is_empty() {
+            return; // they may not be those that were found
+        }
         for homing in config::homing(&self.base.machine) {
             let axis = homing.axis;
             let Some(kept) = self.kept.homed.of(axis.letter(), self.epoch()).cloned() else {
@@ -203,6 +225,85 @@ impl Control {
     pub(super) fn say_unkept(&mut self) {
         for why in self.kept.take_failed() {
             self.events.notice(why);
+        }
+    }
+}
+
+/// Number of the alarm that the state in force is not what the control wrote last.
+pub(super) const STATE_DIFFERS: u16 = 601;
+/// Values that its text names; the status has all.
+const MOST_NAMED: usize = 5;
+
+impl Control {
+    /// What is in force is not, or is not known to be, what the control wrote last: an alarm, and
+    /// nothing that depends on it until it is acknowledged.
+    fn raise_state_changes(&mut self, changes: Vec<StateChange>) {
+        if changes.is_empty() {
+            return;
+        }
+        let named: Vec<_> = changes.iter().take(MOST_NAMED).map(ToString::to_string).collect();
+        let more = match changes.len().saturating_sub(MOST_NAMED) {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        let alarm = Alarm {
+            number: STATE_DIFFERS,
+            text: format!(
+                "the state in force is not what the control wrote last: {}{more}",
+                named.join("; ")
+            ),
+            remedy: "Compare each value with the work, the tools and the machine, correct it, then acknowledge the state."
+                .into(),
+            program: None,
+            line: 0,
+            time: self.now(),
+            is_cleared: false,
+        };
+        for change in &changes {
+            self.events.notice(format!("state: {change}"));
+        }
+        let is_said = |known: &Alarm| known.number == alarm.number && known.text == alarm.text;
+        if self.alarms.last().is_some_and(is_said) {
+            self.alarms.pop(); // the one of the start before
+        } else {
+            self.keep_alarm(&alarm);
+        }
+        self.alarms.push(alarm.clone());
+        self.events.push(Event::Alarm(alarm));
+        self.state_changes = changes;
+    }
+
+    /// The operator has compared what is in force.
+    pub(super) fn acknowledge_state(&mut self) -> Result<Accepted, Refusal> {
+        if self.state_changes.is_empty() {
+            return Err(Refusal::because(
+                "nothing is to be acknowledged: what is in force is what the control wrote last",
+            ));
+        }
+        self.kept.save(Key::Acknowledgement, StateFolder::acknowledge)?;
+        let changes = std::mem::take(&mut self.state_changes);
+        for alarm in self.alarms.iter_mut().filter(|alarm| alarm.number == STATE_DIFFERS) {
+            alarm.is_cleared = true;
+        }
+        if self.executor.kernel.is_ready() && !self.is_tool_left() {
+            self.take_homed();
+        }
+        let values = if changes.len() == 1 { "value" } else { "values" };
+        let note = format!("{} {values} of the state acknowledged", changes.len());
+        self.events.notice(note.clone());
+        Ok(Accepted { notes: vec![note] })
+    }
+
+    /// What is in force and is not what the control wrote last, until it is acknowledged.
+    pub fn state_changes(&self) -> &[StateChange] {
+        &self.state_changes
+    }
+
+    /// Alarms that a reset clears are cleared.
+    pub(super) fn clear_alarms(&mut self) {
+        let stays = !self.state_changes.is_empty();
+        for alarm in &mut self.alarms {
+            alarm.is_cleared |= !(stays && alarm.number == STATE_DIFFERS);
         }
     }
 }

@@ -8,9 +8,10 @@ use super::request::Refusal;
 use super::writer::{Key, StateWriter, Ticket, Write};
 use crate::Refused;
 use std::path::{Path, PathBuf};
+use store::machine::MachineFile;
 use store::parameters::Parameters;
 use store::state::lock::FolderLock;
-use store::state::{Homing, State, StateFolder};
+use store::state::{Homing, MachineIdentity, State, StateFolder};
 use store::sync_record::slots;
 
 /// A state folder, and what was found in it; without one nothing is kept.
@@ -52,11 +53,10 @@ impl Kept {
     /// Open the folder of this machine; what it says, and what the operator should know of it.
     pub(super) fn open(
         path: Option<&Path>,
-        machine: &str,
+        machine: &MachineFile,
     ) -> Result<(Self, State, Vec<String>), Refused> {
         let Some(path) = path else { return Ok((Self::default(), State::default(), Vec::new())) };
-        let (mut folder, state, mut found) = StateFolder::open(path)?;
-        found.extend(folder.claim(machine)?);
+        let (folder, state, found) = StateFolder::open(path, &MachineIdentity::of(machine))?;
         let said = found.into_iter().map(|finding| finding.to_string()).collect();
         let homed = state.homed.clone();
         let place = LockedFolder { path: folder.path().to_owned(), lock: folder.lock() };

@@ -24,6 +24,7 @@
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
 //! | `outside`, `left_in_work` | a machine in another process and its sync record; a tool that a control before has left |
 //! | `ended`, `recording` | a program that has ended, for report, certificate and history; the folder of its record |
+//! | `workpiece`, `features` | the workpiece on the machine: its begin and end; what was cut from it |
 //! | `meters`, `timeline` | measured speed and load; planned ends of operations, for the time left |
 //! | `signals`, `tool_path` | what a scope shows; what a picture of the program is drawn from |
 //! | `hosted` | a control in a thread of its own, paced by the clock, for any number of clients |
@@ -34,6 +35,7 @@ mod data;
 mod drives;
 mod ended;
 mod event;
+mod features;
 pub mod hosted;
 mod keeping;
 mod kept;
@@ -58,11 +60,13 @@ mod timeline;
 mod timing;
 mod tool_path;
 mod under_way;
+mod workpiece;
 mod writer;
 
 pub use control::{Control, ControlOptions};
 pub use ended::EndedProgram;
 pub use event::{Alarm, Event};
+pub use features::{FeatureCount, MOST_SHOWN, WorkpieceStatus, said_of};
 pub use kept::kept_parameters;
 pub use message::MessageStatus;
 pub use outside::LeftInWork;
@@ -72,8 +76,8 @@ pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
-    AxisStatus, FeatureCount, LoadingStatus, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
-    Status, Switches, WaitingStatus, said_of,
+    AxisStatus, LoadingStatus, NeedStatus, Overrides, ProgramStatus, SpindleStatus,
+    StateChangeStatus, Status, Switches, WaitingStatus,
 };
 pub use timing::{Timed, Timing};
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};

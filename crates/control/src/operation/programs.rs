@@ -33,7 +33,7 @@ impl Control {
     /// A request whose text is fit to be executed.
     pub(super) fn execute_fit(&mut self, request: &Request, fit: Fit) -> Result<Accepted, Refusal> {
         match request {
-            Request::Search(from) => self.search(*from, fit),
+            Request::Search(from, is_confirmed) => self.search(*from, *is_confirmed, fit),
             Request::Start => self.start(fit),
             _ => self.execute_typed(fit),
         }
@@ -50,12 +50,14 @@ impl Control {
         );
         let mut notes = vec![format!("{name}: {count} operations, {time}")];
         notes.extend(notes_of(&proved.known.findings));
-        self.last_program = Some(LastProgram {
-            path: name.clone(),
-            sha256: store::certificate::sha256(text),
-            ..LastProgram::default()
-        });
-        self.keep_program()?;
+        let sha256 = store::certificate::sha256(text);
+        if let Some(why) = self.changed_since(name, &sha256) {
+            notes.push(why); // how far it came is kept until it is started
+        } else {
+            self.last_program =
+                Some(LastProgram { path: name.clone(), sha256, ..LastProgram::default() });
+            self.keep_program()?;
+        }
         let way = self.path_through(proved.operations.all());
         let shown = Arc::new(LoadedProgram { name: name.clone(), text: text.clone(), path: way });
         let (path, name) = (path.clone(), name.clone());
@@ -81,8 +83,33 @@ impl Control {
         ToolPath::of(ops, self.position(), zero, length_of(self.mounted()), &length_of)
     }
 
+    /// Why a place in this program may not be where it was: the program was left half done, and its
+    /// text is another one since.
+    fn changed_since(&self, name: &str, sha256: &str) -> Option<String> {
+        let last = self.last_program.as_ref()?;
+        let is_half_done = last.line > 0 && !last.is_completed;
+        (is_half_done && last.path == name && last.sha256 != sha256).then(|| {
+            format!(
+                "{name} was changed since it was left at line {}, in feature {}: its lines and holes may not be those that were cut",
+                last.line, last.feature
+            )
+        })
+    }
+
     /// Where the program would be begun, and what is restored before its first move.
-    fn search(&mut self, from: restart::From, fit: Fit) -> Result<Accepted, Refusal> {
+    fn search(
+        &mut self,
+        from: restart::From,
+        is_confirmed: bool,
+        fit: Fit,
+    ) -> Result<Accepted, Refusal> {
+        if let Some(why) = self.changed_since(&fit.name, &store::certificate::sha256(&fit.text))
+            && !is_confirmed
+        {
+            return Err(Refusal::because(format!(
+                "{why}; compare them, then search with \"program changed\" (program_changed)"
+            )));
+        }
         let found = find(&fit, from).map(|restart| restored(&fit.session, &restart));
         let basis = self.basis();
         let Some(loaded) = &mut self.loaded else { return Ok(Accepted::default()) };
@@ -132,6 +159,13 @@ impl Control {
                 .map_err(|why| Refusal::because(why.to_string()))?;
         }
         let writer = self.record_writer(&session, (&name, &text), restart.as_ref())?;
+        match mode {
+            Mode::Automatic => {
+                self.begin_last_program(&name, &text);
+                self.start_on_workpiece(restart.is_none());
+            }
+            Mode::ManualDataInput | Mode::Manual => self.put_aside_features(),
+        }
         let first = self.next_op;
         let mut workpiece = self.workpiece.clone();
         workpiece.watch.begin_program();
@@ -142,7 +176,7 @@ impl Control {
             running.keep_sync_record(writer, &mut self.executor);
         }
         let folder = match mode {
-            Mode::Automatic => self.begin_record(&session, &name, &mut running),
+            Mode::Automatic => self.begin_record(&session, (&name, &text), &mut running),
             Mode::ManualDataInput | Mode::Manual => None,
         };
         let executed = (first, self.now());
@@ -163,6 +197,16 @@ impl Control {
         self.enter(mode);
         self.execution_after(ExecutionEvent::Start);
         Ok(())
+    }
+
+    /// How far a program of another text came counts no more.
+    fn begin_last_program(&mut self, name: &str, text: &[u8]) {
+        let sha256 = store::certificate::sha256(text);
+        let is_same = |last: &LastProgram| last.path == name && last.sha256 == sha256;
+        if !self.last_program.as_ref().is_some_and(is_same) {
+            let path = name.to_owned();
+            self.last_program = Some(LastProgram { path, sha256, ..LastProgram::default() });
+        }
     }
 
     /// How far the program that is loaded has come: its operations count from `first`, and so many
@@ -244,6 +288,7 @@ impl Control {
         for why in outcome.broke_off.iter().filter(|why| told.as_ref() != Some(*why)) {
             self.events.notice(why.clone());
         }
+        self.keep_workpiece_or_say();
         let UnderWay { path, text, session, proved, first, folder, .. } = under_way;
         if let Some(folder) = folder {
             let name = name.clone();

@@ -182,7 +182,7 @@ impl Control {
     pub(super) fn proving(&self, request: &Request) -> Result<Option<Proving>, Refusal> {
         let (path, name, text) = match request {
             Request::Load(path) => (path.clone(), path.display().to_string(), None),
-            Request::Search(_) | Request::Start => {
+            Request::Search(..) | Request::Start => {
                 let Some(loaded) = &self.loaded else { return Ok(None) };
                 (loaded.path.clone(), loaded.name.clone(), Some(loaded.shown.text.clone()))
             }
@@ -207,7 +207,7 @@ impl Control {
 
     /// The program that is loaded, if a request needs it and it is proved for what is so now.
     fn proved_already(&mut self, request: &Request) -> Option<Fit> {
-        if !matches!(request, Request::Search(_) | Request::Start) {
+        if !matches!(request, Request::Search(..) | Request::Start) {
             return None;
         }
         let basis = self.basis();

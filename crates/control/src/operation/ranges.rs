@@ -60,8 +60,8 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
         Request::OrientSpindle(_, angle) => {
             within("the angle of a spindle", angle.in_deg(), -360.0..=360.0, "°")
         }
-        Request::Search(From::Line(number)) => counted("the line of a search", *number),
-        Request::Search(From::Hole(number)) => counted("the hole of a search", *number),
+        Request::Search(From::Line(number), _) => counted("the line of a search", *number),
+        Request::Search(From::Hole(number), _) => counted("the hole of a search", *number),
         Request::BlockSkip(level, _) => within("the level of /", f64::from(*level), LEVELS, ""),
         Request::FeedOverride(share) => {
             percent("the feed override", *share, 0.0..=overrides.feed_most_share)
@@ -88,7 +88,7 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
         Request::EditTool(..)
         | Request::RenewTool(_)
         | Request::LimitTool(_, None)
-        | Request::Search(From::Tool(_))
+        | Request::Search(From::Tool(_), _)
         // no numbers
         | Request::Power(_)
         | Request::EmergencyStop(_)
@@ -104,6 +104,9 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
         | Request::Retract
         | Request::Recover
         | Request::ToolIsFree
+        | Request::AcknowledgeState
+        | Request::BeginWorkpiece(_)
+        | Request::EndWorkpiece
         | Request::Reset
         | Request::SingleBlock(_)
         | Request::OptionalStop(_) => Ok(()),
@@ -283,7 +286,7 @@ mod tests {
             let limit = Request::LimitTool(1, Some(uses));
             assert_eq!(check(&limit, &machine).is_ok(), is_in, "{uses}");
         }
-        assert!(check(&Request::Search(From::Line(0)), &machine).is_err());
+        assert!(check(&Request::Search(From::Line(0), false), &machine).is_err());
     }
 
     #[test]

@@ -8,8 +8,10 @@ use crate::observers::TraceThread;
 use crate::{Running, config};
 use report::Recorder;
 use std::path::{Path, PathBuf};
+use store::begun_run::BegunRun;
 use store::output::Folder;
 use store::trace::{Columns, Writer};
+use verify::Feature;
 
 /// The trace of a run, in its folder.
 const TRACE: &str = "trace.parquet";
@@ -22,10 +24,20 @@ impl Control {
             self.workpiece.judge.settle(self.next_op);
         }
         let judged = self.workpiece.judge.features();
-        for feature in judged.get(self.told_features..).unwrap_or_default() {
-            self.events.push(Event::Feature(Box::new(feature.clone())));
-        }
+        let new = judged.get(self.told_features..).unwrap_or_default().to_vec();
         self.told_features = judged.len();
+        if !new.is_empty() {
+            self.tell_features(new);
+            self.keep_workpiece_or_say();
+        }
+    }
+
+    /// Features that were judged just now are told, and in the log.
+    pub(super) fn tell_features(&mut self, new: Vec<Feature>) {
+        for feature in new {
+            self.keep_feature(&feature);
+            self.events.push(Event::Feature(Box::new(feature)));
+        }
     }
 
     /// From now on record each program, with every period, in a folder of its own below this one.
@@ -42,10 +54,11 @@ impl Control {
     pub(super) fn begin_record(
         &mut self,
         session: &Session,
-        name: &str,
+        (name, text): (&str, &[u8]),
         running: &mut Running,
     ) -> Option<Folder> {
-        let begun = self.runs.as_deref().map(|runs| begin(runs, session, name, self.seed))?;
+        let begun =
+            self.runs.as_deref().map(|runs| begin(runs, session, (name, text), self.seed))?;
         match begun {
             Ok((folder, trace)) => {
                 running.record(recorder(session), trace);
@@ -67,10 +80,14 @@ fn recorder(session: &Session) -> Recorder {
 fn begin(
     runs: &Path,
     session: &Session,
-    name: &str,
+    (name, text): (&str, &[u8]),
     seed: u64,
 ) -> Result<(Folder, TraceThread), String> {
-    let folder = Folder::begin(&runs.join(unix_ms().to_string())).map_err(|e| e.to_string())?;
+    let begun_unix_ms = unix_ms();
+    let folder = Folder::begin(&runs.join(begun_unix_ms.to_string())).map_err(|e| e.to_string())?;
+    let program_sha256 = store::certificate::sha256(text);
+    let begun = BegunRun { program: name.to_owned(), program_sha256, begun_unix_ms };
+    begun.write(&folder.path("")).map_err(|e| e.to_string())?;
     let seed = seed.to_string();
     let about = [
         ("leadscrew", env!("CARGO_PKG_VERSION")),

@@ -46,8 +46,9 @@ pub enum Request {
     /// Load a program.
     Load(PathBuf),
     /// Find where the program would be begun at a line, a hole or a tool, and say all that is
-    /// restored before; the next start begins there.
-    Search(restart::From),
+    /// restored before; the next start begins there. True: also where the program was changed since
+    /// it was left half done.
+    Search(restart::From, bool),
     /// Start the program that is loaded, from its beginning or from where the last search has led.
     Start,
     /// Execute blocks that are typed.
@@ -66,6 +67,12 @@ pub enum Request {
     Recover,
     /// The operator has looked: no tool is in the work.
     ToolIsFree,
+    /// Another workpiece is clamped, with this name, if it has one: what is cut counts for it.
+    BeginWorkpiece(Option<String>),
+    /// The workpiece is done.
+    EndWorkpiece,
+    /// The operator has compared what is in force with what the control wrote last.
+    AcknowledgeState,
     /// Clear alarms; make ready for the next program.
     Reset,
     /// Hold after each block.
@@ -150,12 +157,14 @@ impl Request {
         use Need::{
             EmergencyStopArmed, EmergencyStopTriggered, Homed, NoAlarm, NoManualMotion,
             NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld, ProgramLoaded,
-            ProgramUnderWay, ProgramWaitsForConfirmation, Standstill, TapInThread,
+            ProgramUnderWay, ProgramWaitsForConfirmation, Standstill, StateAcknowledged,
+            TapInThread,
         };
         match self {
             Self::Power(true) => &[EmergencyStopArmed, NoAlarm, NoTapInThread],
             Self::Power(false) => &[NoProgramUnderWay, NoTapInThread, Standstill],
             Self::EmergencyStop(true)
+            | Self::AcknowledgeState
             | Self::JogStop
             | Self::SingleBlock(_)
             | Self::OptionalStop(_)
@@ -164,11 +173,20 @@ impl Request {
             | Self::SpindleOverride(_) => &[],
             Self::EmergencyStop(false) => &[EmergencyStopTriggered],
             Self::Home(_) => &[
+                StateAcknowledged,
                 EmergencyStopArmed,
                 NoAlarm,
                 PowerOn,
                 NoProgramUnderWay,
                 NoManualMotion,
+                NoTapInThread,
+            ],
+            Self::Jog(_, Jog::To(_)) => &[
+                StateAcknowledged,
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
                 NoTapInThread,
             ],
             Self::Jog(..) | Self::TurnSpindle(..) | Self::OrientSpindle(..) => {
@@ -180,9 +198,10 @@ impl Request {
             | Self::EditTool(..)
             | Self::RenewTool(_)
             | Self::LimitTool(..) => &[NoProgramUnderWay],
-            Self::Search(_) => &[ProgramLoaded, NoProgramUnderWay],
+            Self::Search(..) => &[ProgramLoaded, NoProgramUnderWay],
             Self::Start => &[
                 ProgramLoaded,
+                StateAcknowledged,
                 EmergencyStopArmed,
                 NoAlarm,
                 PowerOn,
@@ -192,6 +211,7 @@ impl Request {
                 Homed(None),
             ],
             Self::ManualDataInput(_) => &[
+                StateAcknowledged,
                 EmergencyStopArmed,
                 NoAlarm,
                 PowerOn,
@@ -200,6 +220,9 @@ impl Request {
                 NoTapInThread,
                 Homed(None),
             ],
+            Self::BeginWorkpiece(_) | Self::EndWorkpiece => {
+                &[NoProgramUnderWay, NoTapInThread, NoManualMotion]
+            }
             Self::FeedHold => &[NotRecovering, ProgramUnderWay, NoAlarm],
             Self::Resume => &[ProgramUnderWay, NoAlarm, ProgramHeld],
             Self::Confirm => &[ProgramUnderWay, NoAlarm, ProgramWaitsForConfirmation],

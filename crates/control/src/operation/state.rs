@@ -100,7 +100,8 @@ impl Execution {
     pub const fn after(self, event: ExecutionEvent) -> Option<Self> {
         use ExecutionEvent as On;
         Some(match (self, event) {
-            (Self::Active | Self::Wait, On::Hold) => Self::FeedHold,
+            // a hold acts before the control hears of it, and looks like the end of a block
+            (Self::Active | Self::Wait | Self::Interrupted, On::Hold) => Self::FeedHold,
             (Self::Active, On::BlockDone) => Self::Interrupted,
             (Self::Active, On::Stop) => Self::ProgramStopped,
             (Self::Active, On::OptionalStop) => Self::OptionalStop,
@@ -249,11 +250,13 @@ pub enum Need {
     NoTapInThread,
     /// No tool is being taken out by a recovery.
     NotRecovering,
+    /// What is in force is what the control wrote last, or the operator has acknowledged it.
+    StateAcknowledged,
 }
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::EmergencyStopArmed,
         Self::EmergencyStopTriggered,
         Self::NoAlarm,
@@ -269,6 +272,7 @@ impl Need {
         Self::TapInThread,
         Self::NoTapInThread,
         Self::NotRecovering,
+        Self::StateAcknowledged,
     ];
 
     /// Its name, for programs.
@@ -289,6 +293,7 @@ impl Need {
             Self::TapInThread => "tap_in_thread",
             Self::NoTapInThread => "no_tap_in_thread",
             Self::NotRecovering => "not_recovering",
+            Self::StateAcknowledged => "state_acknowledged",
         }
     }
 
@@ -322,6 +327,7 @@ impl fmt::Display for Need {
             Self::TapInThread => "no tap stands in a thread",
             Self::NoTapInThread => "a tap stands in its thread: retract it, or recover it, first",
             Self::NotRecovering => "a tool is being taken out: the emergency stop alone stops that",
+            Self::StateAcknowledged => "the state in force is not what the control wrote last: compare each value, then acknowledge the state",
         })
     }
 }

@@ -1,10 +1,11 @@
 //! How a control is: all that a panel shows, as plain values with their units in their names.
 use super::control::Control;
+use super::features::{FeatureCount, WorkpieceStatus, said_of};
 use super::message::MessageStatus;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Need, Power};
 use units::{Length, Spin, Time};
-use verify::{Feature, Verdict};
+use verify::Feature;
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -52,6 +53,20 @@ pub struct Switches {
     pub optional_stop: bool,
     /// Levels of `/`, 1 to 9, whose blocks the next start leaves out.
     pub block_skip: Vec<u8>,
+}
+
+/// A value that is in force and is not, or is not known to be, what the control wrote last.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
+pub struct StateChangeStatus {
+    /// Its name: `G54 X`, `tool 3 length_mm`; or the file, where nothing more is known.
+    pub datum: String,
+    /// As the control wrote it last.
+    pub before: String,
+    /// As it is in force.
+    pub now: String,
+    /// Which copy is in force, from when, and why.
+    pub why: String,
 }
 
 /// Something that a request may need, and that is not so now.
@@ -121,18 +136,6 @@ pub struct ProgramStatus {
     pub ahead_s: f64,
 }
 
-/// What was cut from the workpiece, by verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
-pub struct FeatureCount {
-    /// Within tolerance.
-    pub good: usize,
-    /// Out of it.
-    pub failed: usize,
-    /// Not judged.
-    pub not_judged: usize,
-}
-
 /// The control.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
@@ -188,16 +191,30 @@ pub struct Status {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub message: Option<MessageStatus>,
-    /// Features of the workpiece.
+    /// Features of the workpiece, over all programs that were started on it.
     pub features: FeatureCount,
+    /// The workpiece.
+    pub workpiece: WorkpieceStatus,
     /// Alarms that no reset has cleared.
     pub alarms: Vec<String>,
+    /// What is in force and is not what the control wrote last: until it is acknowledged, no
+    /// program, no blocks and no homing are started.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", ts(optional, as = "Option<Vec<StateChangeStatus>>"))]
+    pub state_changes: Vec<StateChangeStatus>,
     /// What requests may need and is not so now.
     pub unmet: Vec<NeedStatus>,
     /// How the servo thread keeps its time, in real time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub real_time: Option<crate::RealTimeFigures>,
+}
+
+impl StateChangeStatus {
+    fn of(change: &store::state::StateChange) -> Self {
+        let store::state::StateChange { datum, before, now, why } = change.clone();
+        Self { datum, before, now, why }
+    }
 }
 
 impl Control {
@@ -243,7 +260,9 @@ impl Control {
             left_in_work: self.left_in_work(),
             message: self.message.clone(),
             features: self.counted(),
+            workpiece: self.workpiece_status(),
             alarms: self.uncleared(),
+            state_changes: self.state_changes.iter().map(StateChangeStatus::of).collect(),
             unmet: self.unmet(),
             real_time: self.real_time(),
         }
@@ -335,7 +354,8 @@ impl Control {
         })
     }
 
-    /// What was cut from the workpiece so far, with its verdicts.
+    /// What was cut from the workpiece so far, with its verdicts: the newest, and all of the last
+    /// program.
     pub fn features(&self) -> Vec<Feature> {
         self.judged()
     }
@@ -368,46 +388,8 @@ impl Control {
         let FeatureCount { good, failed, not_judged } = self.counted();
         good + failed + not_judged
     }
-
-    fn counted(&self) -> FeatureCount {
-        match &self.under_way {
-            Some(under_way) => count(under_way.running.judged_so_far()),
-            None => count(self.workpiece.judge.features()),
-        }
-    }
-
-    fn judged(&self) -> Vec<Feature> {
-        match &self.under_way {
-            Some(under_way) => under_way.running.judged_so_far().to_vec(),
-            None => self.workpiece.judge.features().to_vec(),
-        }
-    }
 }
 
 fn percent(share: f64) -> f64 {
     share * 100.0
-}
-
-fn count(features: &[Feature]) -> FeatureCount {
-    let mut count = FeatureCount::default();
-    for feature in features {
-        match feature.verdict {
-            Verdict::Pass => count.good += 1,
-            Verdict::Fail { .. } => count.failed += 1,
-            Verdict::NotJudged { .. } => count.not_judged += 1,
-        }
-    }
-    count
-}
-
-/// A feature and its verdict, in one line.
-pub fn said_of(feature: &Feature) -> String {
-    let (line, kind) = (feature.line, feature.kind_name());
-    match feature.verdict.reason() {
-        None => format!("line {line}: {kind}: good"),
-        Some(reason) if matches!(feature.verdict, Verdict::NotJudged { .. }) => {
-            format!("line {line}: {kind}: not judged: {reason}")
-        }
-        Some(reason) => format!("line {line}: {kind}: out of tolerance: {reason}"),
-    }
 }

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! However slow the disk is, what waits is bounded: of a datum that changes ten times meanwhile the
-//! last version is written, and of alarms the last [`MOST_WAITING`].
+//! last version is written, and of alarms the last [`MOST_WAITING`]. What is written together is on
+//! the disk together: one commit of the state folder.
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -24,13 +25,23 @@ pub(super) enum Key {
     Tools,
     Settings,
     Program,
+    Workpiece,
     Homing,
+    /// That the operator has seen what differs.
+    Acknowledgement,
     /// Each alarm is written.
     Alarm,
     /// Each message of a program, too.
     Message,
     /// That a tool is out, in the sync record; and the end of a program's record.
     Record,
+}
+
+impl Key {
+    /// It is on the disk with a commit of the state folder.
+    const fn is_of_state(self) -> bool {
+        !matches!(self, Self::Message | Self::Record)
+    }
 }
 
 /// Something that was to be written.
@@ -205,6 +216,8 @@ fn run(shared: &Shared, mut folder: StateFolder) {
         let mut before = state.before.take();
         drop(state);
         let mut failed = Vec::new();
+        let tickets: Vec<Ticket> = writes.iter().map(|(ticket, _)| *ticket).collect();
+        folder.begin_batch();
         for (ticket, write) in writes {
             if let Some(before) = &mut before {
                 before();
@@ -212,6 +225,10 @@ fn run(shared: &Shared, mut folder: StateFolder) {
             if let Err(why) = write(&mut folder) {
                 failed.push((ticket, why));
             }
+        }
+        if let Err(why) = folder.commit() {
+            let of_state = tickets.into_iter().filter(|ticket| ticket.key.is_of_state());
+            failed.extend(of_state.map(|ticket| (ticket, format!("it cannot be kept: {why}"))));
         }
         let mut state = shared.lock();
         state.before = state.before.take().or(before);

@@ -21,6 +21,7 @@ const WAITING: usize = 64;
 #[derive(Clone, Debug)]
 pub(super) enum MachineRequest {
     Clamp(Box<sim::Grinding>),
+    RenewWork,
     Strike(Fault),
     Repair(Fault),
     Mend,
@@ -106,6 +107,10 @@ impl MachineLink {
 
     pub(crate) fn clamp(&mut self, grinding: sim::Grinding) {
         self.ask(MachineRequest::Clamp(Box::new(grinding)));
+    }
+
+    pub(crate) fn renew_work(&mut self) {
+        self.ask(MachineRequest::RenewWork);
     }
 
     pub(crate) fn strike(&mut self, fault: Fault) {

@@ -203,6 +203,7 @@ impl Servo {
         while let Ok(request) = self.seat.rings.of_machine.pop() {
             match request {
                 MachineRequest::Clamp(grinding) => self.machine.clamp(*grinding)?,
+                MachineRequest::RenewWork => self.machine.renew_work(),
                 MachineRequest::Strike(fault) => self.machine.strike(fault),
                 MachineRequest::Repair(fault) => self.machine.repair(fault),
                 MachineRequest::Mend => self.machine.mend(),

@@ -24,6 +24,9 @@ const BEYOND: &str =
 const APART: &str =
     "spindle and feed ran down apart, and the tap is not in the thread of the record";
 
+/// One that stands over the work, of which only the angle within a turn is known.
+const IN_AIR: &str = "the tap stands over the work, where nothing ties it to its thread, and the turn of its spindle is not known";
+
 /// One that stands where it may be whole, and stood elsewhere before.
 const FOUND_BEFORE: &str = "a recovery before this one, which was stopped, found the tap so deep or so far off its thread that it may be broken";
 
@@ -117,16 +120,17 @@ pub(super) fn find(
         return Err(format!("the machine's file has no axis {}", stroke.axis));
     };
     let place = super::stands(file, feedback, stroke.axis);
-    let (turned, how) = if welcome.turns_lost[usize::from(stroke.spindle)] {
-        let (bound, why) = shown(stroke, spindle, file.tapping.sync_stop, welcome.stop);
-        let turned = stored.turn(reading, place, bound).map_err(|e| {
-            format!("the spindle's encoder has lost count of its turns, and the turn cannot be shown from the axis: {e} ({why})")
-        })?;
-        (turned, format!("single-turn encoder, turn from the axis ({why})"))
-    } else {
-        (reading, "multi-turn encoder".to_owned())
-    };
     let depth = (place - stroke.surface) * sense_in(stroke);
+    let setting = Setting {
+        surface: stroke.surface,
+        holder: stroke.stiffness,
+        travel: stroke.travel,
+        diameter: stroke.diameter,
+    };
+    // nothing ties a tap in the air to its thread: no turn is to be shown
+    let is_in_air = setting.is_in_air(depth);
+    let (turned, how, is_turn_known) =
+        turn(&stored, stroke, spindle, welcome, (file, place, is_in_air))?;
     if stroke.thread_length > Length::ZERO && depth > stroke.thread_length {
         return Err(format!(
             "the tap stands {:.3} mm deep, and its thread is {:.3} mm long: its shank has jammed in the hole, and the tap is taken to be \
@@ -136,12 +140,6 @@ pub(super) fn find(
         ));
     }
     let at = Point { angle: turned, place };
-    let setting = Setting {
-        surface: stroke.surface,
-        holder: stroke.stiffness,
-        travel: stroke.travel,
-        diameter: stroke.diameter,
-    };
     let seat = Seat { play: Length::ZERO, is_stiff: setting.is_stiff() };
     let way = match (stored.leaving(at, &setting).map_err(|e| e.to_string())?, way) {
         (Leaving::Straight, _) => Way::Straight,
@@ -150,7 +148,7 @@ pub(super) fn find(
     };
     let kept = welcome.evidence.in_work.unwrap_or_default();
     let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
-    let error = stored.error(at).abs();
+    let error = if is_turn_known { stored.error(at).abs() } else { Length::ZERO };
     // a tap that touched the work while the drives ran down by their ramps did so anywhere in
     // between
     let helix = if kept.touches { kept.sync_error } else { error.max(kept.sync_error) };
@@ -186,7 +184,8 @@ pub(super) fn find(
         let unseen = unseen(stroke, axis, spindle, stored.error(at), helix, ground);
         let is_beside = apart && way == Way::Straight;
         let known = (unseen.total, format!("{how}; {}", unseen.why));
-        (way, if is_beside { Err(APART) } else { Ok(known) })
+        let bound = if is_beside { Err(APART) } else { Ok(known) };
+        (way, if is_turn_known { bound } else { Err(IN_AIR) })
     };
     let certain = bound.as_ref().map_or(Length::ZERO, |(bound, _)| stored.error(at).abs() + *bound);
     Ok(Findings {
@@ -206,6 +205,31 @@ pub(super) fn find(
         way,
         helix,
     })
+}
+
+/// Where the spindle stands, on what that rests, and whether its turn is known: of a tap in the air
+/// it need not be.
+fn turn(
+    stored: &Stored,
+    stroke: &Stroke,
+    spindle: &Spindle,
+    welcome: &Welcome,
+    (file, place, is_in_air): (&MachineFile, Length, bool),
+) -> Result<(Angle, String, bool), String> {
+    let reading = welcome.observed.feedback.spindles[usize::from(stroke.spindle)].angle;
+    if !welcome.turns_lost[usize::from(stroke.spindle)] {
+        return Ok((reading, "multi-turn encoder".to_owned(), true));
+    }
+    let (bound, why) = shown(stroke, spindle, file.tapping.sync_stop, welcome.stop);
+    match stored.turn(reading, place, bound) {
+        Ok(turned) => {
+            Ok((turned, format!("single-turn encoder, turn from the axis ({why})"), true))
+        }
+        Err(_) if is_in_air => Ok((reading, "the tap stands over the work".to_owned(), false)),
+        Err(e) => Err(format!(
+            "the spindle's encoder has lost count of its turns, and the turn cannot be shown from the axis: {e} ({why})"
+        )),
+    }
 }
 
 /// +1 where the way in is along the axis' positive sense, else −1.
@@ -308,6 +332,12 @@ mod tests {
     /// Of an M8 from Z-100 to Z-125 into work that begins at Z-105: drives that stopped so, a place
     /// over the work, so many turns off its thread, and what the machine keeps.
     fn found(stop: Stop, over: Length, turns: f64, kept: Engagement) -> Findings {
+        let (stroke, welcome) = standing(stop, over, turns, kept);
+        let file = config::machine_file::load("tapping-center").expect("a built-in machine");
+        find(&stroke, Stage::Outward, &welcome, &file, RecoveryWay::UnloadFirst).expect("a way")
+    }
+
+    fn standing(stop: Stop, over: Length, turns: f64, kept: Engagement) -> (Stroke, Welcome) {
         let identity = Identity { machine: "m".into(), serial: 1, epoch: 1 };
         let stroke = Stroke {
             axis: 2,
@@ -328,8 +358,44 @@ mod tests {
         let into = (5.0 - over.value()) / 1.25;
         welcome.observed.feedback.spindles[0].angle = Angle::rev(into + turns);
         welcome.evidence.in_work = Some(kept);
+        (stroke, welcome)
+    }
+
+    /// A recovery before this one, stopped over the work, may have left the spindle anywhere; and
+    /// where power was gone meanwhile, an encoder without turns does not say where. Nothing of that
+    /// matters to a tap in the air: it is taken up straight.
+    #[test]
+    fn no_tap_that_stands_in_the_air_is_refused_whatever_became_of_spindle_and_encoder() {
         let file = config::machine_file::load("tapping-center").expect("a built-in machine");
-        find(&stroke, Stage::Outward, &welcome, &file, RecoveryWay::UnloadFirst).expect("a way")
+        let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut chance = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (random >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for case in 0..test_support::size::of(500, 50_000) {
+            let stop = [Stop::None, Stop::Coasted, Stop::QuickStop, Stop::Coupled]
+                [(chance() * 4.0) as usize];
+            let over = Length::mm(0.1 + chance() * 0.9 + 1e-6);
+            let kept = Engagement {
+                touches: chance() < 0.5,
+                sync_error: Length::mm(chance() * 0.2),
+                may_be_broken: chance() < 0.3,
+                ..touching()
+            };
+            let (stroke, mut welcome) = standing(stop, over, chance() * 40.0 - 20.0, kept);
+            welcome.turns_lost[0] = chance() < 0.5;
+            if welcome.turns_lost[0] {
+                let angle = welcome.observed.feedback.spindles[0].angle.value();
+                welcome.observed.feedback.spindles[0].angle = Angle::rev(angle.rem_euclid(1.0));
+            }
+            welcome.evidence.sense =
+                [Sense::Unknown, Sense::Positive, Sense::Negative][(chance() * 3.0) as usize];
+            let stage = if chance() < 0.5 { Stage::Inward } else { Stage::Outward };
+            let way = find(&stroke, stage, &welcome, &file, RecoveryWay::UnloadFirst);
+            let what = format!("case {case}: {stop:?}, {over} over the work");
+            let way = way.map(|found| found.way).map_err(|why| format!("{what}: {why}"));
+            assert_eq!(way, Ok(Way::Straight), "{what}");
+        }
     }
 
     fn touching() -> Engagement {

@@ -1,7 +1,8 @@
 //! The history of runs: a folder for each, with what `leadscrew run` would leave behind.
 //!
 //! ```text
-//!   STATE/runs/.ID-…/           while it is written; what a killed server has left is removed
+//!   STATE/runs/.ID-…/           while it is written; of what a killed server has left a run is made
+//!         │                     that was cut off, from what was kept as it was cut
 //!         └─ rename ─► ID/      whole: run.json, report.html, certificate.json, trace.parquet
 //! ```
 //!
@@ -11,10 +12,11 @@ mod record;
 
 pub(crate) use record::Recorder;
 
-use crate::wire::{RunBody, RunTraceBody, RunsBody};
+use crate::wire::{RunBody, RunDetailBody, RunTraceBody, RunsBody};
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
+use store::begun_run::{BegunRun, FILES as BEGUN};
 
 /// Runs in one answer.
 const MOST_LISTED: usize = 200;
@@ -78,11 +80,16 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
-    /// In a state folder; what was not finished is removed.
+    /// In a state folder; of what was not finished a run is made that was cut off, or it is
+    /// removed. `shown` makes of a program's path what clients see of it.
     ///
     /// # Errors
     /// The folder cannot be made.
-    pub(crate) fn open(state: Option<&Path>, kept: KeptRuns) -> Result<Self, String> {
+    pub(crate) fn open(
+        state: Option<&Path>,
+        kept: KeptRuns,
+        shown: &dyn Fn(&str) -> String,
+    ) -> Result<Self, String> {
         let Some(folder) = state.map(|state| state.join("runs")) else {
             return Ok(Self::default());
         };
@@ -90,9 +97,49 @@ impl Runs {
             .map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
         let runs = Self { folder: Some(folder), kept };
         for unfinished in runs.names().into_iter().filter(|name| name.starts_with(HIDDEN)) {
+            if runs.finish_cut_off(&unfinished, shown).is_some() {
+                continue;
+            }
             let _ = fs::remove_dir_all(runs.path(&unfinished)); // it is tried again at the next start
         }
         Ok(runs)
+    }
+
+    /// A run that was under way when the server was killed; `None`: nothing is known of it.
+    fn finish_cut_off(&self, hidden: &str, shown: &dyn Fn(&str) -> String) -> Option<()> {
+        let (id, _) = hidden.strip_prefix(HIDDEN)?.rsplit_once('-')?;
+        let (from, to) = (self.path(hidden), self.path(id));
+        let (begun, cut) = BegunRun::read(&from)?;
+        if !is_id(id) || to.exists() {
+            return None;
+        }
+        let count = |verdict: &str| cut.iter().filter(|cut| cut.verdict == verdict).count();
+        let failed = count("failed");
+        let time_s = cut.last().map_or(0.0, |cut| cut.time_s);
+        let run = RunBody {
+            id: id.to_owned(),
+            program: shown(&begun.program),
+            program_sha256: begun.program_sha256,
+            ended_unix_ms: begun.begun_unix_ms + (time_s.max(0.0) * 1e3) as u64,
+            cycle_time_s: time_s,
+            has_ended: false,
+            was_cut_off: true,
+            verdict: if failed > 0 { "failed" } else { "not_judged" }.to_owned(),
+            good: count("good"),
+            failed,
+            not_judged: count("not_judged"),
+            alarms: 0,
+            has_trace: false,
+            bytes: 0,
+        };
+        let detail = RunDetailBody { run, features: Vec::new(), alarms: Vec::new() };
+        let text = serde_json::to_vec(&detail).ok()?;
+        store::output::write_file(&from.join(RUN), &text).ok()?;
+        // its trace has no end, and cannot be read
+        for name in [TRACE, BEGUN[0], BEGUN[1]] {
+            let _ = fs::remove_file(from.join(name));
+        }
+        fs::rename(&from, &to).ok()
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -199,4 +246,38 @@ fn is_id(name: &str) -> bool {
     name.len() <= 24
         && name.starts_with(|c: char| c.is_ascii_digit())
         && name.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use store::begun_run::CutFeature;
+
+    #[test]
+    fn a_run_that_a_kill_has_cut_off_is_in_the_history_with_what_it_had_cut() {
+        let home = tempfile::tempdir().expect("a folder");
+        let hidden = home.path().join("runs/.1790000000000-Xy12");
+        fs::create_dir_all(&hidden).expect("a folder");
+        let begun = BegunRun {
+            program: "plate.ngc".into(),
+            program_sha256: "ab".into(),
+            begun_unix_ms: 1_790_000_000_000,
+        };
+        begun.write(&hidden).expect("written");
+        for verdict in ["good", "failed", "good"] {
+            let cut = CutFeature { verdict: verdict.into(), time_s: 2.5 };
+            BegunRun::append(&hidden, &cut).expect("written");
+        }
+        fs::write(hidden.join(TRACE), "half a trace").expect("written");
+        // one of which nothing is known
+        fs::create_dir(home.path().join("runs/.1790000000001-Zz99")).expect("a folder");
+        let runs =
+            Runs::open(Some(home.path()), KeptRuns::default(), &str::to_owned).expect("it opens");
+        let listed = runs.list(&Search::default()).runs;
+        let [run] = listed.as_slice() else { panic!("{listed:?}") };
+        assert_eq!((run.good, run.failed, run.cycle_time_s), (2, 1, 2.5));
+        assert!(run.was_cut_off && !run.has_ended && !run.has_trace);
+        assert_eq!(run.verdict, "failed");
+        assert_eq!(runs.names(), ["1790000000000"]);
+    }
 }

@@ -112,6 +112,7 @@ fn write(mut ended: EndedProgram) -> Result<(), String> {
         ended_unix_ms: unix_ms(),
         cycle_time_s: finished.outcome.cycle_time.value(),
         has_ended: certificate.ended,
+        was_cut_off: false,
         verdict: match certificate.verdict {
             Verdict::Pass => "good",
             Verdict::Fail => "failed",
@@ -129,6 +130,9 @@ fn write(mut ended: EndedProgram) -> Result<(), String> {
     let detail = RunDetailBody { run, features, alarms };
     let text = serde_json::to_vec(&detail).map_err(|e| e.to_string())?;
     folder.write(RUN, &text).map_err(|e| e.to_string())?;
+    for name in store::begun_run::FILES {
+        let _ = std::fs::remove_file(folder.path(name)); // it is in the way of nothing
+    }
     folder.finish().map_err(|e| e.to_string())?;
     Ok(())
 }

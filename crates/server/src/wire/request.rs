@@ -85,6 +85,10 @@ pub(crate) enum RequestBody {
         #[serde(default)]
         #[ts(optional)]
         tool: Option<u32>,
+        /// Also where the program was changed since it was left half done.
+        #[serde(default)]
+        #[ts(optional)]
+        program_changed: Option<bool>,
     },
     /// Start the program that is loaded.
     Start {},
@@ -104,6 +108,16 @@ pub(crate) enum RequestBody {
     Recover {},
     /// State that no tool is in the work.
     ToolIsFree {},
+    /// Another workpiece is clamped: what is cut from now on counts for it.
+    BeginWorkpiece {
+        #[serde(default)]
+        #[ts(optional)]
+        name: Option<String>,
+    },
+    /// The workpiece is done: the next start begins another one.
+    EndWorkpiece {},
+    /// State that what is in force was compared with what the control wrote last.
+    AcknowledgeState {},
     /// Clear alarms.
     Reset {},
     /// Hold after each block.
@@ -237,12 +251,15 @@ impl RequestBody {
                 Request::OrientSpindle(spindle as usize, Angle::deg(angle_deg))
             }
             Self::Load { program } => Request::Load(folder.existing(&program)?),
-            Self::Search { line, hole, tool } => Request::Search(match (line, hole, tool) {
-                (Some(line), None, None) => Begin::Line(line),
-                (None, Some(hole), None) => Begin::Hole(hole),
-                (None, None, Some(tool)) => Begin::Tool(tool),
-                _ => return Err(wrong("a search names one of line, hole and tool".into())),
-            }),
+            Self::Search { line, hole, tool, program_changed } => {
+                let from = match (line, hole, tool) {
+                    (Some(line), None, None) => Begin::Line(line),
+                    (None, Some(hole), None) => Begin::Hole(hole),
+                    (None, None, Some(tool)) => Begin::Tool(tool),
+                    _ => return Err(wrong("a search names one of line, hole and tool".into())),
+                };
+                Request::Search(from, program_changed.unwrap_or(false))
+            }
             Self::Start {} => Request::Start,
             Self::ManualDataInput { blocks } if blocks.len() > LONGEST_BLOCKS => {
                 return Err(wrong(format!(
@@ -258,6 +275,9 @@ impl RequestBody {
             Self::Retract {} => Request::Retract,
             Self::Recover {} => Request::Recover,
             Self::ToolIsFree {} => Request::ToolIsFree,
+            Self::BeginWorkpiece { name } => Request::BeginWorkpiece(name),
+            Self::EndWorkpiece {} => Request::EndWorkpiece,
+            Self::AcknowledgeState {} => Request::AcknowledgeState,
             Self::Reset {} => Request::Reset,
             Self::SingleBlock { on } => Request::SingleBlock(on),
             Self::OptionalStop { on } => Request::OptionalStop(on),

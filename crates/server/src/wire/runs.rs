@@ -19,6 +19,10 @@ pub(crate) struct RunBody {
     pub cycle_time_s: f64,
     /// The program came to its end.
     pub has_ended: bool,
+    /// The control ended, or was killed, while it was under way: what is known of it was kept as it
+    /// was cut.
+    #[serde(default)]
+    pub was_cut_off: bool,
     /// `good`, `failed`, `not_judged`: of the whole run.
     pub verdict: String,
     /// Features that are within tolerance.

@@ -125,6 +125,12 @@ impl Cutting {
         self.stock.holes.clone_from(&other.stock.holes);
     }
 
+    /// Another workpiece is clamped, with the holes that it comes with.
+    pub(crate) fn renew(&mut self, holes: &[Hole]) {
+        self.leave();
+        self.stock.holes = holes.to_vec();
+    }
+
     /// At the start of a period: the tool in the spindle and where it is over the work.
     pub(crate) fn begin_period(&mut self, tool: Option<u32>, at: [Length; 2]) {
         self.at = at;

@@ -39,6 +39,9 @@ pub struct Control {
     pub path: Option<PathControl>,
     /// How repeated taps learn, if it is stated.
     pub learning: Option<Learning>,
+    /// `workpiece_begins = "at-start"`: each start from the beginning of a program is on another
+    /// workpiece; else one begins when that is asked for.
+    pub start_begins_workpiece: bool,
 }
 
 /// How moves go on into one another.
@@ -275,6 +278,9 @@ impl Control {
                 bandwidth_hz: k.number("bandwidth_hz", 1.0..=1000.0),
                 file: k.optional_text("file"),
             }),
+            start_begins_workpiece: keys
+                .optional_choice("workpiece_begins", &[("by-request", false), ("at-start", true)])
+                .unwrap_or(false),
         }
     }
 }

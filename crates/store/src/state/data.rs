@@ -105,7 +105,27 @@ impl Default for Settings {
     }
 }
 
-/// Whose folder it is.
+/// The workpiece on the machine, and what was cut from it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkpieceRecord {
+    /// Its number on this machine, from 1.
+    pub number: u32,
+    /// Its name; empty: it has none.
+    pub name: String,
+    /// Programs that were started on it.
+    pub programs: u32,
+    /// Its features that are within tolerance.
+    pub good: u64,
+    /// Its features that are out of it.
+    pub failed: u64,
+    /// Its features that were not judged.
+    pub not_judged: u64,
+    /// It has ended.
+    pub is_ended: bool,
+}
+
+/// Whose folder it is, as folders without a manifest say it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
@@ -113,13 +133,40 @@ pub struct Machine {
     pub name: String,
 }
 
+/// Files of the data.
+pub(super) const FILES: [&str; 6] = [
+    Parameters::FILE,
+    ToolLibrary::FILE,
+    Homing::FILE,
+    LastProgram::FILE,
+    Settings::FILE,
+    WorkpieceRecord::FILE,
+];
+
+/// Kind and version that the file of this name begins with.
+pub(super) fn kind(file: &str) -> (&'static str, u32) {
+    const KNOWN: [(&str, &str, u32); 6] = [
+        of::<Parameters>(),
+        of::<ToolLibrary>(),
+        of::<Homing>(),
+        of::<LastProgram>(),
+        of::<Settings>(),
+        of::<WorkpieceRecord>(),
+    ];
+    const fn of<D: Datum>() -> (&'static str, &'static str, u32) {
+        (D::FILE, D::KIND, D::VERSION)
+    }
+    let known = KNOWN.iter().find(|(name, ..)| *name == file);
+    known.map_or(("unknown", 0), |(_, kind, version)| (kind, *version))
+}
+
 /// Text of a plain struct. Its keys are names and its values numbers, text and lists: that cannot
 /// fail.
-fn to_toml<T: Serialize>(value: &T) -> String {
+pub(super) fn to_toml<T: Serialize>(value: &T) -> String {
     toml::to_string(value).unwrap_or_default()
 }
 
-fn from_toml<T: for<'de> Deserialize<'de>>(body: &str) -> Result<T, String> {
+pub(super) fn from_toml<T: for<'de> Deserialize<'de>>(body: &str) -> Result<T, String> {
     toml::from_str(body).map_err(|e| one_line(e.message()))
 }
 
@@ -225,6 +272,19 @@ impl Datum for Settings {
             Some(level) => Err(format!("block skip has levels 1 to 9, and this is {level}")),
             None => Ok(read),
         }
+    }
+}
+
+impl Datum for WorkpieceRecord {
+    const FILE: &'static str = "workpiece.toml";
+    const KIND: &'static str = "workpiece";
+
+    fn body(&self) -> String {
+        to_toml(self)
+    }
+
+    fn parse(body: &str) -> Result<Self, String> {
+        from_toml(body)
     }
 }
 

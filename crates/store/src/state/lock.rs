@@ -1,5 +1,6 @@
 //! One control a folder: the file `lock` is locked as long as a control lives, and holds its
-//! process id.
+//! process id; and, once a state was kept in the folder, a line that says so, from which a folder
+//! whose files are gone is told from a new one.
 use super::plain;
 use crate::Error;
 use std::fs::{File, TryLockError};
@@ -15,10 +16,14 @@ const LOCK: &str = "lock";
 const LOOKS: u32 = 10;
 const APART: Duration = Duration::from_millis(5);
 
+/// Says that a state was kept in the folder.
+const KEEPS: &str = "keeps a state";
+
 /// A lock on a folder, until its last copy is dropped or the process ends, however it ends.
 #[derive(Clone, Debug)]
 pub struct FolderLock {
-    _file: Arc<Locked>,
+    file: Arc<Locked>,
+    had_state: bool,
 }
 
 #[derive(Debug)]
@@ -58,10 +63,35 @@ impl FolderLock {
                 return Err(failed("lock the state folder")(io::Error::other(why)));
             }
         }
-        let written = file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id()));
-        written.map_err(failed("write to the state folder"))?;
-        Ok(Self { _file: Arc::new(Locked(file)) })
+        let mut before = String::new();
+        let read = (&file).take(64).read_to_string(&mut before);
+        let had_state = read.is_ok() && before.lines().nth(1) == Some(KEEPS);
+        write(&file, had_state).map_err(failed("write to the state folder"))?;
+        Ok(Self { file: Arc::new(Locked(file)), had_state })
     }
+
+    /// A state was kept in the folder before it was locked.
+    pub const fn had_state(&self) -> bool {
+        self.had_state
+    }
+
+    /// From now on the folder is one in which a state was kept.
+    pub(super) fn keeps_state(&mut self) -> io::Result<()> {
+        if !self.had_state {
+            write(&self.file.0, true)?;
+            self.file.0.sync_all()?;
+            self.had_state = true;
+        }
+        Ok(())
+    }
+}
+
+fn write(mut file: &File, has_state: bool) -> io::Result<()> {
+    let mark = if has_state { format!("{KEEPS}\n") } else { String::new() };
+    let text = format!("{}\n{mark}", std::process::id());
+    file.rewind()?;
+    file.write_all(text.as_bytes())?;
+    file.set_len(text.len() as u64)
 }
 
 /// A file of this folder alone: what is written into it is written nowhere else.
@@ -85,8 +115,8 @@ fn holder(file: &mut File) -> Option<u32> {
         }
         let mut text = String::new();
         file.rewind().ok()?;
-        file.take(32).read_to_string(&mut text).ok()?;
-        if let Some(id) = text.strip_suffix('\n').and_then(|id| id.parse().ok()) {
+        file.take(64).read_to_string(&mut text).ok()?;
+        if let Some(id) = text.split_once('\n').and_then(|(id, _)| id.parse().ok()) {
             return Some(id);
         }
     }

@@ -1,7 +1,8 @@
-//! The log of what programs have said to their operator: `messages.jsonl`, a line each.
+//! Logs, a line each: what programs have said to their operator, `messages.jsonl`, and what was
+//! cut, `features.jsonl`.
 //!
-//! It is for people, and nothing is read from it; so its lines are appended without a seal. Of a
-//! large one the file before it is kept as `messages.jsonl.previous`, and no other.
+//! They are for people, and nothing is read from them; so their lines are appended without a seal.
+//! Of a large one the file before it is kept as `NAME.previous`, and no other.
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -26,14 +27,52 @@ pub struct LoggedMessage {
     pub text: String,
 }
 
+/// Name of the log of features, and its size at which it is put aside, bytes.
+const FEATURES: &str = "features.jsonl";
+const LARGEST_OF_FEATURES: u64 = 16 << 20;
+
+/// A feature that was cut.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct LoggedFeature {
+    /// When it was judged, ms since 1970.
+    pub unix_ms: u64,
+    /// The program that cut it.
+    pub program: String,
+    /// Number of the workpiece on this machine.
+    pub workpiece: u32,
+    /// Its line in the program.
+    pub line: u32,
+    /// `good`, `failed`, `not_judged`.
+    pub verdict: &'static str,
+    /// What it is, and its verdict.
+    pub text: String,
+}
+
 /// Append a message.
 ///
 /// # Errors
 /// The disk refuses.
 pub fn append(folder: &Path, entry: &LoggedMessage) -> io::Result<()> {
-    let path = folder.join(FILE);
-    if fs::metadata(&path).is_ok_and(|about| about.len() >= LARGEST) {
-        fs::rename(&path, folder.join(super::previous(FILE)))?;
+    append_line(folder, FILE, LARGEST, entry)
+}
+
+/// Append a feature.
+///
+/// # Errors
+/// The disk refuses.
+pub fn append_feature(folder: &Path, entry: &LoggedFeature) -> io::Result<()> {
+    append_line(folder, FEATURES, LARGEST_OF_FEATURES, entry)
+}
+
+fn append_line(
+    folder: &Path,
+    name: &str,
+    largest: u64,
+    entry: &impl serde::Serialize,
+) -> io::Result<()> {
+    let path = folder.join(name);
+    if fs::metadata(&path).is_ok_and(|about| about.len() >= largest) {
+        fs::rename(&path, folder.join(super::previous(name)))?;
     }
     let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
     let line = serde_json::to_string(entry)?;

@@ -5,24 +5,34 @@
 //!   parameters.var  work offsets and numbered parameters    alarms.jsonl   alarms, a line each
 //!   tools.toml      tools with wear and life                settings.toml  overrides, switches, units
 //!   homing.toml     references of absolute encoders         program.toml   the last program and its position
-//!   machine.toml    whose folder this is                    lock           process of the control that has it
+//!   workpiece.toml  the workpiece, and what was cut from it
+//!   manifest.toml, manifest.copy.toml                       lock           process of the control that has it
+//!                   all of it as it was written last, twice
 //!
-//!   save: new file, fsync ─► link the one in force as NAME.previous ─► rename the new one to NAME ─► fsync the folder
+//!   save: new files, fsync ─► rename manifest.toml, fsync ─► link the file in force as NAME.previous,
+//!         rename the new one to NAME, rename manifest.copy.toml, fsync
 //! ```
 //!
-//! The first line of each file says what it is, its version and the checksum of all that follows
-//! ([`seal`]). What does not fit is not believed: the version before it is used, and that is said.
-//! Nothing that was in the folder is removed: what was not believed is kept as `NAME.rejected-1`,
-//! `-2` … when the datum is saved next.
+//! The first lines of each file say what it is, its version, the checksum of all that follows, and
+//! when and for which machine it was written ([`seal`]). What does not fit is not believed: what
+//! the manifest has of it is in force ([`open`]). Where something else is in force than what was
+//! written last, or where nothing shows what that was, each value is a [`StateChange`], until it is
+//! acknowledged. Nothing that was in the folder is removed: what was not believed is kept as
+//! `NAME.rejected-1`, `-2` …
 mod alarms;
+mod changes;
 mod data;
 pub mod lock;
+mod manifest;
 pub mod message_log;
+mod open;
 mod plain;
 pub mod seal;
 
 pub use alarms::{AlarmRecord, MOST_ALARMS};
-pub use data::{HomedAxis, Homing, LastProgram, LengthDisplay, Machine, Settings};
+pub use changes::StateChange;
+pub use data::{HomedAxis, Homing, LastProgram, LengthDisplay, Machine, Settings, WorkpieceRecord};
+pub use manifest::{MachineIdentity, Origin};
 pub use seal::{Datum, Untrusted};
 
 use crate::Error;
@@ -30,8 +40,8 @@ use crate::parameters::Parameters;
 use alarms::AlarmFile;
 use canon::ToolLibrary;
 use lock::FolderLock;
-use seal::Sealed;
-use std::collections::{BTreeMap, BTreeSet};
+use manifest::{MANIFESTS, Manifest};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::fs;
 use std::io::{self, Write};
@@ -58,6 +68,10 @@ pub struct State {
     pub alarms: Vec<AlarmRecord>,
     /// What the operator had set; `None`: nothing was kept.
     pub settings: Option<Settings>,
+    /// The workpiece on the machine; `None`: none was kept.
+    pub workpiece: Option<WorkpieceRecord>,
+    /// What is not what the control wrote last, and was not acknowledged.
+    pub changes: Vec<StateChange>,
 }
 
 /// What became of a file that was not as it should be.
@@ -99,44 +113,20 @@ impl fmt::Display for Finding {
 pub struct StateFolder {
     path: PathBuf,
     lock: FolderLock,
-    /// What is in force on the disk, so that nothing is written that is there already.
-    written: BTreeMap<&'static str, String>,
+    /// What is in force on the disk.
+    manifest: Manifest,
+    /// What is in force with the next commit.
+    next: Option<Manifest>,
+    /// Files that are written with the next commit though nothing of them changes.
+    stale: BTreeSet<&'static str>,
     /// Files that were not believed: they are set aside before their name is needed.
     rejected: BTreeSet<String>,
     alarms: AlarmFile,
+    /// What is saved waits for [`StateFolder::commit`].
+    is_batch: bool,
 }
 
 impl StateFolder {
-    /// Open a folder, make it if it is missing; what it says, and what the operator should know
-    /// about it.
-    ///
-    /// # Errors
-    /// The folder cannot be made or read, or another control has it open: then its process is
-    /// named.
-    pub fn open(path: &Path) -> Result<(Self, State, Vec<Finding>), Error> {
-        fs::create_dir_all(path)
-            .map_err(|cause| Error::file("create the state folder", path, cause))?;
-        let lock = FolderLock::take(path)?;
-        let mut folder = Self {
-            path: path.to_owned(),
-            lock,
-            written: BTreeMap::new(),
-            rejected: BTreeSet::new(),
-            alarms: AlarmFile::default(),
-        };
-        folder.remove_remains()?;
-        let mut found = Vec::new();
-        let state = State {
-            parameters: folder.read(&mut found),
-            tools: folder.read(&mut found),
-            homed: folder.read(&mut found).unwrap_or_default(),
-            last_program: folder.read(&mut found),
-            alarms: folder.read_alarms(&mut found),
-            settings: folder.read(&mut found),
-        };
-        Ok((folder, state, found))
-    }
-
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
@@ -147,24 +137,9 @@ impl StateFolder {
         self.lock.clone()
     }
 
-    /// This folder is that machine's: it is marked so, or it is another one's.
-    ///
-    /// # Errors
-    /// The folder of another machine, whose offsets and tools this one must not use; a disk that
-    /// refuses.
-    pub fn claim(&mut self, machine: &str) -> Result<Vec<Finding>, Error> {
-        let mut found = Vec::new();
-        match self.read::<Machine>(&mut found) {
-            Some(known) if known.name != machine => {
-                let why = format!(
-                    "it is the state of the machine `{}`, and this one is `{machine}`: name another folder",
-                    known.name
-                );
-                Err(Error::file("use the state folder", &self.path, io::Error::other(why)))
-            }
-            Some(_) => Ok(found),
-            None => self.save(&Machine { name: machine.to_owned() }).map(|()| found),
-        }
+    /// What is saved from now on is on the disk with the next [`StateFolder::commit`].
+    pub fn begin_batch(&mut self) {
+        self.is_batch = true;
     }
 
     /// Keep numbered parameters and work offsets.
@@ -207,6 +182,14 @@ impl StateFolder {
         self.save(settings)
     }
 
+    /// Keep which workpiece is on the machine, and what was cut from it.
+    ///
+    /// # Errors
+    /// As [`StateFolder::save_parameters`].
+    pub fn save_workpiece(&mut self, workpiece: &WorkpieceRecord) -> Result<(), Error> {
+        self.save(workpiece)
+    }
+
     /// Keep an alarm, after those that are kept already; of very many the oldest are forgotten.
     ///
     /// # Errors
@@ -217,32 +200,104 @@ impl StateFolder {
             self.set_aside(name)?;
             self.alarms.must_be_written_anew();
         }
-        self.alarms.add(&self.path, alarm)
+        self.alarms.add(&self.path, alarm)?;
+        let last = self.alarms.last();
+        self.next().alarms = last;
+        self.end_save()
     }
 
-    /// Save a datum whole: when this returns it is on the disk.
+    /// The operator has seen what differs from what the control wrote last: it is in force.
+    ///
+    /// # Errors
+    /// As [`StateFolder::save_parameters`].
+    pub fn acknowledge(&mut self) -> Result<(), Error> {
+        self.next().unacknowledged.clear();
+        self.end_save()
+    }
+
+    /// Save a datum whole: when this returns it is on the disk, unless a batch was begun.
     fn save<D: Datum>(&mut self, datum: &D) -> Result<(), Error> {
-        let body = datum.body();
-        if self.written.get(D::FILE) == Some(&body) {
-            return Ok(());
+        self.stage::<D>(datum.body());
+        self.end_save()
+    }
+
+    /// A datum is written with the next commit, if it is not what is written already.
+    fn stage<D: Datum>(&mut self, body: String) {
+        let manifest = self.next.as_ref().unwrap_or(&self.manifest);
+        let is_same = manifest.entry(D::FILE).is_some_and(|entry| entry.body == body);
+        if !is_same {
+            self.next().set(D::FILE, body);
         }
-        for name in [D::FILE.to_owned(), previous(D::FILE)] {
-            if self.rejected.contains(&name) {
-                self.set_aside(&name)?;
+    }
+
+    fn next(&mut self) -> &mut Manifest {
+        let Self { manifest, next, .. } = self;
+        next.get_or_insert_with(|| Manifest {
+            generation: manifest.generation + 1,
+            ..manifest.clone()
+        })
+    }
+
+    fn end_save(&mut self) -> Result<(), Error> {
+        if self.is_batch { Ok(()) } else { self.commit() }
+    }
+
+    /// What was saved is on the disk when this returns; a batch is over.
+    ///
+    /// # Errors
+    /// The disk refuses: nothing of it counts.
+    pub fn commit(&mut self) -> Result<(), Error> {
+        self.is_batch = false;
+        let Some(next) = self.next.take() else { return Ok(()) };
+        let is_due = |name: &str, generation| {
+            generation == next.generation || self.stale.iter().any(|stale| *stale == name)
+        };
+        let due = next.file.iter().filter(|entry| is_due(&entry.name, entry.generation));
+        let files: Vec<(String, String)> =
+            due.map(|entry| (entry.name.clone(), sealed_entry(&next, entry))).collect();
+        for name in files.iter().map(|(name, _)| name.as_str()).chain(MANIFESTS) {
+            for name in [name.to_owned(), previous(name)] {
+                if self.rejected.contains(&name) {
+                    self.set_aside(&name)?;
+                }
             }
         }
-        let text = seal::sealed::<D>(&body);
-        self.replace(D::FILE, text.as_bytes())
-            .map_err(|cause| Error::file("write", &self.path.join(D::FILE), cause))?;
-        self.written.insert(D::FILE, body);
+        let manifest = seal::sealed_as(Manifest::KIND, Manifest::VERSION, None, &next.body());
+        self.write_together(&manifest, &files)
+            .map_err(|cause| Error::file("write", &self.path, cause))?;
+        self.stale.clear();
+        self.manifest = next;
         Ok(())
     }
 
-    /// The new bytes under their name, the old ones as the version before.
-    fn replace(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
-        let mut new = tempfile::Builder::new().prefix(NEW).tempfile_in(&self.path)?;
-        new.write_all(bytes)?;
-        new.as_file().sync_all()?;
+    /// All is written under names of its own and on the disk before the first takes its place: a
+    /// full disk changes nothing.
+    fn write_together(&mut self, manifest: &str, files: &[(String, String)]) -> io::Result<()> {
+        let new = |text: &str| {
+            let mut new = tempfile::Builder::new().prefix(NEW).tempfile_in(&self.path)?;
+            new.write_all(text.as_bytes())?;
+            new.as_file().sync_all()?;
+            io::Result::Ok(new)
+        };
+        let (first, copy) = (new(manifest)?, new(manifest)?);
+        let written: Vec<_> =
+            files.iter().map(|(name, text)| Ok((name, new(text)?))).collect::<io::Result<_>>()?;
+        let into = |new: tempfile::NamedTempFile, name: &str| {
+            new.persist(self.path.join(name)).map(drop).map_err(|e| e.error)
+        };
+        into(first, MANIFESTS[0])?;
+        crate::output::sync_folder(&self.path)?;
+        for (name, new) in written {
+            self.keep_previous(name)?;
+            into(new, name)?;
+        }
+        into(copy, MANIFESTS[1])?;
+        crate::output::sync_folder(&self.path)?;
+        self.lock.keeps_state()
+    }
+
+    /// The file in force is kept as the version before.
+    fn keep_previous(&self, name: &str) -> io::Result<()> {
         let (path, before) = (self.path.join(name), self.path.join(previous(name)));
         // a link first: at every instant both names are there, and hold whole files
         let link = self.path.join(format!("{NEW}{name}"));
@@ -251,77 +306,11 @@ impl StateFolder {
             Ok(()) => {
                 fs::rename(&link, &before)?;
                 // renaming one link of a file over another one leaves both
-                remove(&link)?;
+                remove(&link)
             }
-            Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
             // a file system without links
-            Err(_) => fs::rename(&path, &before)?,
-        }
-        new.persist(&path).map_err(|e| e.error)?;
-        crate::output::sync_folder(&self.path)
-    }
-
-    /// A datum: the version in force, or the one before it.
-    fn read<D: Datum>(&mut self, found: &mut Vec<Finding>) -> Option<D> {
-        let before = previous(D::FILE);
-        let mut look = |name: &str| {
-            let read = plain::read(&self.path.join(name), D::LARGEST);
-            let read = read.and_then(|bytes| bytes.map(|b| seal::open::<D>(&b)).transpose());
-            if read.is_err() {
-                self.rejected.insert(name.to_owned());
-            }
-            read
-        };
-        let why = match look(D::FILE) {
-            Ok(Some(Sealed { value, is_edited })) => {
-                if is_edited {
-                    let said = "was edited by hand: it is used as it stands";
-                    found.push(Finding::new(D::FILE, Weight::Note, said));
-                } else {
-                    self.written.insert(D::FILE, value.body());
-                }
-                return Some(value);
-            }
-            Ok(None) => None,
-            Err(why) => Some(why),
-        };
-        let (weight, value, said) = match (why, look(&before)) {
-            (None, Ok(None)) => return None,
-            (None, Ok(Some(old))) => (Weight::PreviousUsed, Some(old.value), "is missing".into()),
-            (Some(why), Ok(Some(old))) => (Weight::PreviousUsed, Some(old.value), why.to_string()),
-            (Some(why), Ok(None)) => (Weight::Lost, None, why.to_string()),
-            (None, Err(old)) => (Weight::Lost, None, format!("is missing, and {before} {old}")),
-            (Some(why), Err(old)) => (Weight::Lost, None, format!("{why}; {before} {old}")),
-        };
-        let end = match weight {
-            Weight::Note | Weight::PreviousUsed => "the version before it is used",
-            Weight::Lost => "nothing of it is used",
-        };
-        found.push(Finding::new(D::FILE, weight, format!("{said}: {end}")));
-        value
-    }
-
-    fn read_alarms(&mut self, found: &mut Vec<Finding>) -> Vec<AlarmRecord> {
-        let name = AlarmFile::NAME;
-        match plain::read(&self.path.join(name), AlarmFile::LARGEST) {
-            Ok(None) => Vec::new(),
-            Ok(Some(bytes)) => {
-                let (file, bad) = AlarmFile::parse(&bytes);
-                if bad > 0 {
-                    self.rejected.insert(name.to_owned());
-                    let lines = if bad == 1 { "1 line".into() } else { format!("{bad} lines") };
-                    let said = format!("has {lines} cut short or changed: the others are used");
-                    found.push(Finding::new(name, Weight::Note, said));
-                }
-                self.alarms = file;
-                self.alarms.alarms().to_vec()
-            }
-            Err(why) => {
-                self.rejected.insert(name.to_owned());
-                let said = format!("{why}: nothing of it is used");
-                found.push(Finding::new(name, Weight::Lost, said));
-                Vec::new()
-            }
+            Err(_) => fs::rename(&path, &before),
         }
     }
 
@@ -344,20 +333,6 @@ impl StateFolder {
         self.rejected.remove(name);
         Ok(())
     }
-
-    /// What a killed control was writing.
-    fn remove_remains(&self) -> Result<(), Error> {
-        let failed = |cause| Error::file("read the state folder", &self.path, cause);
-        for entry in fs::read_dir(&self.path).map_err(failed)? {
-            let entry = entry.map_err(failed)?;
-            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-            if is_file && entry.file_name().to_string_lossy().starts_with(NEW) {
-                // one that cannot be removed is in the way of nothing
-                let _ = fs::remove_file(entry.path());
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Remove a name that may not be there.
@@ -371,4 +346,10 @@ fn remove(path: &Path) -> io::Result<()> {
 /// Name of the version before.
 fn previous(name: &str) -> String {
     format!("{name}.previous")
+}
+
+/// A datum's file.
+fn sealed_entry(manifest: &Manifest, entry: &manifest::WrittenDatum) -> String {
+    let (kind, version) = data::kind(&entry.name);
+    seal::sealed_as(kind, version, Some(&manifest.origin(entry)), &entry.body)
 }

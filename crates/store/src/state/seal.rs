@@ -3,12 +3,16 @@
 //!
 //! ```text
 //!   # leadscrew tools 1, checksum 5d0c01b2
+//!   # generation 12, 2026-11-29T17:02:37Z, folder 3fa29c0154aa, machine tapping-center
 //!   [[tool]]
 //!   number = 1 …
 //! ```
 //!
-//! A file that was cut short, or in which a byte has changed, is found by it. Who edits a file by
-//! hand writes `edited` in place of `checksum …`, and so says that the file is as it should be.
+//! The second line says with which generation of the manifest it was written, when, and for which
+//! machine; the checksum covers it. A file that was cut short, or in which a byte has changed, is
+//! found by it. Who edits a file by hand writes `edited` in place of `checksum …`, and so says that
+//! the file is as it should be.
+use super::manifest::Origin;
 use std::fmt;
 
 /// Something that is kept.
@@ -57,6 +61,13 @@ pub enum Untrusted {
     Changed,
     /// The text says what cannot be.
     Senseless(String),
+    /// It was written for another machine, or in another folder.
+    OtherOrigin {
+        /// Where it was written: folder and machine.
+        found: (String, String),
+        /// Where it is read.
+        own: (String, String),
+    },
 }
 
 impl fmt::Display for Untrusted {
@@ -78,6 +89,10 @@ impl fmt::Display for Untrusted {
                 "was cut short or changed since it was written (who has edited it writes `edited` in place of the checksum in its first line)",
             ),
             Self::Senseless(why) => write!(f, "says what cannot be ({why})"),
+            Self::OtherOrigin { found: (folder, machine), own: (own, is) } => write!(
+                f,
+                "is of the machine `{machine}` (folder {folder}), and this is `{is}` (folder {own})"
+            ),
         }
     }
 }
@@ -89,16 +104,32 @@ pub struct Sealed<D> {
     pub value: D,
     /// A person has edited it.
     pub is_edited: bool,
+    /// Where and when it was written; `None`: it does not say.
+    pub origin: Option<Origin>,
 }
 
-/// A datum's file: its first line and its text.
-pub fn sealed<D: Datum>(body: &str) -> String {
-    let checksum = checksum(body);
-    format!("# leadscrew {} {}, checksum {checksum}\n{body}", D::KIND, D::VERSION)
+/// A datum's file: its first lines and its text.
+pub fn sealed<D: Datum>(origin: &Origin, body: &str) -> String {
+    sealed_as(D::KIND, D::VERSION, Some(origin), body)
+}
+
+/// A file of this kind.
+pub(super) fn sealed_as(kind: &str, version: u32, origin: Option<&Origin>, body: &str) -> String {
+    let body = format!("{}{body}", origin.map(Origin::line).unwrap_or_default());
+    let checksum = checksum(&body);
+    format!("# leadscrew {kind} {version}, checksum {checksum}\n{body}")
 }
 
 fn checksum(body: &str) -> String {
     format!("{:08x}", crc32fast::hash(body.as_bytes()))
+}
+
+/// Where and when a file of any kind was written, if it is whole.
+pub(super) fn origin(bytes: &[u8]) -> Option<Origin> {
+    let (head, body) = std::str::from_utf8(bytes).ok()?.split_once('\n')?;
+    let (_, sum) = head.split_once(", checksum ")?;
+    let (origin, _) = Origin::split(body);
+    origin.filter(|_| sum.trim_end() == checksum(body))
 }
 
 /// What a file's bytes say.
@@ -128,6 +159,7 @@ pub fn open<D: Datum>(bytes: &[u8]) -> Result<Sealed<D>, Untrusted> {
         let is_seal = seal.starts_with("checksum ");
         return Err(if is_seal { Untrusted::Changed } else { foreign });
     }
+    let (origin, body) = Origin::split(body);
     let value = D::parse(body).map_err(Untrusted::Senseless)?;
-    Ok(Sealed { value, is_edited })
+    Ok(Sealed { value, is_edited, origin })
 }

@@ -35,6 +35,8 @@ pub struct Picture {
     pub alarms: Arc<Vec<Alarm>>,
     /// The program that is loaded.
     pub program: Option<Arc<LoadedProgram>>,
+    /// Of the features: another one means that there are others.
+    version: (u64, usize, bool),
 }
 
 impl Picture {
@@ -48,7 +50,9 @@ impl Picture {
             tools: Arc::default(),
             alarms: Arc::default(),
             program: None,
+            version: control.features_version(),
         };
+        picture.features = Arc::new(control.features());
         picture.take_lists(control);
         picture
     }
@@ -62,14 +66,17 @@ impl Picture {
     ) -> Self {
         let status = Status { loading, ..control.status() };
         let mut next = Self { number: self.number + 1, status, ..self.clone() };
-        if has_changed || control.feature_count() != self.features.len() {
+        let version = control.features_version();
+        if version != self.version {
+            (next.version, next.features) = (version, Arc::new(control.features()));
+        }
+        if has_changed || version != self.version {
             next.take_lists(control);
         }
         next
     }
 
     fn take_lists(&mut self, control: &Control) {
-        keep_or_take(&mut self.features, control.features());
         keep_or_take(&mut self.offsets, offsets(control));
         keep_or_take(&mut self.tools, control.tools().cloned().collect());
         keep_or_take(&mut self.alarms, control.alarms().to_vec());
