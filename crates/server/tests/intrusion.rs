@@ -190,6 +190,8 @@ fn slow_clients_are_given_up_and_hold_up_no_other() {
     let address = served.server.address();
     let large = vec![b';'; 15 << 20];
     assert_eq!(served.put("/programs/large.ngc", &large).0, 200);
+    let mut led = served.socket("");
+    served.power_on();
     let opened = |text: &str| {
         let mut stream = TcpStream::connect(address).unwrap();
         stream.set_nonblocking(true).unwrap();
@@ -204,8 +206,6 @@ fn slow_clients_are_given_up_and_hold_up_no_other() {
     let mut trickling: Vec<TcpStream> =
         (0..120).map(|n| opened(trickles[n % trickles.len()])).collect();
     let mut deaf: Vec<TcpStream> = (0..40).map(|_| opened(&read)).collect();
-    let mut led = served.socket("");
-    served.power_on();
     let start = control::clock::now();
     let mut answered = 0;
     let mut bytes = [0; 4096];
