@@ -30,6 +30,30 @@ fn one_place_calls_the_kernels_tick() {
     assert_eq!(callers, ["crates/servo/src/period.rs"].map(Path::new));
 }
 
+/// The proof of each file that calls the operating system or HAL stands in the documents.
+#[test]
+fn the_files_with_unsafe_code_are_those_of_the_security_page() {
+    let page = fs::read_to_string(root().join("docs/security.md")).unwrap();
+    let table = page.split("## Unsafe code").nth(1).unwrap().split("\n## ").next().unwrap();
+    let listed = table.lines().filter_map(|row| row.strip_prefix("| `")?.split_once('`'));
+    let mut listed: Vec<_> = listed.map(|(file, _)| PathBuf::from(file)).collect();
+    listed.sort();
+    let allows = |file: &PathBuf| {
+        let text = fs::read_to_string(file).unwrap();
+        let mut lines = text.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
+        lines.any(|line| {
+            ["unsafe {", "unsafe fn", "unsafe impl", "unsafe extern", "#[unsafe("]
+                .iter()
+                .any(|word| line.contains(word))
+        })
+    };
+    let all = crates().flat_map(|folder| files(&folder.join("src"), "rs"));
+    let mut found: Vec<_> =
+        all.filter(allows).map(|file| file.strip_prefix(root()).unwrap().to_owned()).collect();
+    found.sort();
+    assert_eq!(found, listed);
+}
+
 /// The text before its tests.
 fn production(file: &Path) -> String {
     let text = fs::read_to_string(file).unwrap();
