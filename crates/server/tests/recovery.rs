@@ -123,8 +123,8 @@ fn a_tool_that_a_lost_control_has_left_in_its_thread_is_known_and_taken_out_by_t
     let features = served.get("/features").1;
     assert_eq!(
         status["features"],
-        json!({ "good": 1, "failed": 0, "not_judged": 0 }),
-        "{features}"
+        json!({ "good": 4, "failed": 0, "not_judged": 0 }),
+        "three of the same workpiece were judged before: {features}"
     );
     drop(served);
     let after = told(&machine);
