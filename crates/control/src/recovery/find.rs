@@ -375,7 +375,7 @@ mod tests {
         for case in 0..test_support::size::of(500, 50_000) {
             let stop = [Stop::None, Stop::Coasted, Stop::QuickStop, Stop::Coupled]
                 [(chance() * 4.0) as usize];
-            // further than a tap can stand out of its holder, and than the weight stretches the screw
+            // beyond what a tap stands out of its holder, and the weight stretches the screw
             let over = Length::mm(0.15 + chance() * 0.85);
             let kept = Engagement {
                 touches: chance() < 0.5,
