@@ -6,7 +6,7 @@
 //!   every period ─► setpoints within travel, speed and acceleration · a jog ends with its lease · no tap breaks
 //!   every answer ─► a refused request changes nothing; the state moves along the table of transitions
 //! ```
-use canon::{Axis, Position, ToolKind};
+use canon::{Axis, ToolKind};
 use control::job::{ProgramOptions, restart};
 use control::operation::{
     Control, ControlOptions, Event, Execution, ExecutionEvent, Jog, Power, Request, ToolField,
@@ -78,13 +78,8 @@ const AT_END_MM: f64 = 1e-3;
 pub fn sequence(seed: u64, program: &Path, tally: &mut Tally) -> Result<(), String> {
     let mut chance = Chance(seed);
     let options = ControlOptions {
-        program: ProgramOptions::on("tapping-center"),
         seed: Some(seed),
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
+        ..ControlOptions::simulated(ProgramOptions::on("tapping-center"))
     };
     let control = Control::new(options).map_err(|why| why.to_string())?;
     let mut bench = Bench::new(control);

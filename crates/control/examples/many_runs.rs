@@ -3,7 +3,6 @@
 //!
 //! It runs a program of 36 holes on one workpiece, and writes the resident memory of the process
 //! after so many runs.
-use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::{Execution, Request};
 use control::{Control, ControlOptions};
@@ -43,13 +42,8 @@ fn main() -> Result<(), String> {
     let path = home.join("part.ngc");
     std::fs::write(&path, program()).map_err(|e| e.to_string())?;
     let options = ControlOptions {
-        program: ProgramOptions::from("tapping-center"),
-        seed: None,
         state: Some(home.join("state")),
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
+        ..ControlOptions::simulated(ProgramOptions::from("tapping-center"))
     };
     let mut control = Control::new(options).map_err(|why| why.to_string())?;
     let ask = |control: &mut Control, request: &Request| {

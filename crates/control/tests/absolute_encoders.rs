@@ -1,6 +1,5 @@
 //! Axes whose encoders are absolute are homed once: a control that is switched on again knows where
 //! they are.
-use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::Request;
 use control::{Control, ControlOptions};
@@ -8,13 +7,9 @@ use std::path::Path;
 
 fn powered(state: &Path, seed: u64) -> Control {
     let options = ControlOptions {
-        program: ProgramOptions::on("bench-xyz"),
         seed: Some(seed),
         state: Some(state.to_owned()),
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
+        ..ControlOptions::simulated(ProgramOptions::on("bench-xyz"))
     };
     let mut control = Control::new(options).unwrap();
     control.request(&Request::Power(true)).unwrap();

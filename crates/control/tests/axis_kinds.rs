@@ -1,20 +1,13 @@
 //! Linear and rotary axes read in their own units wherever a control says where they are.
-use canon::{Axis, Position};
+use canon::Axis;
 use control::job::ProgramOptions;
 use control::operation::{Event, Jog, Request, Signals};
 use control::{Control, ControlOptions};
 use units::{Coordinate, CoordinateSpeed};
 
 fn powered(machine: &str) -> Control {
-    let options = ControlOptions {
-        program: ProgramOptions::on(machine),
-        seed: Some(1),
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
-    };
+    let options =
+        ControlOptions { seed: Some(1), ..ControlOptions::simulated(ProgramOptions::on(machine)) };
     let mut control = Control::new(options).unwrap();
     control.request(&Request::Power(true)).unwrap();
     while !control.status().is_ready {

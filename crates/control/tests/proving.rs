@@ -1,5 +1,5 @@
 //! A long program is interpreted and planned in another thread while the control goes on.
-use canon::{Axis, Position};
+use canon::Axis;
 use control::job::{Interruption, ProgramOptions};
 use control::operation::{Begun, Execution, Proving, Request, ToolField};
 use control::{Control, ControlOptions};
@@ -9,13 +9,8 @@ const TEXT: &str = "G21 G90 G54 G94\nG1 F600 X1\nX0\nM2\n";
 
 fn homed() -> Control {
     let options = ControlOptions {
-        program: ProgramOptions::on("bench-xyz"),
         seed: Some(1),
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
+        ..ControlOptions::simulated(ProgramOptions::on("bench-xyz"))
     };
     let mut control = Control::new(options).unwrap();
     control.request(&Request::Power(true)).unwrap();

@@ -1,6 +1,6 @@
 //! A control that stays on, by the clock: what is asked of it acts on the servo thread's kernel,
 //! and nothing is lost on the way.
-use canon::{Axis, Position};
+use canon::Axis;
 use control::job::ProgramOptions;
 use control::operation::{Execution, Jog, Refusal, Request};
 use control::{Control, ControlOptions, RealTimeOptions};
@@ -16,13 +16,9 @@ fn switched_on(machine: &str) -> Control {
 
 fn switched_on_by(machine: &str, real_time: RealTimeOptions) -> Control {
     let options = ControlOptions {
-        program: ProgramOptions::on(machine),
         seed: Some(1),
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
         real_time: Some(real_time),
+        ..ControlOptions::simulated(ProgramOptions::on(machine))
     };
     let mut control = Control::new(options).unwrap();
     asked(&mut control, &Request::Power(true));

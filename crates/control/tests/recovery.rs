@@ -1,6 +1,5 @@
 //! A recovery that is itself stopped by an alarm: the tool is still in its thread, that is said,
 //! and the next one takes it out.
-use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::{Execution, Request};
 use control::{Control, ControlOptions};
@@ -11,13 +10,8 @@ const COMES: usize = 240_000;
 
 fn control() -> Control {
     let options = ControlOptions {
-        program: ProgramOptions::on("tapping-center"),
         seed: Some(3),
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
+        ..ControlOptions::simulated(ProgramOptions::on("tapping-center"))
     };
     Control::new(options).unwrap()
 }

@@ -1,6 +1,6 @@
 //! A state that is not what the control wrote last: named value by value, and nothing is started on
 //! it until it is acknowledged.
-use canon::{Axis, Position};
+use canon::Axis;
 use control::job::ProgramOptions;
 use control::operation::{Event, Jog, Need, Refusal, Request};
 use control::{Control, ControlOptions};
@@ -10,13 +10,8 @@ use units::Coordinate;
 
 fn switched_on(machine: &str, state: &Path) -> Result<Control, String> {
     let options = ControlOptions {
-        program: ProgramOptions::from(machine),
-        seed: None,
         state: Some(state.to_owned()),
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
+        ..ControlOptions::simulated(ProgramOptions::from(machine))
     };
     Control::new(options).map_err(|refused| refused.to_string())
 }

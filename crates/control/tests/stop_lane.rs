@@ -1,5 +1,5 @@
 //! Stops act at once: however full the queue is, however long the disk takes.
-use canon::{Axis, Position};
+use canon::Axis;
 use control::job::ProgramOptions;
 use control::operation::hosted::{Client, HostOptions, Hosted, Picture, RefusalKind};
 use control::operation::{Jog, Request};
@@ -65,13 +65,9 @@ fn homed(real_time: bool) -> (tempfile::TempDir, Hosted, Client, SlowDisk) {
     let before_write = disk.before_write();
     let host = HostOptions { pace: PACE, before_write, ..HostOptions::default() };
     let options = ControlOptions {
-        program: ProgramOptions::on("tapping-center"),
-        seed: None,
         state: Some(state.path().to_owned()),
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
         real_time: real_time.then(RealTimeOptions::default),
+        ..ControlOptions::simulated(ProgramOptions::on("tapping-center"))
     };
     let hosted = Hosted::start(options, host).unwrap();
     let client = hosted.client();

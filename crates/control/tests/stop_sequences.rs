@@ -1,10 +1,9 @@
 //! Stops upon stops: whatever is asked for, once or three times, while a tool is in its thread, is
 //! backed out or recovered, everything comes to rest within a stated time, and the tool comes out
 //! whole.
-use canon::Position;
-use control::job::ProgramOptions;
+use crate::stops::{homed, pass, until};
+use control::Control;
 use control::operation::Request;
-use control::{Control, ControlOptions};
 use std::path::Path;
 use test_support::size;
 use units::Time;
@@ -70,42 +69,13 @@ const SEQUENCES: [(&str, &[Request]); 8] = [
 
 /// The cut is under way: the line is executed.
 fn under_way(folder: &Path, (_, machine, text, line): &(&str, &str, &str, u32)) -> Control {
-    let options = ControlOptions {
-        program: ProgramOptions::on(*machine),
-        seed: Some(3),
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
-    };
-    let mut control = Control::new(options).unwrap();
-    control.request(&Request::Power(true)).unwrap();
-    until(&mut control, "ready", Control::is_ready);
-    control.request(&Request::Home(None)).unwrap();
-    until(&mut control, "homed", Control::is_homed_all);
+    let mut control = homed(machine);
     let path = folder.join("cut.ngc");
     std::fs::write(&path, text).unwrap();
     control.request(&Request::Load(path)).unwrap();
     control.request(&Request::Start).unwrap();
     until(&mut control, "the cut", |control| control.line() == *line);
     control
-}
-
-#[track_caller]
-fn until(control: &mut Control, what: &str, mut holds: impl FnMut(&Control) -> bool) {
-    let end = control.now() + Time::s(120.0);
-    while !holds(control) {
-        assert!(control.now() < end, "{what} does not come: {:#?}", control.status());
-        control.period();
-    }
-}
-
-fn pass(control: &mut Control, time: Time) {
-    let end = control.now() + time;
-    while control.now() < end {
-        control.period();
-    }
 }
 
 /// A tool is tied to a spindle, in the work or on its way to it.

@@ -1,30 +1,23 @@
 //! What stops, what turns on, and what an axis does that does not know where it is: in lock-step,
 //! to the period.
-use canon::{Axis, Position};
+use canon::Axis;
 use control::job::ProgramOptions;
 use control::operation::{Event, Execution, Jog, Request};
 use control::{Control, ControlOptions};
 use test_support::size;
 use units::{Coordinate, CoordinateSpeed, Time};
 
-fn control(machine: &str) -> Control {
-    let options = ControlOptions {
-        program: ProgramOptions::on(machine),
-        seed: Some(1),
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
-    };
+pub(crate) fn powered(machine: &str) -> Control {
+    let options =
+        ControlOptions { seed: Some(1), ..ControlOptions::simulated(ProgramOptions::on(machine)) };
     let mut control = Control::new(options).unwrap();
     asked(&mut control, &Request::Power(true));
     until(&mut control, "ready", Control::is_ready);
     control
 }
 
-fn homed(machine: &str) -> Control {
-    let mut control = control(machine);
+pub(crate) fn homed(machine: &str) -> Control {
+    let mut control = powered(machine);
     asked(&mut control, &Request::Home(None));
     until(&mut control, "homed", Control::is_homed_all);
     control
@@ -36,7 +29,7 @@ fn asked(control: &mut Control, request: &Request) {
     }
 }
 
-fn until(control: &mut Control, what: &str, mut holds: impl FnMut(&Control) -> bool) {
+pub(crate) fn until(control: &mut Control, what: &str, mut holds: impl FnMut(&Control) -> bool) {
     let end = control.now() + Time::s(120.0);
     while !holds(control) {
         assert!(control.now() < end, "{what}: {:#?}", control.status());
@@ -44,7 +37,7 @@ fn until(control: &mut Control, what: &str, mut holds: impl FnMut(&Control) -> b
     }
 }
 
-fn pass(control: &mut Control, time: Time) {
+pub(crate) fn pass(control: &mut Control, time: Time) {
     let end = control.now() + time;
     until(control, "time passes", |control| control.now() >= end);
 }
@@ -126,7 +119,7 @@ fn a_spindle_turns_on_after_typed_blocks_until_a_word_or_a_stop_of_everything() 
 #[test]
 fn an_axis_that_is_not_homed_goes_slowly_and_not_far_and_its_limit_switches_stop_it() {
     for (axis, speed) in [(Axis::X, 1.0), (Axis::X, -1.0), (Axis::Y, 1.0), (Axis::Z, 1.0)] {
-        let mut control = control("tapping-center");
+        let mut control = powered("tapping-center");
         let far = Jog::Increment(Coordinate::new(10.1));
         assert!(control.request(&Request::Jog(axis, far)).is_err(), "too far");
         let rapid = Jog::Continuous(CoordinateSpeed::new(speed * 400.0));

@@ -1,6 +1,5 @@
 //! A workpiece begins and ends; what is cut is counted for it, kept as it is cut, and bounded in
 //! memory.
-use canon::Position;
 use control::job::{ProgramOptions, restart};
 use control::operation::{Execution, FeatureCount, Request};
 use control::{Control, ControlOptions};
@@ -15,13 +14,8 @@ const PROGRAM: &str = "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X0 Y0 Z5
 
 fn control(machine: &str, state: &Path) -> Control {
     let options = ControlOptions {
-        program: ProgramOptions::from(machine),
-        seed: None,
         state: Some(state.to_owned()),
-        simulator: None,
-        hal: false,
-        clamped: Position::default(),
-        real_time: None,
+        ..ControlOptions::simulated(ProgramOptions::from(machine))
     };
     let mut control = Control::new(options).map_err(|why| why.to_string()).unwrap();
     control.request(&Request::Power(true)).unwrap();

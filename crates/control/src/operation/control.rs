@@ -49,6 +49,21 @@ pub struct ControlOptions {
     pub real_time: Option<RealTimeOptions>,
 }
 
+impl ControlOptions {
+    /// A simulated machine in the same process, in lock-step, of which nothing is kept.
+    pub fn simulated(program: ProgramOptions) -> Self {
+        Self {
+            program,
+            seed: None,
+            state: None,
+            simulator: None,
+            hal: false,
+            clamped: Position::default(),
+            real_time: None,
+        }
+    }
+}
+
 /// A control that stays on.
 #[allow(clippy::struct_excessive_bools)] // independent facts, each asked for by itself
 pub struct Control {

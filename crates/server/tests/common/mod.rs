@@ -112,13 +112,10 @@ impl Served {
         let (folder, pace) = (TempDir::new().unwrap(), how.pace);
         std::fs::copy(shop("plate-12xM6.ngc"), folder.path().join("plate.ngc")).unwrap();
         let control = ControlOptions {
-            program: ProgramOptions::on(how.machine),
-            seed: None,
             state: how.state,
             simulator: how.simulator,
-            hal: false,
-            clamped: canon::Position::default(),
             real_time: how.real_time,
+            ..ControlOptions::simulated(ProgramOptions::on(how.machine))
         };
         let server = Server::start(ServerOptions {
             control,

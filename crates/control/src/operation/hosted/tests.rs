@@ -10,15 +10,7 @@ use units::CoordinateSpeed;
 const PACE: f64 = 8.0;
 
 fn hosted() -> Hosted {
-    let options = ControlOptions {
-        program: ProgramOptions::on("tapping-center"),
-        seed: None,
-        state: None,
-        simulator: None,
-        hal: false,
-        clamped: canon::Position::default(),
-        real_time: None,
-    };
+    let options = ControlOptions::simulated(ProgramOptions::on("tapping-center"));
     Hosted::start(options, HostOptions { pace: PACE, ..HostOptions::default() })
         .expect("the built-in machine is good")
 }
