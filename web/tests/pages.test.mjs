@@ -81,7 +81,7 @@ test('the keyboard leads it: pages, keys, the list of keys', async () => {
   await page.getByRole('dialog').getByText('Stop request').waitFor();
   await page.keyboard.press('Escape');
   await page.keyboard.press('4');
-  await page.getByRole('heading', { name: 'Results' }).waitFor();
+  await page.getByRole('heading', { name: /^(Results|Workpiece)/ }).waitFor();
 });
 
 test('a tool is edited in place, in inches too', async () => {

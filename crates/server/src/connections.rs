@@ -1,10 +1,10 @@
-//! The connections that are open: where there are too many, one of which nothing is under way gives
-//! way to a new one; and who may watch takes no place of who may command.
+//! Open connections: where there are too many, an idle one is closed for a new one, and viewers
+//! leave places for operators.
 //!
 //! ```text
-//!   accepted ──► of nobody ──first request──► of a viewer (192 at once with something under way)
-//!                   │                    └──► of an operator
-//!                   └─ gives way first, the one that has been silent for longest
+//!   accepted ──► no request yet ──► a viewer's (192 at once with a request under way)
+//!                   │          └──► an operator's
+//!                   └─ closed first, the one that has been silent for longest
 //! ```
 use crate::role::Role;
 use axum::body::{Body, Bytes, HttpBody};

@@ -15,7 +15,7 @@
 //!
 //! The first lines of each file say what it is, its version, the checksum of all that follows, and
 //! when and for which machine it was written ([`seal`]). What does not fit is not believed: what
-//! the manifest has of it is in force ([`open`]). Where something else is in force than what was
+//! the manifest has of it is in force (`open`). Where something else is in force than what was
 //! written last, or where nothing shows what that was, each value is a [`StateChange`], until it is
 //! acknowledged. Nothing that was in the folder is removed: what was not believed is kept as
 //! `NAME.rejected-1`, `-2` …
