@@ -5,7 +5,7 @@ use canon::ToolLibrary;
 use libfuzzer_sys::fuzz_target;
 use store::parameters::Parameters;
 use store::state::seal::{self, Datum};
-use store::state::{Homing, LastProgram, Settings};
+use store::state::{Homing, LastProgram, Origin, Settings, WorkpieceRecord};
 
 fuzz_target!(|bytes: &[u8]| {
     check::<Parameters>(bytes);
@@ -13,6 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     check::<Homing>(bytes);
     check::<LastProgram>(bytes);
     check::<Settings>(bytes);
+    check::<WorkpieceRecord>(bytes);
 });
 
 fn check<D: Datum + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
@@ -20,10 +21,11 @@ fn check<D: Datum + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
     // edited
     let text = String::from_utf8_lossy(bytes);
     let edited = format!("# leadscrew {} {}, edited\n{text}", D::KIND, D::VERSION);
-    for bytes in [bytes, seal::sealed::<D>(&text).as_bytes(), edited.as_bytes()] {
+    let origin = Origin { machine: "lathe".to_owned(), ..Origin::default() };
+    for bytes in [bytes, seal::sealed::<D>(&origin, &text).as_bytes(), edited.as_bytes()] {
         match seal::open::<D>(bytes) {
             Ok(read) => {
-                let again = seal::sealed::<D>(&read.value.body());
+                let again = seal::sealed::<D>(&origin, &read.value.body());
                 let again = seal::open::<D>(again.as_bytes()).expect("what was written is read");
                 // a file may state a value by another unit, which is rounded once
                 assert_eq!(again.value.body(), read.value.body());
