@@ -175,7 +175,7 @@ impl Drives {
         self.follower = None;
     }
 
-    /// No reading comes any more: what is tied goes on by its model, all else is let go.
+    /// No reading comes any more: what is tied goes on by its model, everything else gets no force.
     pub(crate) fn go_blind(&mut self, (axis, spindle): (usize, usize)) {
         let without = |is_tied: bool| if is_tied { Without::Model } else { Without::Nothing };
         for (index, it) in self.axes.iter_mut().enumerate() {

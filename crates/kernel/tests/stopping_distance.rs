@@ -13,8 +13,8 @@ const BOUNDS: Bounds =
 /// A fifth of that, as on machines whose rapids brake harder than their small moves.
 const APPROACH: CoordinateAccel = CoordinateAccel::new(operated::ACCEL / 5.0);
 
-/// Where the setpoints come to rest when an alarm stops a rapid to `end` after so many of its
-/// periods; `None`: it was over before.
+/// Rest position of the setpoints when an alarm stops a rapid to `end` after `after` periods of its
+/// motion; `None` if it was over before.
 fn rests_at(end: Position, after: usize) -> Option<[f64; 3]> {
     let place = Span { file: 0, line: 1, start: 0, end: 0 };
     let rapid = [Op { span: place, kind: OpKind::Rapid { to: end } }];

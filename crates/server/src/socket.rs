@@ -229,15 +229,21 @@ impl Talk {
                     let reason = format!("{MOST_ASKED} requests of this socket have no answer yet");
                     Err(ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason))
                 };
-                let app = Arc::clone(&self.app);
-                self.answers.spawn(async move {
-                    let answer = match asked {
-                        Ok(asked) => asked.answer(&app.folder).await,
-                        Err(error) => Err(error),
-                    };
-                    answer_body(&app, id, answer)
-                });
-                Ok(())
+                match asked {
+                    Ok(asked) => {
+                        let app = Arc::clone(&self.app);
+                        self.answers.spawn(async move {
+                            let answer = asked.answer(&app.folder).await;
+                            answer_body(&app, id, answer)
+                        });
+                        Ok(())
+                    }
+                    // at once, so that refusals do not pile up
+                    Err(error) => {
+                        let body = answer_body(&self.app, id, Err(error));
+                        self.send(Message::Text(body.to_string().into())).await
+                    }
+                }
             }
             Ok(Said::Scope { signals }) => match Scope::of(&self.app.client, signals) {
                 Ok(scope) => {

@@ -208,7 +208,7 @@ impl Lead {
             Job::Request(request, is_gone, answer) => {
                 self.asked = now();
                 if request == Request::Reset {
-                    self.loads.break_off(BrokenOff::Reset);
+                    self.break_off(BrokenOff::Reset);
                 }
                 let kept = self.control.last_kept();
                 match self.control.begin(&request) {
@@ -251,6 +251,17 @@ impl Lead {
             }
             Job::End => false,
         }
+    }
+
+    /// Breaks off every request whose text is still read, also those that wait for a renewal: no
+    /// program starts after the stop. True if there was one.
+    fn break_off(&mut self, why: BrokenOff) -> bool {
+        let waiting = self.renewal.as_mut().map(Renewal::take_waiting).unwrap_or_default();
+        let is_reading = self.loads.break_off(why) || !waiting.is_empty();
+        for (.., answer) in waiting {
+            answer(Err(RefusalData::broken_off(why)));
+        }
+        is_reading
     }
 
     /// A text is to be proved before a request is answered.
@@ -320,7 +331,7 @@ impl Lead {
         for (request, askers) in self.shared.stops.take() {
             self.asked = now();
             let mut answered = self.control.request(&request);
-            if request == Request::Stop && self.loads.break_off(BrokenOff::Stop) {
+            if request == Request::Stop && self.break_off(BrokenOff::Stop) {
                 answered = answered.or_else(|_| Ok(Accepted::default()));
             }
             self.take_events();

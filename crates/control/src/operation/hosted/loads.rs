@@ -1,10 +1,10 @@
-//! Texts that are being proved for somebody: how far each is, and what breaks it off.
+//! Texts that are being proved for a request: how far each is, and what breaks it off.
 //!
 //! ```text
 //!   load, start, MDI ─► being proved ─► answered
 //!                          ├─ reset, stop ──────────────────► refused: broken off
 //!                          ├─ a newer load, where it loads ─► refused: broken off
-//!                          └─ nobody waits for the answer any more: broken off
+//!                          └─ the client is gone: broken off
 //! ```
 use crate::job::{Interruption, ReadProgress};
 use crate::operation::{LoadingStatus, Request};

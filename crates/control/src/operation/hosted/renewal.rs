@@ -60,6 +60,11 @@ impl Renewal {
         self.is_stopped.load(Relaxed)
     }
 
+    /// What waits for it waits no longer: a stop or a reset has come.
+    pub(super) fn take_waiting(&mut self) -> Vec<WaitingRequest> {
+        std::mem::take(&mut self.waiting)
+    }
+
     /// It is over: what has waited for it.
     pub(super) fn over(self) -> Vec<WaitingRequest> {
         self.waiting

@@ -208,3 +208,38 @@ fn what_is_read_shows_how_far_it_is() {
     }
     assert!(shown.is_sorted() && shown.last() > Some(&50.0), "{shown:?}");
 }
+
+/// What a start is answered that waits until its program is judged anew, when this comes.
+fn started_and_broken_off(request: Request) -> RequestAnswer {
+    let hosted = hosted();
+    let client = hosted.client();
+    ready(&client);
+    client.request(Request::Home(None)).expect("nothing stands in the way");
+    let is_homed =
+        |control: &mut Control| [Axis::X, Axis::Y, Axis::Z].map(|axis| control.is_homed(axis));
+    until(&client, "homed", |_| client.with(is_homed) == Some([true; 3]));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("part.ngc");
+    let lines = "G0 X-1\nG0 X-2\n".repeat(40_000);
+    std::fs::write(&path, format!("G21 G90 G54\n{lines}M2\n")).expect("a program");
+    client.request(Request::Load(path)).expect("it is good");
+    client.request(Request::TouchOff(Axis::X, units::Coordinate::new(3.0))).expect("it stands");
+    std::thread::sleep(renewal::AFTER + Duration::from_millis(40)); // the renewal has begun
+    let (sender, receiver) = std::sync::mpsc::channel();
+    client
+        .ask(Request::Start, move |answer| sender.send(answer).expect("it is awaited"))
+        .expect("nothing waits");
+    client.with(|_| ()).expect("it is on"); // the start has been taken from the queue
+    let _ = client.request(request); // a reset is refused where the program has begun already
+    receiver.recv().expect("an answer")
+}
+
+#[test]
+fn a_start_that_waits_for_a_renewal_is_broken_off_by_a_stop_and_a_reset() {
+    for request in [Request::Stop, Request::Reset] {
+        // on a busy computer the renewal may be over before the start is asked for
+        let mut answers = (0..5).map(|_| started_and_broken_off(request.clone()));
+        let refused = answers.find_map(Result::err).expect("one is broken off");
+        assert!(refused.reason.contains("broken off"), "{refused:?}");
+    }
+}
