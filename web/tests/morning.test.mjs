@@ -53,6 +53,11 @@ test('a typed block is executed and kept', async () => {
   await key(page, 'G91 G0 X-5').waitFor();
   await page.locator('#mdi').fill('G90');
   await press(page, 'Execute');
+  // What is typed before the answer has come is not lost.
+  await page.locator('#mdi').fill('G91');
+  await key(page, 'G90').waitFor();
+  await until('the block is over', async () => (await server.status()).program === null);
+  assert.equal(await page.locator('#mdi').inputValue(), 'G91');
 });
 
 test('what a program says to its operator is read where he waits', async () => {

@@ -4,8 +4,8 @@ use super::loads::{BrokenOff, LoadMark, Loads};
 use super::picture::Picture;
 use super::recording::{Recording, SignalRows};
 use super::refusal::RefusalData;
-use super::renewal::{self, Renewal, WaitingRequest};
-use super::stops::Stops;
+use super::renewal::{self, Renewal};
+use super::stops::{StopMark, Stops};
 use super::timing::{self, UnderTiming};
 use super::{HostOptions, RequestAnswer, Shared, held};
 use crate::Refused;
@@ -38,10 +38,20 @@ pub(super) type Answered = Box<dyn FnOnce(RequestAnswer) + Send>;
 /// Texts that wait to be proved; one more is refused.
 const MOST_TEXTS: usize = 4;
 
+/// A request that waits for its turn.
+pub(super) struct Asked {
+    pub(super) request: Request,
+    /// Who asked is gone.
+    pub(super) is_gone: Interruption,
+    /// The stops that were asked for before it.
+    pub(super) after: StopMark,
+    pub(super) answer: Answered,
+}
+
 /// What the control's thread is told.
 pub(super) enum Job {
-    /// A request, what says that who asked is gone, and where its answer goes.
-    Request(Request, Interruption, Answered),
+    /// A request.
+    Request(Asked),
     /// A text is proved that a request needs.
     Proven(Box<Proven>, ForWhom),
     /// The program that is loaded is proved again, or was broken off.
@@ -54,17 +64,17 @@ pub(super) enum Job {
     End,
 }
 
-/// Which of the texts that are proved it is, and where its answer goes.
-type ForWhom = (LoadMark, Answered);
+/// Which of the texts that are proved it is, and the request that it is proved for.
+type ForWhom = (LoadMark, Asked);
 /// A text that is to be proved, and for whom.
 type Text = (Box<Proving>, Option<ForWhom>);
 
 /// The thread that proves texts, one after another, until the control's thread has ended.
 fn prove(texts: &Receiver<Text>, jobs: &SyncSender<Job>) {
-    while let Ok((text, answer)) = texts.recv() {
+    while let Ok((text, whom)) = texts.recv() {
         let proven = Box::new(text.prove());
-        let job = match answer {
-            Some(answer) => Job::Proven(proven, answer),
+        let job = match whom {
+            Some(whom) => Job::Proven(proven, whom),
             None => Job::Renewed(proven),
         };
         if jobs.send(job).is_err() {
@@ -205,26 +215,22 @@ impl Lead {
     /// False: it was the last one.
     fn answer(&mut self, job: Job) -> bool {
         match job {
-            Job::Request(request, is_gone, answer) => {
+            Job::Request(asked) => {
                 self.asked = now();
-                if request == Request::Reset {
+                if asked.request == Request::Reset {
                     self.break_off(BrokenOff::Reset);
                 }
-                let kept = self.control.last_kept();
-                match self.control.begin(&request) {
-                    Begun::Answered(answered) => self.tell(answered, kept, answer),
-                    Begun::Proving(text) => self.prove((request, is_gone, answer), text),
-                }
+                self.begin(asked);
                 true
             }
-            Job::Proven(proven, (mark, answer)) => {
+            Job::Proven(proven, (mark, asked)) => {
                 if let Some(why) = self.loads.end(&mark) {
-                    answer(Err(RefusalData::broken_off(why)));
-                    return true;
+                    (asked.answer)(Err(RefusalData::broken_off(why)));
+                } else if let Some(asked) = self.still_due(asked) {
+                    let kept = self.control.last_kept();
+                    let answered = self.control.complete(*proven);
+                    self.tell(answered, kept, asked.answer);
                 }
-                let kept = self.control.last_kept();
-                let answered = self.control.complete(*proven);
-                self.tell(answered, kept, answer);
                 true
             }
             Job::Renewed(proven) => {
@@ -232,8 +238,8 @@ impl Lead {
                     if !renewal.is_stopped() {
                         self.control.renew(*proven);
                     }
-                    for (request, is_gone, answer) in renewal.over() {
-                        self.answer(Job::Request(request, is_gone, answer));
+                    for asked in renewal.over() {
+                        self.answer(Job::Request(asked));
                     }
                 }
                 true
@@ -253,34 +259,52 @@ impl Lead {
         }
     }
 
+    fn begin(&mut self, asked: Asked) {
+        let Some(asked) = self.still_due(asked) else { return };
+        let kept = self.control.last_kept();
+        match self.control.begin(&asked.request) {
+            Begun::Answered(answered) => self.tell(answered, kept, asked.answer),
+            Begun::Proving(text) => self.prove(asked, text),
+        }
+    }
+
+    /// A request is refused where a stop has overtaken it that is meant for it.
+    fn still_due(&self, asked: Asked) -> Option<Asked> {
+        let Some(stop) = self.shared.stops.since(asked.after, &asked.request) else {
+            return Some(asked);
+        };
+        (asked.answer)(Err(RefusalData::overtaken(stop)));
+        None
+    }
+
     /// Breaks off every request whose text is still read, also those that wait for a renewal: no
     /// program starts after the stop. True if there was one.
     fn break_off(&mut self, why: BrokenOff) -> bool {
         let waiting = self.renewal.as_mut().map(Renewal::take_waiting).unwrap_or_default();
         let is_reading = self.loads.break_off(why) || !waiting.is_empty();
-        for (.., answer) in waiting {
-            answer(Err(RefusalData::broken_off(why)));
+        for asked in waiting {
+            (asked.answer)(Err(RefusalData::broken_off(why)));
         }
         is_reading
     }
 
     /// A text is to be proved before a request is answered.
-    fn prove(&mut self, waiting: WaitingRequest, text: Box<Proving>) {
+    fn prove(&mut self, asked: Asked, text: Box<Proving>) {
         if let Some(renewal) = &mut self.renewal {
             if renewal.is_of(&text) && renewal.waiting() < MOST_TEXTS {
-                return renewal.wait(waiting);
+                return renewal.wait(asked);
             }
             renewal.stop();
         }
-        let (request, is_gone, answer) = waiting;
-        let (mark, interruption) = self.loads.begin((&request, text.name()), is_gone);
+        let of = (&asked.request, text.name());
+        let (mark, interruption) = self.loads.begin(of, asked.is_gone.clone());
         let text = Box::new(text.unless(interruption));
-        if let Err(TrySendError::Full((_, asked)) | TrySendError::Disconnected((_, asked))) =
-            self.texts.try_send((text, Some((mark, answer))))
-            && let Some((mark, answer)) = asked
+        if let Err(TrySendError::Full((_, whom)) | TrySendError::Disconnected((_, whom))) =
+            self.texts.try_send((text, Some((mark, asked))))
+            && let Some((mark, asked)) = whom
         {
             self.loads.end(&mark);
-            answer(Err(RefusalData::busy(MOST_TEXTS)));
+            (asked.answer)(Err(RefusalData::busy(MOST_TEXTS)));
         }
     }
 

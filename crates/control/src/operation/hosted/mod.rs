@@ -38,7 +38,7 @@ use super::request::{Accepted, Request};
 use super::signals::Signals;
 use crate::Refused;
 use crate::job::Interruption;
-use lead::Job;
+use lead::{Asked, Job};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -167,8 +167,9 @@ impl Client {
         if let Some(stop) = stops::kind(&request) {
             return self.shared.stops.ask(stop, Box::new(answer));
         }
-        let job = Job::Request(request, is_gone, Box::new(answer));
-        self.jobs.try_send(job).map_err(|error| match error {
+        let after = self.shared.stops.mark();
+        let asked = Asked { request, is_gone, after, answer: Box::new(answer) };
+        self.jobs.try_send(Job::Request(asked)).map_err(|error| match error {
             TrySendError::Full(_) => RefusalData::busy(MOST_JOBS),
             TrySendError::Disconnected(_) => RefusalData::ended(),
         })

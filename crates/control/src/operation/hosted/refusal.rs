@@ -3,6 +3,7 @@ use super::loads::BrokenOff;
 use crate::Refused;
 use crate::operation::Refusal;
 use diag::Severity;
+use servo::LaneStop;
 
 /// Findings that are handed on.
 const MOST_FINDINGS: usize = 200;
@@ -69,6 +70,17 @@ impl RefusalData {
     pub(super) fn broken_off(why: BrokenOff) -> Self {
         let reason = format!("it was broken off by {}, before it was read and judged", why.by());
         Self::of_kind(RefusalKind::State, reason, None)
+    }
+
+    pub(super) fn overtaken(stop: LaneStop) -> Self {
+        let by = match stop {
+            LaneStop::EmergencyStop | LaneStop::NotTaken => "an emergency stop",
+            LaneStop::Stop => "a stop",
+            LaneStop::FeedHold => "a feed hold",
+            LaneStop::JogStop => "a stop of what is moved by hand",
+        };
+        let reason = format!("{by} was asked for after it, before it had begun");
+        Self::of_kind(RefusalKind::State, reason, Some("ask for it again"))
     }
 
     pub(super) fn ended() -> Self {

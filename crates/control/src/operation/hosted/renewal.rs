@@ -5,9 +5,9 @@
 //!   nothing asked for half a second ─► renewal ─► kept │ another text is to be proved: broken off
 //!                                         └─ start of the same ─► waits for it
 //! ```
-use super::lead::Answered;
+use super::lead::Asked;
 use crate::job::Interruption;
-use crate::operation::{ProofMark, Proving, Request};
+use crate::operation::{ProofMark, Proving};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
@@ -15,16 +15,12 @@ use std::time::Duration;
 /// So long nothing is asked for before.
 pub(super) const AFTER: Duration = Duration::from_millis(500);
 
-/// A request that waits for it, what says that it is not wanted any more, and where its answer
-/// goes.
-pub(super) type WaitingRequest = (Request, Interruption, Answered);
-
 /// One that is on its way.
 pub(super) struct Renewal {
     mark: ProofMark,
     is_stopped: Arc<AtomicBool>,
     /// Requests that need just what is proved.
-    waiting: Vec<WaitingRequest>,
+    waiting: Vec<Asked>,
 }
 
 impl Renewal {
@@ -42,7 +38,7 @@ impl Renewal {
     }
 
     /// A request that waits for it.
-    pub(super) fn wait(&mut self, waiting: WaitingRequest) {
+    pub(super) fn wait(&mut self, waiting: Asked) {
         self.waiting.push(waiting);
     }
 
@@ -61,12 +57,12 @@ impl Renewal {
     }
 
     /// What waits for it waits no longer: a stop or a reset has come.
-    pub(super) fn take_waiting(&mut self) -> Vec<WaitingRequest> {
+    pub(super) fn take_waiting(&mut self) -> Vec<Asked> {
         std::mem::take(&mut self.waiting)
     }
 
     /// It is over: what has waited for it.
-    pub(super) fn over(self) -> Vec<WaitingRequest> {
+    pub(super) fn over(self) -> Vec<Asked> {
         self.waiting
     }
 }

@@ -1,10 +1,11 @@
 //! Requests that stop: they wait in no queue. Each acts at once by its flag
 //! ([`StopLane`](servo::StopLane)) on what moves, whatever else is asked for; what the control
-//! makes of it follows before the next job, and many that ask for the same are one.
+//! makes of it follows before the next job, and many that ask for the same are one. What was asked
+//! for before a stop and has not begun does not begin after it.
 use super::refusal::RefusalData;
 use crate::operation::{Accepted, Request};
 use servo::{LaneStop, StopLane};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Where an answer goes.
@@ -25,7 +26,13 @@ pub(super) struct Stops {
     has_chain: bool,
     is_asked: AtomicBool,
     askers: Mutex<[Vec<Answered>; KINDS.len()]>,
+    /// How often each kind was asked for.
+    counts: [AtomicU64; KINDS.len()],
 }
+
+/// How often each kind of stop had been asked for at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct StopMark([u64; KINDS.len()]);
 
 /// Which stop a request is; `None`: it is none.
 pub(super) const fn kind(request: &Request) -> Option<LaneStop> {
@@ -38,9 +45,49 @@ pub(super) const fn kind(request: &Request) -> Option<LaneStop> {
     }
 }
 
+/// Whether a stop is meant for what a request begins.
+const fn concerns(stop: LaneStop, request: &Request) -> bool {
+    let by_program = matches!(
+        request,
+        Request::Start | Request::ManualDataInput(_) | Request::Resume | Request::Confirm
+    );
+    let by_hand = matches!(
+        request,
+        Request::Home(_) | Request::Jog(..) | Request::TurnSpindle(..) | Request::OrientSpindle(..)
+    );
+    let takes_out = matches!(request, Request::Retract | Request::Recover);
+    let switches_on = matches!(request, Request::Power(true) | Request::EmergencyStop(false));
+    match stop {
+        LaneStop::EmergencyStop | LaneStop::NotTaken => {
+            by_program || by_hand || takes_out || switches_on
+        }
+        LaneStop::Stop => by_program || by_hand || takes_out,
+        LaneStop::FeedHold => by_program,
+        LaneStop::JogStop => by_hand,
+    }
+}
+
 impl Stops {
     pub(super) fn new(lane: Arc<StopLane>, has_chain: bool) -> Self {
-        Self { lane, has_chain, is_asked: AtomicBool::default(), askers: Mutex::default() }
+        Self {
+            lane,
+            has_chain,
+            is_asked: AtomicBool::default(),
+            askers: Mutex::default(),
+            counts: Default::default(),
+        }
+    }
+
+    /// The stops that were asked for until now.
+    pub(super) fn mark(&self) -> StopMark {
+        StopMark(self.counts.each_ref().map(|count| count.load(Ordering::Acquire)))
+    }
+
+    /// The stop that has come since a mark and is meant for what this request would begin.
+    pub(super) fn since(&self, mark: StopMark, request: &Request) -> Option<LaneStop> {
+        let counts = KINDS.into_iter().zip(self.mark().0).zip(mark.0);
+        let mut came = counts.filter(|((_, count), before)| count != before);
+        came.find_map(|((stop, _), _)| concerns(stop, request).then_some(stop))
     }
 
     fn askers(&self) -> MutexGuard<'_, [Vec<Answered>; KINDS.len()]> {
@@ -52,6 +99,7 @@ impl Stops {
         let at = KINDS.iter().position(|kind| *kind == stop).unwrap_or(0); // all kinds are there
         // held until the flag is set: it never acts after the control has dealt with the request
         let mut askers = self.askers();
+        self.counts[at].fetch_add(1, Ordering::Release);
         self.act(stop);
         if askers[at].len() == MOST_ASKERS {
             return Err(RefusalData::busy(MOST_ASKERS));

@@ -243,3 +243,71 @@ fn a_start_that_waits_for_a_renewal_is_broken_off_by_a_stop_and_a_reset() {
         assert!(refused.reason.contains("broken off"), "{refused:?}");
     }
 }
+
+/// What waits in the queue while the control's thread is busy, and then is overtaken.
+fn overtaken(client: &Client, waiting: Request, stop: Request) -> RequestAnswer {
+    let (entered, has_entered) = std::sync::mpsc::channel();
+    let (go, may_go) = std::sync::mpsc::channel::<()>();
+    let busy = client.clone();
+    let busy = std::thread::spawn(move || {
+        busy.with(move |_| {
+            entered.send(()).expect("it is awaited");
+            may_go.recv().expect("it is told");
+        })
+    });
+    has_entered.recv().expect("the control's thread is busy");
+    let (sender, receiver) = std::sync::mpsc::channel();
+    client
+        .ask(waiting, move |answer| sender.send(answer).expect("it is awaited"))
+        .expect("the queue is empty");
+    client.ask(stop, |_| ()).expect("there is room");
+    go.send(()).expect("it waits");
+    busy.join().expect("no panic").expect("it is on");
+    receiver.recv().expect("an answer")
+}
+
+#[test]
+fn nothing_that_waits_begins_after_a_stop_that_was_asked_for_later() {
+    let hosted = hosted();
+    let client = hosted.client();
+    ready(&client);
+    let by_hand = [
+        Request::Home(None),
+        Request::Jog(Axis::X, Jog::Increment(units::Coordinate::new(5.0))),
+        Request::TurnSpindle(0, units::Spin::rpm(100.0)),
+        Request::OrientSpindle(0, units::Angle::ZERO),
+    ];
+    let by_program = [
+        Request::Start,
+        Request::ManualDataInput("G0 X1".to_owned()),
+        Request::Resume,
+        Request::Confirm,
+    ];
+    let out = [Request::Retract, Request::Recover];
+    let at = x(&client.latest());
+    let mut check = |waiting: &[Request], stop: Request, why: &str| {
+        for waiting in waiting {
+            let refused = overtaken(&client, waiting.clone(), stop.clone());
+            let refused = refused.expect_err("it is overtaken");
+            let reason = format!("{why} was asked for after it, before it had begun");
+            assert_eq!(refused.reason, reason, "{waiting:?}");
+        }
+    };
+    check(&by_program, Request::FeedHold, "a feed hold");
+    check(&by_hand, Request::JogStop, "a stop of what is moved by hand");
+    for waiting in [&by_program[..], &by_hand, &out] {
+        check(waiting, Request::Stop, "a stop");
+    }
+    for waiting in [&by_program[..], &by_hand, &out] {
+        check(waiting, Request::EmergencyStop(true), "an emergency stop");
+    }
+    let on = [Request::EmergencyStop(false), Request::Power(true)];
+    check(&on, Request::EmergencyStop(true), "an emergency stop");
+    assert_eq!(x(&client.latest()), at);
+    // and what is asked for after the stop begins
+    client.request(Request::EmergencyStop(false)).expect("it was pressed");
+    client.request(Request::Reset).expect("nothing is under way");
+    ready(&client);
+    client.request(by_hand[1].clone()).expect("nothing stands in the way");
+    until(&client, "it moves", |picture| (x(picture) - at).abs() > 1.0);
+}
