@@ -27,6 +27,19 @@ pub struct Judged<K> {
 }
 
 impl<K> Judged<K> {
+    /// Takes back what was said of it: a later cut, of this line, has changed it.
+    #[allow(dead_code, reason = "the operations that change a feature follow")]
+    pub(crate) fn destroyed(&mut self, line: u32, how: &str) {
+        let later = format!("destroyed in line {line}: {how}");
+        let reason = match &self.verdict {
+            Verdict::Pass => format!("good when cut, {later}"),
+            Verdict::Fail { reason } | Verdict::NotJudged { reason } => {
+                format!("{reason}; {later}")
+            }
+        };
+        self.verdict = Verdict::Fail { reason };
+    }
+
     /// The same, with what it is told in another type.
     pub(crate) fn map<L>(self, of: impl FnOnce(K) -> L) -> Judged<L> {
         let Self { op, line, tool, time, duration, verdict, contact, kind } = self;
