@@ -2,7 +2,9 @@
 //!
 //! ```text
 //!   work spindle θ ──┬── × tool/work + phase ──────────────► tool spindle     (an electronic gear)
-//!                    └── Σ a·cos(2π·m·θ) + b·sin(2π·m·θ) ──► an axis, or the tool spindle's phase
+//!                    └── Σ a·cos(2π·m·u) + b·sin(2π·m·u) ──► an axis, or the tool spindle's phase
+//!
+//!   u = θ + phase·work/tool: from where the first insert passes the middle of its facet
 //! ```
 //!
 //! Source: `G51.2`/`G50.2` of polygon turning (P:Q ratio, R phase), and the oscillation of
@@ -17,6 +19,22 @@ impl Polygon {
     pub fn period(&self) -> f64 {
         let settled = self.ratio.settled().unwrap_or(self.ratio);
         f64::from(settled.master) * (settled.value() / self.ratio.value())
+    }
+
+    /// Harmonics as functions of the work spindle's own angle.
+    pub fn by_work(&self, harmonics: &[Harmonic]) -> Vec<Harmonic> {
+        harmonics.iter().map(|harmonic| harmonic.ahead(self.from_middle())).collect()
+    }
+
+    /// A harmonic of the work spindle's own angle, counted from the middle of the first facet.
+    #[must_use]
+    pub fn by_facet(&self, harmonic: &Harmonic) -> Harmonic {
+        harmonic.ahead(-self.from_middle())
+    }
+
+    /// Share of the period by which the first facet's middle is past where the work stands at zero.
+    fn from_middle(&self) -> f64 {
+        self.phase.value() / self.ratio.value() / self.period()
     }
 }
 
@@ -134,8 +152,9 @@ pub enum Oscillating {
     ToolPhase,
 }
 
-/// One harmonic, `cosine·cos(2π·m·θ) + sine·sin(2π·m·θ)`; with m = 0 the cosine is a constant. θ
-/// counts in the turns of the work after which the tool passes the same facets again
+/// One harmonic, `cosine·cos(2π·m·u) + sine·sin(2π·m·u)`; with m = 0 the cosine is a constant. u is
+/// the work's angle from where the insert at the tool spindle's zero passes the middle of its
+/// facet, in the turns of the work after which the tool passes the same facets again
 /// ([`Polygon::period`]): one, or P of a ratio P:Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
@@ -145,4 +164,17 @@ pub struct Harmonic {
     pub cosine: f64,
     /// Amplitude of the sine, mm or rev.
     pub sine: f64,
+}
+
+impl Harmonic {
+    /// The same with its argument ahead by a share of a turn.
+    fn ahead(&self, share: f64) -> Self {
+        let angle = core::f64::consts::TAU * f64::from(self.per_turn) * share;
+        let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+        Self {
+            per_turn: self.per_turn,
+            cosine: self.cosine * cosine + self.sine * sine,
+            sine: self.sine * cosine - self.cosine * sine,
+        }
+    }
 }

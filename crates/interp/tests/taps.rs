@@ -93,6 +93,34 @@ fn a_tap_without_f_takes_the_pitch_of_the_tap_and_says_so() {
 }
 
 #[test]
+fn a_rounded_feed_or_lead_follows_the_taps_own() {
+    // M6x1: what a post leaves of F, K and G95 in either unit
+    for (program, word) in [
+        ("S1003 M3\nG99 G84 Z-10 R2 F1000", "F1000 is rounded from F1003"),
+        ("G95 S700 M3\nG99 G84 Z-10 R2 F1.004", "F1.004 is rounded from F1"),
+        ("G20 S700 M3\nG99 G84 Z-0.4 R0.1 F27.6", "F27.6 is rounded from F27.5591"),
+        ("G20 G95 S700 M3\nG99 G84 Z-0.4 R0.1 F0.0394", "F0.0394 is rounded from F0.0394"),
+        ("G20 S700 M3\nG33.1 Z-0.4 K0.0394", "K0.0394 is rounded from K0.0394"),
+        ("S700 M3\nG33.1 Z-10 K0.998", "K0.998 is rounded from K1"),
+    ] {
+        let program = format!("T2 M6\nG0 Z5\n{program}");
+        assert_eq!(the_tap(&ops_of(&shop(), &program)).lead, Lead::mm_per_rev(1.0), "{program}");
+        let note = refused(&shop(), &program, "I0716");
+        let rest = ": the lead of T2 (M6x1) is followed, 1 mm per revolution";
+        assert_eq!(note.message, format!("{word}{rest}"), "{program}");
+    }
+    // what no post makes of it is what was written, and is judged before motion
+    for (program, lead) in [
+        ("S700 M3\nG99 G84 Z-10 R2 F701", 701.0 / 700.0),
+        ("G95 S700 M3\nG99 G84 Z-10 R2 F0.99", 0.99),
+        ("S700 M3\nG33.1 Z-10 K1.01", 1.01),
+    ] {
+        let ops = ops_of(&shop(), &format!("T2 M6\nG0 Z5\n{program}"));
+        assert!((the_tap(&ops).lead.value() - lead).abs() < 1e-12, "{program}");
+    }
+}
+
+#[test]
 fn m29_needs_no_m3_and_holds_for_the_holes_of_its_cycle() {
     let program = "T2 M6\nG95 F1\nG0 Z5\nM29 S1000\nG99 G84 X0 Z-10 R2\nX10\nX20\nG80";
     let taps = ops_of(&shop(), program).iter().filter(|o| matches!(o.kind, OpKind::Tap(_))).count();

@@ -163,8 +163,8 @@ impl Job {
         Refused::program(program.name.clone(), program.text.clone(), drawn, findings)
     }
 
-    /// Its operations; none before it is proved.
-    pub(crate) fn operations(&self) -> Arc<Operations> {
+    /// Its operations; none before it is checked.
+    pub fn operations(&self) -> Arc<Operations> {
         self.proved.as_ref().map(|proved| Arc::clone(&proved.operations)).unwrap_or_default()
     }
 

@@ -4,6 +4,7 @@
 mod feedback_faults;
 mod library;
 mod never_slower;
+mod polygon_phase;
 mod probing;
 mod single_block;
 mod state_kills;

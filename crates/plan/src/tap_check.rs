@@ -23,12 +23,15 @@ use crate::words::{
     length, modal,
 };
 use alloc::{format, string::String, vec, vec::Vec};
-use canon::{Tap, TapTool, Tool};
+use canon::{Holder, Tap, TapTool, Tool};
 use diag::{Diagnostic, RemedyWord, Span};
 use units::{Lead, Length, Spin, Torque};
 
-/// Lead of tap and program may differ by this share before the thread is spoilt.
-const LEAD_TOLERANCE: f64 = 0.01;
+/// Share by which the leads of program and tap may differ where the holder gives.
+const GIVING_LEAD_TOLERANCE: f64 = 0.01;
+/// Likewise where the tap follows the feed: as good as nothing, or it ends beyond its bottom. A
+/// lead that a post has rounded has become the tap's own by then.
+const LEAD_TOLERANCE: f64 = 1e-4;
 /// A hole is deeper than its thread by the chamfer of a tap, 2 to 3 pitches (form C of DIN 2197).
 const BEYOND_PITCHES: f64 = 3.0;
 /// Rounding of a program's numbers, mm.
@@ -123,7 +126,11 @@ impl TapCheck<'_> {
             );
         }
         let off = (programmed.abs() - own.abs()).abs();
-        (off > LEAD_TOLERANCE * own.abs()).then(|| {
+        let tolerance = match self.tap_tool.holder {
+            Holder::Rigid { .. } | Holder::SoftSynchro { .. } => LEAD_TOLERANCE,
+            Holder::TensionCompression { .. } | Holder::Clutch { .. } => GIVING_LEAD_TOLERANCE,
+        };
+        (off > tolerance * own.abs()).then(|| {
             let rpm = self.tap.spin.in_rpm();
             let bare = |mm: f64| bare_length(self.frame, mm);
             let text = format!(

@@ -19,7 +19,7 @@ use crate::gear::{self, GearTrack};
 use crate::hole::{Drilled, HoleTrack};
 use crate::judged::Judged;
 use crate::milling::{Milled, Milling};
-use crate::polygon::{OrderedPolygon, PolygonTrack};
+use crate::polygon::{OrderedPolygon, PolygonTrack, StandingPolygons};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
@@ -40,6 +40,7 @@ pub struct Judge {
     /// The tool that the ops so far have put into the spindle.
     tool_ordered: Option<u32>,
     drilled: Vec<Drilled>,
+    polygons: StandingPolygons,
     /// The bar as it has been turned so far.
     bar: Option<TurnedBar>,
     milling: Milling,
@@ -61,6 +62,7 @@ pub struct Judge {
 #[derive(Clone, Debug, Default)]
 pub struct Work {
     drilled: Vec<Drilled>,
+    polygons: StandingPolygons,
     bar: Option<TurnedBar>,
     milling: Milling,
 }
@@ -106,6 +108,7 @@ impl Judge {
             track: None,
             tool_ordered: None,
             drilled: Vec::new(),
+            polygons: StandingPolygons::default(),
             milling: Milling::default(),
             features: Vec::new(),
             removals: Removals::default(),
@@ -122,6 +125,7 @@ impl Judge {
     #[must_use]
     pub fn on(mut self, work: Work) -> Self {
         self.drilled = work.drilled;
+        self.polygons = work.polygons;
         self.milling = work.milling.at_rest();
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
@@ -139,7 +143,8 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        Work { drilled: self.drilled, bar: self.bar, milling: self.milling }
+        let Self { drilled, polygons, bar, milling, .. } = self;
+        Work { drilled, polygons, bar, milling }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -358,7 +363,8 @@ impl Judge {
                 Some(found.map(Box::new).map(FeatureKind::Thread))
             }
             (Track::Polygon(track), What::Polygon(ordered)) => {
-                let found = track.finish(op, line, ordered, config, now);
+                let mut found = track.finish(op, line, ordered, config, now);
+                self.polygons.add(&mut found, &mut self.features, config.stock_radius);
                 Some(found.map(Box::new).map(FeatureKind::Polygon))
             }
             (Track::Cam(track), What::Cam(ordered)) => {

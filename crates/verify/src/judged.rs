@@ -28,7 +28,6 @@ pub struct Judged<K> {
 
 impl<K> Judged<K> {
     /// Takes back what was said of it: a later cut, of this line, has changed it.
-    #[allow(dead_code, reason = "the operations that change a feature follow")]
     pub(crate) fn destroyed(&mut self, line: u32, how: &str) {
         let later = format!("destroyed in line {line}: {how}");
         let reason = match &self.verdict {
@@ -36,6 +35,15 @@ impl<K> Judged<K> {
             Verdict::Fail { reason } | Verdict::NotJudged { reason } => {
                 format!("{reason}; {later}")
             }
+        };
+        self.verdict = Verdict::Fail { reason };
+    }
+
+    /// Finds something wrong with it beside what was found already.
+    pub(crate) fn fails(&mut self, finding: String) {
+        let reason = match &self.verdict {
+            Verdict::Fail { reason } => format!("{reason}; {finding}"),
+            Verdict::Pass | Verdict::NotJudged { .. } => finding,
         };
         self.verdict = Verdict::Fail { reason };
     }

@@ -71,7 +71,11 @@ impl Cut {
     }
 
     fn judged(&self) -> Feature {
-        let tool = Tool {
+        over(&[(self, STEPS)]).remove(0)
+    }
+
+    fn tool(&self) -> Tool {
+        Tool {
             number: 9,
             pocket: 9,
             length: Length::mm(40.0),
@@ -86,13 +90,12 @@ impl Cut {
             life: canon::ToolLife::default(),
             body: canon::Body::default(),
             stand_in: false,
-        };
-        let mut judge = Judge::new(Config {
-            work_axis: [Length::mm(-150.0), Length::mm(-60.0)],
-            stock_radius: Some(Length::mm(self.stock)),
-            stock: Some(stock(self.stock)),
-            ..Config::new(ToolLibrary::new([tool]))
-        });
+        }
+    }
+
+    /// Orders and cuts it, in so many periods, with the operations from this number on; the line is
+    /// that of G51.2.
+    fn cut(&self, judge: &mut Judge, first: u32, steps: u32) {
         let op = |line, kind| Op { span: Span { line, ..Span::default() }, kind };
         let polygon = canon::Polygon {
             work: 0,
@@ -113,26 +116,25 @@ impl Cut {
             },
             own_zero: None,
         };
-        judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));
-        judge.op(1, &op(2, OpKind::Polygon(polygon)));
+        judge.op(first, &op(first + 1, OpKind::ChangeTool { number: 9 }));
+        judge.op(first + 1, &op(first + 2, OpKind::Polygon(polygon)));
         let place = |z: f64| {
             let x = -150.0 + self.centres + self.taper * (z - TOP);
             Position::xyz(x, -60.0, z)
         };
         let feed = Feed::PerRevolution(Lead::mm_per_rev(self.feed));
-        judge.op(2, &op(3, OpKind::Rapid { to: place(TOP + 0.3) }));
-        judge.op(3, &op(4, OpKind::Line { to: place(TOP - 5.0), feed }));
-        judge.op(4, &op(5, OpKind::PolygonEnd));
-        judge.op(5, &op(6, OpKind::End));
+        judge.op(first + 2, &op(first + 3, OpKind::Rapid { to: place(TOP + 0.3) }));
+        judge.op(first + 3, &op(first + 4, OpKind::Line { to: place(TOP - 5.0), feed }));
+        judge.op(first + 4, &op(first + 5, OpKind::PolygonEnd));
         let spin = Spin::rpm(RPM);
-        for step in 0..12_000_u32 {
+        for step in 0..steps {
             let time = Time::s(f64::from(step) * 250e-6);
             let work = (spin * time).value();
             let [dx, dy, ahead] = (self.swing)(work * TAU);
             let mut sample = Sample::default();
-            sample.feedback.time = time;
+            sample.feedback.time = time + Time::s(f64::from(first));
             sample.feedback.tool = Some(9);
-            sample.report.op = 3;
+            sample.report.op = first + 3;
             sample.report.state = State::Feed;
             let mut truth = Truth::default();
             let z = TOP + 0.3 - self.feed * work;
@@ -144,7 +146,6 @@ impl Cut {
             sample.truth = Some(truth);
             judge.sample(&sample);
         }
-        judge.finish().remove(0)
     }
 
     fn polygon(&self) -> Polygon {
@@ -206,6 +207,28 @@ impl Cut {
         };
         (-200..=200).map(|i| width(f64::from(i) * 1e-5)).fold(f64::INFINITY, f64::min) * 1e3
     }
+}
+
+/// Periods of a cut, 2.2 mm long.
+const STEPS: u32 = 12_000;
+
+/// What is left of cuts over one another with the cutter of the first, each of so many periods.
+fn over(cuts: &[(&Cut, u32)]) -> Vec<Feature> {
+    let first = cuts[0].0;
+    let mut judge = Judge::new(Config {
+        work_axis: [Length::mm(-150.0), Length::mm(-60.0)],
+        stock_radius: Some(Length::mm(first.stock)),
+        stock: Some(stock(first.stock)),
+        ..Config::new(ToolLibrary::new([first.tool()]))
+    });
+    let mut next = 0;
+    for (cut, steps) in cuts {
+        cut.cut(&mut judge, next, *steps);
+        next += 5;
+    }
+    let span = Span { line: next + 1, ..Span::default() };
+    judge.op(next, &Op { span, kind: OpKind::End });
+    judge.finish()
 }
 
 #[track_caller]
@@ -382,4 +405,71 @@ fn a_cutter_that_passes_beside_the_bar_has_cut_nothing() {
     let reason = feature.verdict.reason().unwrap_or_default();
     assert!(reason.contains("not cut: the cutter never touched the stock"), "{reason}");
     assert!(!feature.contact.is_cut());
+}
+
+#[test]
+fn polygons_over_one_another_are_judged_by_what_both_leave() {
+    let flat = |across: f64, phase_deg: f64| Cut {
+        centres: 50.0 + across / 2.0,
+        phase: phase_deg / 360.0,
+        ..Cut::hexagon()
+    };
+    let whole = STEPS;
+    // first and then: width, angle of the cutter, length; what is to be said of the two
+    type Case = (&'static str, [(f64, f64, u32); 2], [Option<&'static str>; 2]);
+    let cut_off = |n: u32| match n {
+        1 => Some("good when cut, destroyed in line 7: hexagon"),
+        _ => Some("line 2 has cut its corners"),
+    };
+    let cases: [Case; 12] = [
+        ("a spring pass", [(17.0, 0.0, whole), (17.0, 0.0, whole)], [None, None]),
+        (
+            "a third of the cutter on: the same faces",
+            [(17.0, 0.0, whole), (17.0, 120.0, whole)],
+            [None, None],
+        ),
+        ("roughing", [(18.0, 0.0, whole), (17.0, 0.0, whole)], [None, None]),
+        (
+            "roughing at another angle, far enough out",
+            [(19.2, 60.0, whole), (17.0, 0.0, whole)],
+            [None, None],
+        ),
+        ("a smaller one on its end", [(19.0, 0.0, whole), (15.0, 0.0, whole / 2)], [None, None]),
+        (
+            "a larger one where a smaller one was",
+            [(17.0, 0.0, whole), (18.0, 0.0, whole)],
+            [None, Some("µm deeper before it")],
+        ),
+        ("15° of the work on", [(17.0, 0.0, whole), (17.0, 30.0, whole)], [cut_off(1), cut_off(2)]),
+        ("30° of the work on", [(17.0, 0.0, whole), (17.0, 60.0, whole)], [cut_off(1), cut_off(2)]),
+        ("5° of the work on", [(17.0, 0.0, whole), (17.0, 10.0, whole)], [cut_off(1), cut_off(2)]),
+        (
+            "half as long, 15° on",
+            [(17.0, 0.0, whole), (17.0, 30.0, whole / 2)],
+            [cut_off(1), cut_off(2)],
+        ),
+        (
+            "roughing at another angle, too deep",
+            [(18.6, 60.0, whole), (17.0, 0.0, whole)],
+            [cut_off(1), cut_off(2)],
+        ),
+        (
+            "a larger one over it at another angle",
+            [(17.0, 0.0, whole), (18.6, 60.0, whole)],
+            [cut_off(1), cut_off(2)],
+        ),
+    ];
+    for (name, [first, then], expected) in cases {
+        let cuts = [first, then].map(|(across, phase, steps)| (flat(across, phase), steps));
+        let features = over(&cuts.each_ref().map(|(cut, steps)| (cut, *steps)));
+        let said: Vec<_> = features.iter().map(|feature| feature.verdict.reason()).collect();
+        println!("{name}: {said:?}");
+        for (said, expected) in said.iter().zip(expected) {
+            let agree = match (said, expected) {
+                (Some(said), Some(expected)) => said.contains(expected),
+                (said, expected) => said.is_none() && expected.is_none(),
+            };
+            assert!(agree, "{name}: {said:?}, expected {expected:?}");
+        }
+    }
 }

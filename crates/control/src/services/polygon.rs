@@ -147,12 +147,13 @@ impl PolygonHost {
         let wanted = |on| polygon.wanted.iter().find(|o| o.on == on);
         let follower = |o: &canon::Oscillation| {
             let ordered = wanted(o.on).unwrap_or(o).harmonics.clone();
+            let sent = sampled(&polygon.by_work(&o.harmonics));
             Follower {
                 on: o.on,
-                ideal: sampled(&ordered),
+                ideal: sampled(&polygon.by_work(&ordered)),
                 ordered,
-                active: sampled(&o.harmonics),
-                sent: sampled(&o.harmonics),
+                active: sent.clone(),
+                sent,
                 through: drives::screw(&self.machine, o, self.repeats(polygon)),
                 friction: Reversing::of(&self.machine, o, self.repeats(polygon)),
                 learning: None,
@@ -272,7 +273,10 @@ impl PolygonHost {
         let round = |x: f64| (x * 1e9).round() * 1e-9;
         let sent = spectrum.harmonics.iter().enumerate().map(|(m, c)| {
             let twice = if m == 0 { 1.0 } else { 2.0 };
-            [m as f64, round(twice * c.re), round(-twice * c.im)]
+            let (cosine, sine) = (twice * c.re, -twice * c.im);
+            let by_work = canon::Harmonic { per_turn: m as u32, cosine, sine };
+            let kept = polygon.by_facet(&by_work);
+            [m as f64, round(kept.cosine), round(kept.sine)]
         });
         let sent = sent.filter(|[_, cosine, sine]| cosine.abs().max(sine.abs()) > 1e-8).collect();
         let known = learning.response();

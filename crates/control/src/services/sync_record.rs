@@ -400,7 +400,7 @@ fn gear(kind: &OpKind) -> Option<Geared> {
         OpKind::Polygon(polygon) => {
             let on_phase =
                 polygon.oscillations.iter().filter(|o| o.on == canon::Oscillating::ToolPhase);
-            let terms = on_phase.flat_map(|o| &o.harmonics);
+            let terms = on_phase.flat_map(|o| polygon.by_work(&o.harmonics));
             Some(Geared {
                 follower: polygon.tool,
                 turns: polygon.ratio.follower,

@@ -2,6 +2,7 @@
 use crate::{
     call::{Call, GrowingThread, Sense, Sink, out::Out},
     coordinates::target,
+    cycles::holes::tap::meant_lead,
     fault::{Outcome, error, refuse},
     geometry::frame::Point,
     modes::Modes,
@@ -152,7 +153,9 @@ pub(crate) fn tap_operation(
     let i = axis.index();
     let inwards_negative = end[i] < start[i];
     let right_hand = (sense == Sense::Clockwise) == inwards_negative;
-    let lead = Lead::mm_per_rev(if right_hand { lead } else { -lead } * resolver.mm());
+    let mm = resolver.mm();
+    let lead = meant_lead(resolver, lead * mm, ('K', 1.0 / mm), span);
+    let lead = Lead::mm_per_rev(if right_hand { lead } else { -lead });
     let program = resolver.frame.to_program(&start)[i];
     let zero = program + Resolver::surface(program, to[i] * resolver.mm()) - program;
     let surface = start[i] + (zero - program);

@@ -69,6 +69,8 @@ pub struct Resolver {
     pub(crate) coolant: (bool, bool),
     /// The tool of which it was said that its own pitch counts.
     pub(crate) pitch_said: Option<u32>,
+    /// Tool and line of which it was said that a lead is rounded.
+    pub(crate) rounding_said: Option<(u32, u32)>,
     /// Outputs that change when the next move begins.
     pub(crate) with_motion: Vec<(Span, Output)>,
     /// What is not known since a block was refused, and what operations have missed.
@@ -121,6 +123,7 @@ impl Resolver {
             overrides: (true, true),
             coolant: (false, false),
             pitch_said: None,
+            rounding_said: None,
             with_motion: Vec::new(),
             unknown: Unknown::default(),
             missed: Unknown::default(),
@@ -320,6 +323,12 @@ impl Resolver {
         let rate = self.feed.rate * self.feed.mm;
         (rate > 0.0)
             .then(|| if self.feed.per_revolution { rate } else { rate / self.spindle.speed })
+    }
+
+    /// F that would mean a lead of 1 mm.
+    pub(crate) fn feed_of_a_mm(&self) -> f64 {
+        let per_mm = 1.0 / self.feed.mm;
+        if self.feed.per_revolution { per_mm } else { per_mm * self.spindle.speed }
     }
 
     /// F as it counts on this way.

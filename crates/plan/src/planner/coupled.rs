@@ -86,7 +86,8 @@ impl Planner {
                 Oscillating::ToolPhase => Superposed::Spindle(polygon.tool),
             };
             let id = self.next_table();
-            self.tables.push(Table { id, nodes: sampled(&oscillation.harmonics) });
+            let nodes = sampled(&polygon.by_work(&oscillation.harmonics));
+            self.tables.push(Table { id, nodes });
             let turns = polygon.period();
             let order = Superpose { on, master: polygon.work, table: Some(id), turns, over: FADE };
             self.hand_on(job, StepKind::Superpose(order));

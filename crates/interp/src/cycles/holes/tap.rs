@@ -46,6 +46,10 @@ const MAX_PECKS: f64 = 200.0;
 /// An F of an earlier block whose lead is this much off the tap's own (as a fraction) was not meant
 /// for it.
 const LEAD_TOLERANCE: f64 = 0.01;
+/// Significant digits that a postprocessor leaves of a feed or a lead, at least.
+const POST_DIGITS: i32 = 3;
+/// Two numbers that differ by this share are the same.
+const SAME_SHARE: f64 = 1e-7;
 
 /// No F is in force, but the tap in the spindle has a pitch.
 pub(crate) fn lead_is_the_taps(modes: &Modes, tools: &Tools, cycle: Cycle) -> bool {
@@ -235,11 +239,52 @@ fn programmed_lead(resolver: &mut Resolver, tap: &CycleTap, span: Span) -> Optio
         return tap.lead_mm;
     }
     let by_feed = resolver.lead_by_feed();
+    let word = ('F', resolver.feed_of_a_mm());
+    let by_feed = by_feed.map(|lead| meant_lead(resolver, lead, word, span));
     let is_other = |own: f64| by_feed.is_some_and(|lead| (lead - own).abs() > LEAD_TOLERANCE * own);
     if !tap.feed_stated && clutch_lead(resolver).is_some_and(is_other) {
         return clutch_lead(resolver);
     }
     by_feed.or_else(|| lead_of_the_tap(resolver, span))
+}
+
+/// The lead that a word means: the tap's own where the word is that of the tap's own lead, rounded
+/// to [`POST_DIGITS`] digits or more. `per_mm`: the word's value for a lead of 1 mm.
+pub(crate) fn meant_lead(
+    resolver: &mut Resolver,
+    lead_mm: f64,
+    (letter, per_mm): (char, f64),
+    span: Span,
+) -> f64 {
+    let tool = resolver.tools.get(resolver.tool).filter(|tool| !tool.stand_in);
+    let Some((tool, ToolKind::Tap(tap))) = tool.map(|tool| (tool, &tool.kind)) else {
+        return lead_mm;
+    };
+    let own_mm = tap.lead.value().abs();
+    let (written, exact) = (lead_mm * per_mm, own_mm * per_mm);
+    let unit = 10.0_f64.powi(exact.log10().floor() as i32 + 1 - POST_DIGITS);
+    let off = (written - exact).abs();
+    if off > unit * (0.5 + SAME_SHARE) {
+        return lead_mm;
+    }
+    if off > exact * SAME_SHARE && resolver.rounding_said != Some((tool.number, span.line)) {
+        let text = format!(
+            "{letter}{} is rounded from {letter}{}: the lead of T{} ({}) is followed, {} mm per revolution",
+            short(written),
+            short(exact),
+            tool.number,
+            tap.designation,
+            short(own_mm)
+        );
+        resolver.rounding_said = Some((tool.number, span.line));
+        resolver.report(Diagnostic::note("I0716", span, text));
+    }
+    own_mm
+}
+
+/// A number to a ten-thousandth.
+fn short(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }
 
 /// The pitch of the tap in the spindle, said once for each tool.
