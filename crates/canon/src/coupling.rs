@@ -23,17 +23,17 @@ impl Polygon {
 
     /// Harmonics as functions of the work spindle's own angle.
     pub fn by_work(&self, harmonics: &[Harmonic]) -> Vec<Harmonic> {
-        harmonics.iter().map(|harmonic| harmonic.ahead(self.from_middle())).collect()
+        harmonics.iter().map(|harmonic| harmonic.ahead(self.past_middle())).collect()
     }
 
     /// A harmonic of the work spindle's own angle, counted from the middle of the first facet.
     #[must_use]
     pub fn by_facet(&self, harmonic: &Harmonic) -> Harmonic {
-        harmonic.ahead(-self.from_middle())
+        harmonic.ahead(-self.past_middle())
     }
 
     /// Share of the period by which the first facet's middle is past where the work stands at zero.
-    fn from_middle(&self) -> f64 {
+    fn past_middle(&self) -> f64 {
         self.phase.value() / self.ratio.value() / self.period()
     }
 }

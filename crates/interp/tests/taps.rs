@@ -99,8 +99,8 @@ fn a_rounded_feed_or_lead_follows_the_taps_own() {
         ("S1003 M3\nG99 G84 Z-10 R2 F1000", "F1000 is rounded from F1003"),
         ("G95 S700 M3\nG99 G84 Z-10 R2 F1.004", "F1.004 is rounded from F1"),
         ("G20 S700 M3\nG99 G84 Z-0.4 R0.1 F27.6", "F27.6 is rounded from F27.5591"),
-        ("G20 G95 S700 M3\nG99 G84 Z-0.4 R0.1 F0.0394", "F0.0394 is rounded from F0.0394"),
-        ("G20 S700 M3\nG33.1 Z-0.4 K0.0394", "K0.0394 is rounded from K0.0394"),
+        ("G20 G95 S700 M3\nG99 G84 Z-0.4 R0.1 F0.0394", "F0.0394 is rounded from F0.0393701"),
+        ("G20 S700 M3\nG33.1 Z-0.4 K0.0394", "K0.0394 is rounded from K0.0393701"),
         ("S700 M3\nG33.1 Z-10 K0.998", "K0.998 is rounded from K1"),
     ] {
         let program = format!("T2 M6\nG0 Z5\n{program}");

@@ -6,6 +6,7 @@ mod library;
 mod never_slower;
 mod polygon_phase;
 mod probing;
+mod rounded_feeds;
 mod single_block;
 mod state_kills;
 mod tool_life;

@@ -31,7 +31,7 @@
 //! another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all, M0334 not
 //! along the tool axis, M0335 beside its hole, M0336 blind hole too near for this spindle, M0337 no
 //! angle, M0338 a spindle that coasts when the control dies; clutch and floating holders: M0340
-//! dwell, M0341 stroke, M0342 travel, M0343 words; chip removal: M0350 too fast for the spindle,
+//! dwell, M0341 depth, M0342 travel, M0343 words; chip removal: M0350 too fast for the spindle,
 //! M0351 not against the cut; M0355 a face thread, tap or gear with G96, M0356 a thread with it;
 //! tool and stock: M0360 rapid into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too
 //! fast, M0364 tap without its cycle, M0365 length offset, M0370 no such input, M0371 no such

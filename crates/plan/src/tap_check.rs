@@ -27,10 +27,10 @@ use canon::{Holder, Tap, TapTool, Tool};
 use diag::{Diagnostic, RemedyWord, Span};
 use units::{Lead, Length, Spin, Torque};
 
-/// Share by which the leads of program and tap may differ where the holder gives.
-const GIVING_LEAD_TOLERANCE: f64 = 0.01;
-/// Likewise where the tap follows the feed: as good as nothing, or it ends beyond its bottom. A
-/// lead that a post has rounded has become the tap's own by then.
+/// Share by which the leads of program and tap may differ in a clutch holder, which gives.
+const CLUTCH_LEAD_TOLERANCE: f64 = 0.01;
+/// Likewise in any other: as good as nothing, or the tap ends beyond its bottom. A lead that a post
+/// has rounded has become the tap's own by then.
 const LEAD_TOLERANCE: f64 = 1e-4;
 /// A hole is deeper than its thread by the chamfer of a tap, 2 to 3 pitches (form C of DIN 2197).
 const BEYOND_PITCHES: f64 = 3.0;
@@ -127,8 +127,10 @@ impl TapCheck<'_> {
         }
         let off = (programmed.abs() - own.abs()).abs();
         let tolerance = match self.tap_tool.holder {
-            Holder::Rigid { .. } | Holder::SoftSynchro { .. } => LEAD_TOLERANCE,
-            Holder::TensionCompression { .. } | Holder::Clutch { .. } => GIVING_LEAD_TOLERANCE,
+            Holder::Clutch { .. } => CLUTCH_LEAD_TOLERANCE,
+            Holder::Rigid { .. }
+            | Holder::SoftSynchro { .. }
+            | Holder::TensionCompression { .. } => LEAD_TOLERANCE,
         };
         (off > tolerance * own.abs()).then(|| {
             let rpm = self.tap.spin.in_rpm();

@@ -157,12 +157,17 @@ fn a_dwell_outside_the_window_is_done_if_the_user_only_wants_to_be_warned() {
 }
 
 #[test]
-fn a_stroke_that_is_no_longer_than_the_splines_is_refused() {
-    let mut short = tap(10.0, 10.0, 5.0, 0.5, 1.0, 3000.0);
-    short.surface = short.start.along(Axis::Z).of_linear();
-    let found =
-        findings_of(planner(CLUTCH, Unsynchronised::default()), [turn(3000.0), OpKind::Tap(short)]);
-    assert!(found.contains("M0341 Error"), "{found}");
+fn a_thread_in_which_the_tap_has_not_cut_a_turn_when_the_feed_stops_is_refused() {
+    let found = |depth: f64, above: f64| {
+        let mut short = tap(10.0, 10.0, above, -depth, 1.0, 3000.0);
+        short.surface = short.start.along(Axis::Z).of_linear() - Length::mm(above);
+        findings_of(planner(CLUTCH, Unsynchronised::default()), [turn(3000.0), OpKind::Tap(short)])
+    };
+    // 5 mm of splines and a turn of 1 mm, however far above the work the stroke begins
+    for (depth, above) in [(4.5, 0.0), (4.8, 5.0), (5.9, 20.0)] {
+        assert!(found(depth, above).contains("M0341 Error"), "{depth}: {}", found(depth, above));
+    }
+    assert!(!found(6.1, 2.0).contains("M0341"), "{}", found(6.1, 2.0));
 }
 
 #[test]
@@ -235,7 +240,7 @@ fn what_is_said_of_holders_is_in_the_programs_unit() {
     short.surface = Length::mm(TOP + 103.0);
     let text = said(CLUTCH, [turn(3000.0), OpKind::Tap(short), rapid(10.0, 10.0, TOP + 130.0)]);
     assert!(
-        text.contains("pulls the tap in by 0.1969 in") && text.contains("the stroke is 0.1575 in"),
+        text.contains("pulls the tap in by 0.1969 in") && text.contains("0.2362 in or more works"),
         "{text}"
     );
     for dwell in [0.11, 0.5] {

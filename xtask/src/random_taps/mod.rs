@@ -72,7 +72,7 @@ const REASONS: [(&str, &str); 10] = [
     ("M0331", "heavier than the spindle"),
     ("M0334", "another plane than the spindle's"),
     ("M0340", "no dwell works for the clutch holder"),
-    ("M0341", "shorter than the clutch holder's splines"),
+    ("M0341", "too shallow for the clutch holder's splines"),
     ("M0343", "a word that a clutch holder cannot obey"),
 ];
 /// Of these, what a program without a mistake may be refused for: what machine or holder cannot do.

@@ -63,13 +63,13 @@ pub(super) const ROWS: &[Finding] = &[
         "M66 P0 L3 Q5",
         "G4 P5",
     ),
+    row("I0715", "An output waits for a move that never comes.", "M62 P1", "M62 P1\nG0 X1"),
     row(
         "I0716",
         "A feed or lead is that of the tap in the spindle, rounded: the tap's own lead is followed.",
         "T2 M6\nS1003 M3\nG84 X1 Z-5 R2 F1000",
         "T2 M6\nS1003 M3\nG84 X1 Z-5 R2 F1003",
     ),
-    row("I0715", "An output waits for a move that never comes.", "M62 P1", "M62 P1\nG0 X1"),
     row(
         "I0801",
         "Subprograms call each other too deep.",

@@ -102,7 +102,7 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "If the control dies in this tap its spindle coasts, deeper than there is room; the speed that survives is said.",
     ),
     ("M0340", "A clutch holder does not work with this dwell; the dwell that works is said."),
-    ("M0341", "A clutch holder pulls the tap in farther than the stroke is long."),
+    ("M0341", "A clutch holder pulls the tap in before the tap has cut a turn."),
     ("M0342", "An unsynchronised tap pulls its holder out farther than it gives."),
     ("M0343", "A word that only a synchronised tap can obey."),
     (

@@ -54,16 +54,16 @@ impl Planner {
         }
         let start = tap.start.along(tap.axis).of_linear();
         let stroke = tap.bottom - start;
-        if stroke.abs() <= clutch.spline_length {
+        let depth = (tap.bottom - tap.surface).abs();
+        // a turn of the thread, by which the tap can pull itself in
+        let least = clutch.spline_length + Length::mm(tap.lead.abs().value());
+        if depth < least {
             let text = format!(
-                "the clutch holder pulls the tap in by {} after the feed has stopped, but the stroke is {}: \
-                 start {} or more above the bottom",
+                "the clutch holder pulls the tap in by {} after the feed has stopped, and the thread is {} deep: the tap has \
+                 not cut a turn by then, {} or more works",
                 length(&self.frame, clutch.spline_length.value()),
-                length(&self.frame, stroke.abs().value()),
-                length(
-                    &self.frame,
-                    clutch.spline_length.value() + self.frame.unit.in_mm().clamp(1.0, 2.54)
-                ),
+                length(&self.frame, depth.value()),
+                length(&self.frame, least.value()),
             );
             self.findings.add(Diagnostic::error("M0341", job.span, text));
             return;

@@ -48,8 +48,8 @@ const MAX_PECKS: f64 = 200.0;
 const LEAD_TOLERANCE: f64 = 0.01;
 /// Significant digits that a postprocessor leaves of a feed or a lead, at least.
 const POST_DIGITS: i32 = 3;
-/// Two numbers that differ by this share are the same.
-const SAME_SHARE: f64 = 1e-7;
+/// A share by which a lead is rounded that changes a thread of a hundred turns by a micrometre.
+const WORTH_SAYING: f64 = 1e-5;
 
 /// No F is in force, but the tap in the spindle has a pitch.
 pub(crate) fn lead_is_the_taps(modes: &Modes, tools: &Tools, cycle: Cycle) -> bool {
@@ -264,10 +264,10 @@ pub(crate) fn meant_lead(
     let (written, exact) = (lead_mm * per_mm, own_mm * per_mm);
     let unit = 10.0_f64.powi(exact.log10().floor() as i32 + 1 - POST_DIGITS);
     let off = (written - exact).abs();
-    if off > unit * (0.5 + SAME_SHARE) {
+    if off > unit * 0.500_000_1 {
         return lead_mm;
     }
-    if off > exact * SAME_SHARE && resolver.rounding_said != Some((tool.number, span.line)) {
+    if off > exact * WORTH_SAYING && resolver.rounding_said != Some((tool.number, span.line)) {
         let text = format!(
             "{letter}{} is rounded from {letter}{}: the lead of T{} ({}) is followed, {} mm per revolution",
             short(written),
@@ -282,9 +282,10 @@ pub(crate) fn meant_lead(
     own_mm
 }
 
-/// A number to a ten-thousandth.
+/// A positive number to six digits.
 fn short(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
+    let digits = (5 - value.log10().floor() as i32).max(0) as usize;
+    format!("{value:.digits$}").parse().unwrap_or(value)
 }
 
 /// The pitch of the tap in the spindle, said once for each tool.
