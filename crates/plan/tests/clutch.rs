@@ -158,16 +158,15 @@ fn a_dwell_outside_the_window_is_done_if_the_user_only_wants_to_be_warned() {
 
 #[test]
 fn a_thread_in_which_the_tap_has_not_cut_a_turn_when_the_feed_stops_is_refused() {
-    let found = |depth: f64, above: f64| {
-        let mut short = tap(10.0, 10.0, above, -depth, 1.0, 3000.0);
-        short.surface = short.start.along(Axis::Z).of_linear() - Length::mm(above);
+    let found = |depth: f64| {
+        let short = tap(10.0, 10.0, 5.0, -depth, 1.0, 3000.0);
         findings_of(planner(CLUTCH, Unsynchronised::default()), [turn(3000.0), OpKind::Tap(short)])
     };
-    // 5 mm of splines and a turn of 1 mm, however far above the work the stroke begins
-    for (depth, above) in [(4.5, 0.0), (4.8, 5.0), (5.9, 20.0)] {
-        assert!(found(depth, above).contains("M0341 Error"), "{depth}: {}", found(depth, above));
+    // 5 mm of splines and a turn of 1 mm; the stroke begins 5 mm above the work
+    for depth in [0.5, 4.8, 5.9] {
+        assert!(found(depth).contains("M0341 Error"), "{depth}: {}", found(depth));
     }
-    assert!(!found(6.1, 2.0).contains("M0341"), "{}", found(6.1, 2.0));
+    assert!(!found(6.1).contains("M0341"), "{}", found(6.1));
 }
 
 #[test]
