@@ -75,20 +75,14 @@ fn what_a_check_lets_pass_comes_out_good_however_its_lead_is_rounded() {
         }
         let text = program(inch, (tap, drill, depth), rpm, (word, &value));
         let mut job = Program::of("rounded", text.clone()).on("tapping-center").unwrap();
-        let errors = job.check().iter().any(|finding| finding.is_error());
-        match job.run(&RunOptions::default()) {
-            Ok(finished) => {
-                assert!(
-                    !errors && finished.ending() == Ending::Good,
-                    "{exact}:\n{text}{:#?}",
-                    finished.features()
-                );
-                good += 1;
-            }
-            Err(_) => {
-                assert!(errors, "{exact}:\n{text}");
-                refused += 1;
-            }
+        let errors = job.check().iter().any(diag::Diagnostic::is_error);
+        if let Ok(finished) = job.run(&RunOptions::default()) {
+            let is_good = !errors && finished.ending() == Ending::Good;
+            assert!(is_good, "{exact}:\n{text}{:#?}", finished.features());
+            good += 1;
+        } else {
+            assert!(errors, "{exact}:\n{text}");
+            refused += 1;
         }
     }
     println!("{good} good, {refused} refused");

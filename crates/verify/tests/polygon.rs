@@ -407,6 +407,9 @@ fn a_cutter_that_passes_beside_the_bar_has_cut_nothing() {
     assert!(!feature.contact.is_cut());
 }
 
+/// What is cut first and then: width, angle of the cutter, length; what is to be said of the two.
+type Over = (&'static str, [(f64, f64, u32); 2], [Option<&'static str>; 2]);
+
 #[test]
 fn polygons_over_one_another_are_judged_by_what_both_leave() {
     let flat = |across: f64, phase_deg: f64| Cut {
@@ -415,13 +418,11 @@ fn polygons_over_one_another_are_judged_by_what_both_leave() {
         ..Cut::hexagon()
     };
     let whole = STEPS;
-    // first and then: width, angle of the cutter, length; what is to be said of the two
-    type Case = (&'static str, [(f64, f64, u32); 2], [Option<&'static str>; 2]);
     let cut_off = |n: u32| match n {
         1 => Some("good when cut, destroyed in line 7: hexagon"),
         _ => Some("line 2 has cut its corners"),
     };
-    let cases: [Case; 12] = [
+    let cases: [Over; 12] = [
         ("a spring pass", [(17.0, 0.0, whole), (17.0, 0.0, whole)], [None, None]),
         (
             "a third of the cutter on: the same faces",

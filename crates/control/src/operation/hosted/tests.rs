@@ -249,12 +249,13 @@ fn overtaken(client: &Client, waiting: Request, stop: Request) -> RequestAnswer 
     let (entered, has_entered) = std::sync::mpsc::channel();
     let (go, may_go) = std::sync::mpsc::channel::<()>();
     let busy = client.clone();
-    let busy = std::thread::spawn(move || {
+    let busy = std::thread::Builder::new().spawn(move || {
         busy.with(move |_| {
             entered.send(()).expect("it is awaited");
             may_go.recv().expect("it is told");
         })
     });
+    let busy = busy.expect("a thread");
     has_entered.recv().expect("the control's thread is busy");
     let (sender, receiver) = std::sync::mpsc::channel();
     client
@@ -285,7 +286,7 @@ fn nothing_that_waits_begins_after_a_stop_that_was_asked_for_later() {
     ];
     let out = [Request::Retract, Request::Recover];
     let at = x(&client.latest());
-    let mut check = |waiting: &[Request], stop: Request, why: &str| {
+    let check = |waiting: &[Request], stop: Request, why: &str| {
         for waiting in waiting {
             let refused = overtaken(&client, waiting.clone(), stop.clone());
             let refused = refused.expect_err("it is overtaken");
