@@ -54,8 +54,8 @@ pub(crate) struct TapRun {
     taught: Option<Angle>,
     /// Whether the axis goes by where the spindle is, not by where it shall be.
     trailing: Trailing,
-    /// It has come as deep as it may: the axis brakes.
-    too_deep: bool,
+    /// The axis follows the spindle no farther: it brakes.
+    stays: bool,
 }
 
 /// Whether the axis goes by where the spindle is.
@@ -115,7 +115,7 @@ impl TapRun {
             error: None,
             taught: None,
             trailing: Trailing::No,
-            too_deep: false,
+            stays: false,
         })
     }
 
@@ -188,7 +188,7 @@ impl TapRun {
         else {
             return Outcome::Done; // begin() has seen to it that both are there
         };
-        if self.too_deep {
+        if self.stays {
             return depth::stay(axis);
         }
         let seen = self.watch(plan, Length::mm(axis.position()), spindle, context);

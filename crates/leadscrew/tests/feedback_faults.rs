@@ -13,6 +13,9 @@
 //! | one that is tied to a spindle | v·1 s, the longest stop of a spindle, + 0.5 mm |
 //! | an infeed axis, which takes a tool off the work | the same, and as far as it goes clear |
 //!
+//! An axis whose own drive is gone coasts, unless it hangs and its brake holds it: no control can
+//! stop it.
+//!
 //! T is 15 ms: what is bridged, free and then stopped by its drive; a is the acceleration of the
 //! axis' own stops in the machine's file.
 use bus::{AXES, Sample, State};
@@ -218,6 +221,20 @@ impl Dice {
             _ => format!("feedback-jump {axis} {:.4}mm", self.sign() * self.scale(0.001, 1.0)),
         }
     }
+
+    /// A fault of drives, power, commands or the emergency stop chain with its measure.
+    fn other_fault(&mut self, activity: &Activity) -> String {
+        let axis = self.one_of(activity.axes);
+        match (self.unit() * 10.0) as u32 {
+            0 | 1 => "emergency-stop".to_owned(),
+            2 | 3 => format!("drive-fault {axis}"),
+            4 | 5 => "drive-fault spindle".to_owned(),
+            6 => "lost-index".to_owned(),
+            7 => "late".to_owned(),
+            8 => "missed".to_owned(),
+            _ => format!("torque-loss {:.0}%", self.scale(1.0, 90.0)),
+        }
+    }
 }
 
 /// What is kept of a run.
@@ -373,6 +390,11 @@ fn distances(
         };
         let margin = if speed == 0.0 && !tied { stood } else { MARGIN_MM };
         let most = stops + clear + margin;
+        // one without a drive, a brake or a weight coasts as far as its friction lets it
+        let letter = units::Axis::ALL[axis].letter();
+        if fault.starts_with(&format!("drive-fault {letter}")) && !hangs {
+            continue;
+        }
         let went = stop.iter().map(|s| (place(s, axis) - first).abs()).fold(0.0, f64::max);
         if went > most {
             wrong.push(format!(
@@ -427,7 +449,10 @@ fn forces(_: &Activity, stop: &[&Sample], config: &kernel::Config, fault: &str) 
     let mut wrong = Vec::new();
     for axis in (0..AXES).filter(|axis| config.axes[*axis].is_some()) {
         let command = &last.command.axes[axis];
-        if command.enable {
+        // beside a spindle that coasts the axes are held until it stands, or longer than is recorded;
+        // after an alarm of one that lags behind they are held
+        let holds = fault == "drive-fault spindle" || fault.starts_with("torque-loss");
+        if command.enable && !holds {
             wrong.push(format!(
                 "axis {axis} is on in the end of {fault}: {:.0} N",
                 command.force.value()
@@ -508,17 +533,21 @@ fn cases() -> impl Iterator<Item = u32> {
     among.chain(found)
 }
 
-#[test]
-fn whatever_happens_to_feedback_no_axis_runs_away_and_what_is_said_is_true() {
+/// Runs cases with faults of a kind, and says what failed; whether no tap may break in them.
+fn campaign(
+    cases: impl Iterator<Item = u32>,
+    draw: fn(&mut Dice, &Activity) -> String,
+    no_tap_breaks: bool,
+) {
     let undisturbed: Vec<Undisturbed> = ACTIVITIES.iter().map(Undisturbed::of).collect();
     let mut rows = vec![(0, 0, 0, 0.0_f64); ACTIVITIES.len()];
     let mut failed = Vec::new();
-    for number in cases() {
+    for number in cases {
         let mut dice = Dice(u64::from(number) << 32 ^ 0x000b_114d);
         let which = number as usize % ACTIVITIES.len();
         let activity = &ACTIVITIES[which];
         let at_s = dice.one_of(&undisturbed[which].instants);
-        let fault = dice.fault(activity);
+        let fault = draw(&mut dice, activity);
         let seed = 1 + u64::from(number % 14);
         let found = look(activity, &undisturbed[which], seed, &fault, at_s);
         let (all, alarms, broken, off) = &mut rows[which];
@@ -529,7 +558,10 @@ fn whatever_happens_to_feedback_no_axis_runs_away_and_what_is_said_is_true() {
         let what = format!("case {number}: {}, seed {seed}, {fault} at {at_s:.5}s", activity.name);
         failed.extend(found.wrong.iter().map(|wrong| format!("{what}: {wrong}")));
         if found.broken {
-            failed.push(format!("{what}: the tap broke"));
+            println!("{what}: the tap broke");
+            if no_tap_breaks {
+                failed.push(format!("{what}: the tap broke"));
+            }
         }
     }
     println!(
@@ -539,6 +571,19 @@ fn whatever_happens_to_feedback_no_axis_runs_away_and_what_is_said_is_true() {
         println!("| {} | {all} | {alarms} | {broken} | {off:.1} |", activity.name);
     }
     assert!(failed.is_empty(), "{} of them:\n{}", failed.len(), failed.join("\n"));
+}
+
+#[test]
+fn whatever_happens_to_feedback_no_axis_runs_away_and_what_is_said_is_true() {
+    campaign(cases(), Dice::fault, true);
+}
+
+#[test]
+fn whatever_happens_to_drives_and_commands_no_axis_runs_away_and_what_is_said_is_true() {
+    let usual = test_support::size::of(24, 2000);
+    let cases = std::env::var("CASES").map_or(usual, |cases| cases.parse().unwrap());
+    let first: u32 = std::env::var("SEED").map_or(0, |seed| seed.parse().unwrap());
+    campaign(first..first + cases, Dice::other_fault, false);
 }
 
 #[test]
