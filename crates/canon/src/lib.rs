@@ -32,7 +32,7 @@ mod tool_life;
 mod words;
 
 pub use cam::{CamLibrary, CamOrder, CamProfile};
-pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
+pub use coupling::{Actuator, GearAsked, Harmonic, Hob, Oscillating, Oscillation, Polygon};
 pub use diag::Span;
 pub use frame::{Counting, LengthUnit, ProgramFrame};
 pub use material::Material;
@@ -44,7 +44,7 @@ pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{
     Body, CutterMaterial, Flute, Holder, Insert, InsertPoint, Mill, MillForm, MillLimits,
-    PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary, TouchProbe,
+    HobTool, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary, TouchProbe,
 };
 pub use tool_life::{AtLimit, ToolLife, ToolLimit, ToolUse, ToolWear, UseCount};
 pub use units::{Arc, Axis, Plane, Position, Ratio};

@@ -98,12 +98,14 @@ pub struct Tolerances {
     pub across_flats: Length,
     /// Thickness of hobbed teeth, each way: what the depth of the cut makes of it.
     pub tooth_thickness: Length,
+    /// Diameter over the tips of hobbed teeth, each way.
+    pub tip_diameter: Length,
 }
 
 impl Default for Tolerances {
     /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO
     /// 2768-1 f for 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Teeth: DIN 3967, series 26, 50
-    /// to 125 mm. Turned threads: what lathe builders promise of their leads, typical.
+    /// to 125 mm; over their tips IT 11 (ISO 286-1), 80 to 120 mm. Turned threads: what lathe builders promise of their leads, typical.
     fn default() -> Self {
         Self {
             hole_depth: Length::mm(0.05),
@@ -118,6 +120,7 @@ impl Default for Tolerances {
             facet_tilt: Angle::deg(0.5),
             across_flats: Length::mm(0.1),
             tooth_thickness: Length::um(60.0),
+            tip_diameter: Length::mm(0.22),
         }
     }
 }

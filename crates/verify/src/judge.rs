@@ -44,6 +44,7 @@ pub struct Judge {
     /// The bar as it has been turned so far.
     bar: Option<TurnedBar>,
     milling: Milling,
+    gears: gear::Cuts,
     features: Vec<Feature>,
     removals: Removals,
     /// Where the ops so far have brought the axes.
@@ -65,6 +66,7 @@ pub struct Work {
     polygons: StandingPolygons,
     bar: Option<TurnedBar>,
     milling: Milling,
+    gears: gear::Cuts,
 }
 
 /// One feature that the program orders.
@@ -110,6 +112,7 @@ impl Judge {
             drilled: Vec::new(),
             polygons: StandingPolygons::default(),
             milling: Milling::default(),
+            gears: gear::Cuts::default(),
             features: Vec::new(),
             removals: Removals::default(),
             at: Position::default(),
@@ -127,6 +130,7 @@ impl Judge {
         self.drilled = work.drilled;
         self.polygons = work.polygons;
         self.milling = work.milling.at_rest();
+        self.gears = work.gears;
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
         }
@@ -143,8 +147,8 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        let Self { drilled, polygons, bar, milling, .. } = self;
-        Work { drilled, polygons, bar, milling }
+        let Self { drilled, polygons, bar, milling, gears, .. } = self;
+        Work { drilled, polygons, bar, milling, gears }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -179,8 +183,7 @@ impl Judge {
                 }
                 return;
             }
-            if let What::Gear(ordered) = &mut open.what {
-                ordered.see(&op.kind);
+            if let What::Gear(_) = &open.what {
                 if matches!(op.kind, OpKind::HobEnd | OpKind::End) {
                     open.end = Some(index);
                 }
@@ -225,7 +228,7 @@ impl Judge {
                 (What::Turned(ordered), None)
             }
             OpKind::Hob(hob) => {
-                (What::Gear(Box::new(gear::OrderedGear { hob: *hob, least_x: None })), None)
+                (What::Gear(Box::new(gear::OrderedGear { hob: *hob })), None)
             }
             OpKind::Polygon(polygon) => {
                 (What::Polygon(Box::new(OrderedPolygon::new(polygon))), None)
@@ -372,7 +375,14 @@ impl Judge {
                 Some(found.map(Box::new).map(FeatureKind::Cam))
             }
             (Track::Gear(track), What::Gear(ordered)) => {
-                let found = track.finish((op, line, order.tool), ordered, config, now);
+                let place = (op, line, order.tool);
+                let (found, earlier) = track.finish(place, ordered, (config, &mut self.gears), now);
+                self.features.retain(|feature| !earlier.absorbed.contains(&feature.op));
+                for (op, how) in &earlier.destroyed {
+                    if let Some(first) = self.features.iter_mut().find(|f| f.op == *op) {
+                        first.destroyed(line, how);
+                    }
+                }
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {
@@ -412,7 +422,7 @@ impl Track {
             What::Cam(ordered) => return Self::Cam(CamTrack::new(ordered)),
             What::Turned(_) => return Self::Turned(TurnedTrack::default()),
             What::Gear(ordered) => {
-                return Self::Gear(Box::new(GearTrack::new(ordered, tool)));
+                return Self::Gear(Box::new(GearTrack::new(ordered, (number, tool), config)));
             }
             What::Polygon(ordered) => {
                 return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));

@@ -131,8 +131,13 @@ impl MilledStock {
     /// The stock; `None`: nothing is milled, or the work turns.
     pub fn found(&self, session: &Session) -> Option<MillStock> {
         let own = machine_stock(session)?;
-        let Some(reach) = self.reach else { return Some(own) };
         let zero = own.block.zero;
+        let Some(reach) = self.reach else {
+            return Some(match self.stated {
+                Some(Stated::Block(block)) => placed(&block, zero, StockSource::Comment),
+                _ => own,
+            });
+        };
         match self.stated {
             Some(Stated::Block(block)) => return Some(placed(&block, zero, StockSource::Comment)),
             Some(Stated::Size(size)) => {
