@@ -80,21 +80,19 @@ const fn heads(kind: &FeatureKind) -> &'static [&'static str] {
         FeatureKind::Cam(_) => {
             &["feature", "good", "lift\nMM", "contour\nerror UM", "rms\nUM", "rpm"]
         }
-        FeatureKind::Gear(_) => {
-            &[
-                "feature",
-                "good",
-                "width\nMM",
-                "span\nMM",
-                "error\nUM",
-                "pitch\nUM",
-                "total\nUM",
-                "helix\nUM",
-                "profile\nUM",
-                "grade",
-                "rpm",
-            ]
-        }
+        FeatureKind::Gear(_) => &[
+            "feature",
+            "good",
+            "width\nMM",
+            "span\nMM",
+            "error\nUM",
+            "pitch\nUM",
+            "total\nUM",
+            "helix\nUM",
+            "profile\nUM",
+            "grade",
+            "rpm",
+        ],
         FeatureKind::Milled(_) => &[
             "feature",
             "good",
@@ -278,9 +276,9 @@ impl Figures<'_> {
         vec![
             self.measure.length((first.z_to - first.z_from).abs()),
             first.size.map_or_else(String::new, |size| self.measure.length(size.span)),
-            first
-                .size
-                .map_or_else(String::new, |size| self.measure.small(size.span - size.span_asked, 1)),
+            first.size.map_or_else(String::new, |size| {
+                self.measure.small(size.span - size.span_asked, 1)
+            }),
             self.error(of_kind!(Gear, gear => gear.pitch_deviation), 2),
             self.error(of_kind!(Gear, gear => gear.pitch_total), 2),
             self.error(of_kind!(Gear, gear => gear.helix_deviation), 2),

@@ -301,7 +301,13 @@ impl GearTrack {
                 "{fewest} pass(es) at full depth of the tooth that has fewest, {LEAST_PASSES} are needed to measure pitch and helix: feed less a turn of the work"
             )));
         }
-        measure::measure(gear, &self.rack, &passes, hob.asked.grade.unwrap_or(GRADE_ASKED), findings);
+        measure::measure(
+            gear,
+            &self.rack,
+            &passes,
+            hob.asked.grade.unwrap_or(GRADE_ASKED),
+            findings,
+        );
         let feed = feed_of_a_turn(&passes);
         gear.feed_mark = Length::mm(self.feed_mark(feed));
         findings.extend(width(gear, hob, feed));
@@ -313,7 +319,11 @@ impl GearTrack {
     fn feed_mark(&self, feed: f64) -> f64 {
         let angle = self.hob.map_or(hob_angle(), |hob| hob.pressure_angle.in_rad());
         let along = feed / self.rack.helix_deg.to_radians().cos();
-        if self.rack.radius > 0.0 { along * along * angle.sin() / (8.0 * self.rack.radius) } else { 0.0 }
+        if self.rack.radius > 0.0 {
+            along * along * angle.sin() / (8.0 * self.rack.radius)
+        } else {
+            0.0
+        }
     }
 
     fn along_its_axis(

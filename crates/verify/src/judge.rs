@@ -227,9 +227,7 @@ impl Judge {
                 ordered.see(index, from, &self.came_from, &op.kind);
                 (What::Turned(ordered), None)
             }
-            OpKind::Hob(hob) => {
-                (What::Gear(Box::new(gear::OrderedGear { hob: *hob })), None)
-            }
+            OpKind::Hob(hob) => (What::Gear(Box::new(gear::OrderedGear { hob: *hob })), None),
             OpKind::Polygon(polygon) => {
                 (What::Polygon(Box::new(OrderedPolygon::new(polygon))), None)
             }

@@ -282,7 +282,8 @@ fn an_eccentric_table_is_a_pitch_deviation_once_a_turn() {
 fn a_hob_spindle_that_wobbles_with_its_thread_is_a_profile_deviation_alone() {
     // 12 µm on the pitch circle, once a thread: every tooth is formed alike
     const UM: f64 = 12e-3 / (PI * 85.134_221_8);
-    let feature = judged(Cut { off: |work, z| UM * ((work + z / 734.8) * 40.0 * TAU).sin(), ..CUT });
+    let feature =
+        judged(Cut { off: |work, z| UM * ((work + z / 734.8) * 40.0 * TAU).sin(), ..CUT });
     let gear = gear(&feature);
     assert!(gear.pitch_total.in_um() < 0.5, "{}", gear.pitch_total);
     assert!((20.0..24.1).contains(&gear.profile_deviation.in_um()), "{}", gear.profile_deviation);
@@ -424,14 +425,15 @@ fn attacks() -> Vec<(&'static str, Cut, f64, Expected)> {
             TIP,
             Pass,
         ),
-        ("M4", Cut { backwards: true, ..CUT }, TIP, Fail("backs of its teeth ahead (M4): M3 works")),
+        (
+            "M4",
+            Cut { backwards: true, ..CUT },
+            TIP,
+            Fail("backs of its teeth ahead (M4): M3 works"),
+        ),
         (
             "M4 with a hob that is made for it",
-            Cut {
-                backwards: true,
-                tool: hob(HobTool { cuts_backwards: true, ..TOOL }),
-                ..CUT
-            },
+            Cut { backwards: true, tool: hob(HobTool { cuts_backwards: true, ..TOOL }), ..CUT },
             TIP,
             Pass,
         ),
@@ -488,12 +490,7 @@ fn attacks() -> Vec<(&'static str, Cut, f64, Expected)> {
             TIP,
             Fail("too thin"),
         ),
-        (
-            "the width that is asked",
-            with(asked(GearAsked { width: mm(20.0), ..NONE })),
-            TIP,
-            Pass,
-        ),
+        ("the width that is asked", with(asked(GearAsked { width: mm(20.0), ..NONE })), TIP, Pass),
         (
             "the hob stopped at Z-12 of 20",
             Cut { z: [1.0, -12.0], ..with(asked(GearAsked { width: mm(20.0), ..NONE })) },

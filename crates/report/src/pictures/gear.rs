@@ -40,14 +40,15 @@ pub(crate) fn gear(number: usize, gear: &Gear) -> String {
 /// Size of the teeth, in a sentence.
 fn size_of(size: &verify::ToothSize) -> String {
     let [least, most] = size.span_allowed;
-    let balls = size.over_balls.zip(size.over_balls_asked).map_or(String::new(), |(found, asked)| {
-        format!(
-            ", over balls of {:.3} mm {:.3} mm ({:.3} asked)",
-            size.ball.value(),
-            found.value(),
-            asked.value()
-        )
-    });
+    let balls =
+        size.over_balls.zip(size.over_balls_asked).map_or(String::new(), |(found, asked)| {
+            format!(
+                ", over balls of {:.3} mm {:.3} mm ({:.3} asked)",
+                size.ball.value(),
+                found.value(),
+                asked.value()
+            )
+        });
     let tip = size.tip_diameter.map_or(String::new(), |tip| {
         format!(", tip {:.3} mm ({:.3} asked)", tip.value(), size.tip_diameter_asked.value())
     });

@@ -32,7 +32,8 @@ pub(super) fn deepest(passes: &[Pass]) -> Vec<Pass> {
         let at = least.entry(bin(pass)).or_insert(f64::INFINITY);
         *at = at.min(pass.distance);
     }
-    let cuts = |pass: &&Pass| least.get(&bin(pass)).is_some_and(|l| pass.distance <= l + AT_DEPTH_MM);
+    let cuts =
+        |pass: &&Pass| least.get(&bin(pass)).is_some_and(|l| pass.distance <= l + AT_DEPTH_MM);
     passes.iter().filter(cuts).copied().collect()
 }
 
@@ -102,9 +103,10 @@ pub(super) fn measure(
             gear.places = places.iter().map(|um| Length::um(*um)).collect();
         }
     }
-    let profile = passes.iter().map(|p| p.profile).fold([0.0; 3], |worst, found| {
-        if found[0] > worst[0] { found } else { worst }
-    });
+    let profile = passes
+        .iter()
+        .map(|p| p.profile)
+        .fold([0.0; 3], |worst, found| if found[0] > worst[0] { found } else { worst });
     let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
     let cut = rack.twist + mean / um;
     let lead = |per_mm: f64| (per_mm.abs() > 1e-9).then(|| Length::mm(1.0 / per_mm));

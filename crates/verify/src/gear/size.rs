@@ -172,8 +172,7 @@ impl Rack {
         let (tooth, found) = (self.tooth(hob, worst.distance), span(worst));
         let needed = self.distance(&wanted.shifted(
             // the middle of what is allowed
-            wanted.shift
-                + (most + least) / (4.0 * wanted.module_mm * wanted.pressure_rad.sin()),
+            wanted.shift + (most + least) / (4.0 * wanted.module_mm * wanted.pressure_rad.sin()),
         ));
         if beyond(worst) > 0.0 {
             let thin = found < allowed[0];
