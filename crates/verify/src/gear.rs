@@ -271,7 +271,7 @@ impl GearTrack {
         config: &Config,
         findings: &mut Vec<String>,
     ) -> Option<String> {
-        let passes = measure::deepest(passes);
+        let passes = measure::deepest(passes, self.rack.radius);
         let beside = measure::beside(&passes, &self.rack);
         let backwards = self.track.turned[1] > self.track.turned[0];
         let mut not_judged = None;

@@ -19,22 +19,34 @@ use units::Length;
 const SECTIONS: usize = 5;
 /// The coarsest grade there is.
 const COARSEST: u8 = 11;
-/// The hob cuts to depth where it is within this of its least distance at that height, mm.
+/// A pass that another one exceeds by no more than this still counts, mm.
 const AT_DEPTH_MM: f64 = 0.02;
-/// Height of a section in which the least distance is looked for, mm.
+/// Height beside it in which a pass is compared with others, mm.
+const REACH_MM: f64 = 4.0;
+/// Height of a section of which the deepest pass stands for all, mm.
 const BIN_MM: f64 = 0.5;
 
-/// The passes that leave the teeth as they are: at each height those that go deepest.
-pub(super) fn deepest(passes: &[Pass]) -> Vec<Pass> {
-    let bin = |pass: &Pass| (pass.z / BIN_MM).floor() as i64;
-    let mut least = std::collections::BTreeMap::<i64, f64>::new();
+/// The passes that leave the teeth as they are: those at whose height no other one goes deeper. The
+/// hob is round: Δz beside its height it reaches R − √(R² − Δz²) less deep.
+pub(super) fn deepest(passes: &[Pass], radius_mm: f64) -> Vec<Pass> {
+    let bin = |z: f64| (z / BIN_MM).floor() as i64;
+    let mut least = std::collections::BTreeMap::<i64, [f64; 2]>::new();
     for pass in passes {
-        let at = least.entry(bin(pass)).or_insert(f64::INFINITY);
-        *at = at.min(pass.distance);
+        let at = least.entry(bin(pass.z)).or_insert([pass.distance, pass.z]);
+        if pass.distance < at[0] {
+            *at = [pass.distance, pass.z];
+        }
     }
-    let cuts =
-        |pass: &&Pass| least.get(&bin(pass)).is_some_and(|l| pass.distance <= l + AT_DEPTH_MM);
-    passes.iter().filter(cuts).copied().collect()
+    let radius = radius_mm.max(REACH_MM * 2.0);
+    let cut_away = |pass: &Pass| {
+        let near = least.range(bin(pass.z - REACH_MM)..=bin(pass.z + REACH_MM));
+        near.into_iter().any(|(_, [distance, z])| {
+            let beside = (z - pass.z).abs().min(radius);
+            let shallower = radius - (radius * radius - beside * beside).sqrt();
+            distance + shallower < pass.distance - AT_DEPTH_MM
+        })
+    };
+    passes.iter().filter(|pass| !cut_away(pass)).copied().collect()
 }
 
 /// Passes of the tooth that has fewest.

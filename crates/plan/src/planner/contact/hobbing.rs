@@ -176,7 +176,7 @@ impl Planner {
             let off = length(&frame, gap);
             let said = [
                 format!("{tool} passes the blank, which it touches from {touches}, {off} off it"),
-                format!(": nothing is cut here{works}"),
+                format!(": nothing is cut here,{}", works.trim_start_matches(':')),
             ];
             return self.findings.merge(Cause { code: "M0366", which }, gap, || {
                 (Diagnostic::warning("M0366", hobbed.span, "").with_help(BLANK), said)
