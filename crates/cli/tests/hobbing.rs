@@ -136,7 +136,7 @@ fn what_run_finds_wrong_with_teeth_check_has_said_before_motion_with_the_number_
         (
             "a tool of no description",
             Part { tool: 29, ..PART },
-            (None, "FAIL", "not described as a hob"),
+            (None, "NOT JUDGED", "not described as a hob"),
         ),
     ];
     for (name, part, expected) in attacks {

@@ -25,6 +25,8 @@ pub struct Config {
     pub described_mills: ToolLibrary,
     /// The stock that is milled; `None`: what mills cut is not judged.
     pub mill_stock: Option<MillStock>,
+    /// The blank that gears are hobbed of, as a program states it; `None`: the stock is it.
+    pub gear_blank: Option<Stock>,
     /// Machine coordinates, X and Y, of the axis about which the work turns.
     pub work_axis: [Length; 2],
     /// Radius of the bar that is turned; `None`: nothing limits what is cut.
@@ -59,6 +61,7 @@ impl Config {
             stock: None,
             described_mills: ToolLibrary::default(),
             mill_stock: None,
+            gear_blank: None,
             work_axis: [Length::ZERO; 2],
             stock_radius: None,
             bar: None,

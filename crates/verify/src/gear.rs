@@ -14,7 +14,6 @@
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
 use crate::judged::Judged;
-use crate::milling::StockSource;
 use crate::verdict::Verdict;
 use bus::Sample;
 use canon::{Hob, HobTool, Tool, ToolKind};
@@ -176,8 +175,7 @@ struct Blank {
 
 impl Blank {
     fn of(config: &Config) -> Self {
-        let stated = config.mill_stock.filter(|stock| stock.source == StockSource::Comment);
-        if let Some(block) = stated.map(|stock| stock.block) {
+        if let Some(block) = config.gear_blank {
             let half = (block.to[0] - block.from[0]).value() / 2.0;
             let faces = Some([block.from[2].value(), block.to[2].value()]);
             return Self { radius: Some(half), faces };

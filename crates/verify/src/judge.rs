@@ -10,7 +10,6 @@
 //!
 //! A sample between features costs a comparison; within one, memory is bounded by the bins of its
 //! depth.
-use crate::Config;
 use crate::bar::TurnedBar;
 use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
@@ -23,6 +22,7 @@ use crate::polygon::{OrderedPolygon, PolygonTrack, StandingPolygons};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
+use crate::{Config, Stock};
 use bus::Sample;
 use canon::{
     CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap, Tool,
@@ -140,6 +140,11 @@ impl Judge {
     /// A program begins that may grind these cams.
     pub fn may_grind(&mut self, cams: CamLibrary) {
         self.config.cams = cams;
+    }
+
+    /// A program begins that states the blank of its gears.
+    pub const fn may_hob(&mut self, blank: Stock) {
+        self.config.gear_blank = Some(blank);
     }
 
     /// What is left of the work.

@@ -5,7 +5,7 @@ use canon::{
 };
 use core::f64::consts::{PI, TAU};
 use units::{Angle, Coordinate, Length, Speed, Time};
-use verify::{Config, Feature, FeatureKind, Gear, Judge, MillStock, Stock, StockSource};
+use verify::{Config, Feature, FeatureKind, Gear, Judge, Stock};
 
 const HOB: Hob = Hob {
     hob: 0,
@@ -583,9 +583,8 @@ fn each_attack_on_a_gear_is_found_and_each_good_neighbour_passes() {
 
 #[test]
 fn the_blank_is_that_of_the_programs_comment() {
-    let stated = |radius| MillStock { block: blank(radius), source: StockSource::Comment };
     let on = |radius| {
-        let config = Config { mill_stock: Some(stated(radius)), ..config(&[CUT], 50.0) };
+        let config = Config { gear_blank: Some(blank(radius)), ..config(&[CUT], 50.0) };
         all(&[CUT], config).remove(0)
     };
     check("turned to the tips", &on(TIP), Pass);

@@ -131,13 +131,8 @@ impl MilledStock {
     /// The stock; `None`: nothing is milled, or the work turns.
     pub fn found(&self, session: &Session) -> Option<MillStock> {
         let own = machine_stock(session)?;
+        let Some(reach) = self.reach else { return Some(own) };
         let zero = own.block.zero;
-        let Some(reach) = self.reach else {
-            return Some(match self.stated {
-                Some(Stated::Block(block)) => placed(&block, zero, StockSource::Comment),
-                _ => own,
-            });
-        };
         match self.stated {
             Some(Stated::Block(block)) => return Some(placed(&block, zero, StockSource::Comment)),
             Some(Stated::Size(size)) => {
@@ -213,8 +208,8 @@ impl MilledStock {
         milled
     }
 
-    /// What comments state, for a planner: in machine coordinates.
-    pub(super) fn stated_in(source: &[u8], session: &Session) -> Option<Stock> {
+    /// What comments state, for planners and for judges of gears: in machine coordinates.
+    pub fn stated_in(source: &[u8], session: &Session) -> Option<Stock> {
         let Some(Stated::Block(block)) = stated_by(source) else { return None };
         let own = machine_stock(session)?;
         Some(placed(&block, own.block.zero, StockSource::Comment).block)
