@@ -42,7 +42,7 @@ pub(crate) fn gear_comment(
     let known = ["SHIFT", "WIDTH", "TIP", "SPAN", "ANGLE", "GRADE"];
     let is_known = |word: &&str| known.iter().any(|k| word.eq_ignore_ascii_case(k));
     // "(gear for the pump)" is for people
-    if !text[4..].starts_with(char::is_whitespace) || !words.iter().any(|word| is_known(&word)) {
+    if !text[4..].starts_with(char::is_whitespace) || !words.iter().any(is_known) {
         return;
     }
     let mm = if modes.units == Units::Inch { MM_PER_INCH } else { 1.0 };

@@ -93,17 +93,14 @@ impl Cuts {
                     old.line
                 ));
             }
-            match merged(&old, &new) {
-                Some(passes) => {
-                    earlier.absorbed.push(old.op);
-                    new.passes.splice(0..0, passes);
-                }
-                None => {
-                    let name = new.name();
-                    earlier.destroyed.push((old.op, format!("{name} is cut over it")));
-                    earlier.findings.push(format!("cut over {} of line {}", old.name(), old.line));
-                    kept.push(old);
-                }
+            if let Some(passes) = merged(&old, &new) {
+                earlier.absorbed.push(old.op);
+                new.passes.splice(0..0, passes);
+            } else {
+                let name = new.name();
+                earlier.destroyed.push((old.op, format!("{name} is cut over it")));
+                earlier.findings.push(format!("cut over {} of line {}", old.name(), old.line));
+                kept.push(old);
             }
         }
         kept.push(new.clone());
@@ -129,9 +126,9 @@ fn merged(old: &CutGear, new: &CutGear) -> Option<Vec<Pass>> {
         return None;
     }
     // tooth n of the old gear is tooth n − k of the new one
-    let k = (new.rack.sense * whole) as i64;
+    let k = new.rack.sense * whole;
     let renumbered = old.passes.iter().map(|pass| Pass {
-        tooth: (pass.tooth as i64 - k).rem_euclid(i64::from(new.rack.teeth)) as usize,
+        tooth: (pass.tooth as f64 - k).rem_euclid(teeth) as usize,
         flank: pass.flank - whole / teeth,
         ..*pass
     });

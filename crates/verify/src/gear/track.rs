@@ -9,7 +9,7 @@
 //!
 //! A look is where the work stood beside the rack, and how far the rack stood from the work's axis.
 //! What they differ by over the threads that form a tooth is its profile deviation, along the
-//! normal of the flank: e·cos α_t ± Δa·sin α_t.
+//! normal of the flank: `e·cos α_t ± Δa·sin α_t`.
 use super::Generator;
 use bus::{Sample, State};
 use core::f64::consts::PI;
@@ -145,21 +145,21 @@ impl Track {
         if let Some(pass) = self.looks[MIDDLE].pass
             && let Some(pass) = self.passes.get_mut(pass)
         {
-            pass.profile = profile(self.looks.iter().copied(), &self.rack);
+            pass.profile = profile(&self.looks, &self.rack);
         }
     }
 }
 
 /// Deviation of the worse flank over the looks that form a tooth: total, slope, form; µm. Where the
 /// hob is fed in or taken off it forms none.
-fn profile(looks: impl Iterator<Item = Look> + Clone, rack: &Generator) -> [f64; 3] {
-    let Some(centre) = looks.clone().nth(MIDDLE) else { return [0.0; 3] };
+fn profile(looks: &VecDeque<Look>, rack: &Generator) -> [f64; 3] {
+    let Some(centre) = looks.get(MIDDLE).copied() else { return [0.0; 3] };
     let middle = centre.flank;
     let forms = move |look: &Look| (look.distance - centre.distance).abs() <= STEADY_MM;
     let (sin, cos) = rack.transverse_rad.sin_cos();
     let circle = PI * rack.pitch_diameter;
     [-1.0, 1.0].into_iter().fold([0.0; 3], |worst, side| {
-        let formed = looks.clone().enumerate().filter(move |(_, look)| forms(look));
+        let formed = looks.iter().enumerate().filter(move |(_, look)| forms(look));
         let at = formed.map(|(i, look)| {
             // a look belongs to another tooth by whole teeth, which is no deviation
             let beside = look.flank - middle;
