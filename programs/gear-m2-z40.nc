@@ -1,6 +1,7 @@
 %
 (helical gear, module 2, 40 teeth, 20 degrees right hand, 20 mm wide; machine gear-hobber)
 (X is the distance of the axes of hob and work: half the root circle and half the hob)
+(GEAR WIDTH 20)
 G21 G90 G94 G17
 T23 M6
 G43 H23

@@ -90,6 +90,36 @@ pub struct Hob {
     pub zero: Position,
     /// Where another work offset than the first (G55 and on) has its zero; `None`: G54 is in force.
     pub own_zero: Option<Position>,
+    /// What the drawing asks of the gear.
+    pub asked: GearAsked,
+}
+
+/// What the drawing asks of a gear besides its teeth, module and helix; what it does not ask is as
+/// usual.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GearAsked {
+    /// Coefficient of the profile shift.
+    pub shift: f64,
+    /// Pressure angle in the normal section; `None`: 20°.
+    pub pressure_angle: Option<Angle>,
+    /// Width of the toothed face.
+    pub width: Option<Length>,
+    /// Diameter over the tips; `None`: a module over the shifted reference circle.
+    pub tip_diameter: Option<Length>,
+    /// Allowances of the span, the upper and the lower one; `None`: the usual tolerance, each way.
+    pub span: Option<[Length; 2]>,
+    /// Grade of ISO 1328-1.
+    pub grade: Option<u8>,
+}
+
+impl GearAsked {
+    /// Pressure angle where the drawing states none (ISO 53).
+    pub const PRESSURE_ANGLE: Angle = Angle::deg(20.0);
+
+    /// Pressure angle in the normal section.
+    pub fn pressure_angle(&self) -> Angle {
+        self.pressure_angle.unwrap_or(Self::PRESSURE_ANGLE)
+    }
 }
 
 impl Hob {

@@ -32,7 +32,7 @@ mod tool_life;
 mod words;
 
 pub use cam::{CamLibrary, CamOrder, CamProfile};
-pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
+pub use coupling::{Actuator, GearAsked, Harmonic, Hob, Oscillating, Oscillation, Polygon};
 pub use diag::Span;
 pub use frame::{Counting, LengthUnit, ProgramFrame};
 pub use material::Material;
@@ -43,7 +43,7 @@ pub use op::{
 pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{
-    Body, CutterMaterial, Flute, Holder, Insert, InsertPoint, Mill, MillForm, MillLimits,
+    Body, CutterMaterial, Flute, HobTool, Holder, Insert, InsertPoint, Mill, MillForm, MillLimits,
     PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary, TouchProbe,
 };
 pub use tool_life::{AtLimit, ToolLife, ToolLimit, ToolUse, ToolWear, UseCount};

@@ -1,5 +1,5 @@
 //! The tools a program calls by number.
-use crate::{ToolLife, ToolWear};
+use crate::{Hand, ToolLife, ToolWear};
 use alloc::{string::String, vec::Vec};
 use units::{Angle, Lead, Length, Stiffness};
 
@@ -72,6 +72,8 @@ pub enum ToolKind {
     PolygonCutter(PolygonCutter),
     /// Turns with a single point: surfaces and threads.
     Insert(Insert),
+    /// Generates the teeth of a gear that turns with it.
+    Hob(HobTool),
     /// Touches the work, and cuts nothing; its diameter is that of its ball.
     Probe(TouchProbe),
     /// Anything else; it makes no feature that is judged.
@@ -171,6 +173,44 @@ pub struct PolygonCutter {
     pub inserts: Vec<Angle>,
     /// Radius of the inserts' noses, in the plane of the axis.
     pub nose_radius: Length,
+}
+
+/// A hob: a screw whose axial section is the rack that its gear rolls on.
+///
+/// ```text
+///      ╲      ╱‾‾╲      ╱ ─ ─ ─ crest: `addendum` over the datum line, rounded with `tip_radius`
+///   ────╲────╱────╲────╱──── datum line: tooth as wide as gap
+///        ╲__╱      ╲__╱  α between flank and the line of centres
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HobTool {
+    /// Module in the normal section.
+    pub module: Length,
+    /// Its threads.
+    pub starts: u32,
+    /// Hand of its threads.
+    pub hand: Hand,
+    /// Pressure angle in the normal section.
+    pub pressure_angle: Angle,
+    /// From the datum line to the crest: the dedendum of a gear without profile shift.
+    pub addendum: Length,
+    /// Radius that rounds the crest.
+    pub tip_radius: Length,
+    /// Length of its threads along its axis; `None`: not stated.
+    pub length: Option<Length>,
+    /// Its cutting faces look the other way: it cuts with M4.
+    pub cuts_backwards: bool,
+}
+
+impl HobTool {
+    /// Its threads, below zero left-handed: what L of G81 says of it, where it turns with M3.
+    pub const fn signed_starts(&self) -> i64 {
+        let starts = self.starts as i64;
+        match self.hand {
+            Hand::Right => starts,
+            Hand::Left => -starts,
+        }
+    }
 }
 
 /// An insert of a lathe, as it stands in the plane of the work's axis, its point towards the work.

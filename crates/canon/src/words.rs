@@ -87,6 +87,7 @@ impl Tool {
             ToolKind::Tap(_) => "a tap",
             ToolKind::PolygonCutter(_) => "a polygon cutter",
             ToolKind::Insert(_) => "an insert of a lathe",
+            ToolKind::Hob(_) => "a hob",
             ToolKind::Probe(_) => "a touch probe",
             ToolKind::Other if self.stand_in => "a stand-in that the table does not describe",
             ToolKind::Other => "another tool",

@@ -80,9 +80,19 @@ const fn heads(kind: &FeatureKind) -> &'static [&'static str] {
         FeatureKind::Cam(_) => {
             &["feature", "good", "lift\nMM", "contour\nerror UM", "rms\nUM", "rpm"]
         }
-        FeatureKind::Gear(_) => {
-            &["feature", "good", "width\nMM", "pitch\nUM", "total\nUM", "helix\nUM", "grade", "rpm"]
-        }
+        FeatureKind::Gear(_) => &[
+            "feature",
+            "good",
+            "width\nMM",
+            "span\nMM",
+            "error\nUM",
+            "pitch\nUM",
+            "total\nUM",
+            "helix\nUM",
+            "profile\nUM",
+            "grade",
+            "rpm",
+        ],
         FeatureKind::Milled(_) => &[
             "feature",
             "good",
@@ -265,9 +275,14 @@ impl Figures<'_> {
     fn gears(&self, first: &Gear) -> Vec<String> {
         vec![
             self.measure.length((first.z_to - first.z_from).abs()),
+            first.size.map_or_else(String::new, |size| self.measure.length(size.span)),
+            first.size.map_or_else(String::new, |size| {
+                self.measure.small(size.span - size.span_asked, 1)
+            }),
             self.error(of_kind!(Gear, gear => gear.pitch_deviation), 2),
             self.error(of_kind!(Gear, gear => gear.pitch_total), 2),
             self.error(of_kind!(Gear, gear => gear.helix_deviation), 2),
+            self.error(of_kind!(Gear, gear => gear.profile_deviation), 2),
             first.grade.map_or("none".to_owned(), |grade| grade.to_string()),
         ]
     }

@@ -20,6 +20,7 @@ mod estimates;
 mod exclusive;
 mod fanuc;
 mod guessed;
+mod hobbing;
 mod inputs;
 mod judged_alike;
 mod killed;

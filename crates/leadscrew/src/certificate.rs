@@ -166,10 +166,35 @@ fn gear(common: Common, found: &Gear, zero: &Position, there: bool) -> file::Gea
         pitch_deviation_um: measured(Measured::um(found.pitch_deviation)),
         pitch_total_um: measured(Measured::um(found.pitch_total)),
         helix_deviation_um: measured(Measured::um(found.helix_deviation)),
+        profile_deviation_um: measured(Measured::um(found.profile_deviation)),
+        profile_slope_um: measured(Measured::um(found.profile_slope)),
+        profile_form_um: measured(Measured::um(found.profile_form)),
+        feed_mark_um: measured(Measured::um(found.feed_mark)),
         grade: found.grade,
         z_from_mm: measured(Measured::mm(found.z_from - zero.linear[2])),
         z_to_mm: measured(Measured::mm(found.z_to - zero.linear[2])),
         rpm: Measured::rpm(found.spin),
+        size: found.size.filter(|_| there).map(|size| tooth_size(&size)),
+    }
+}
+
+fn tooth_size(size: &verify::ToothSize) -> file::ToothSize {
+    let known = |value: Option<Length>| value.map_or(Measured::UNKNOWN, Measured::mm);
+    let [least, most] = size.span_allowed;
+    file::ToothSize {
+        distance_mm: Measured::mm(size.distance),
+        distance_asked_mm: Measured::mm(size.distance_asked),
+        shift: Measured::number(size.shift),
+        spanned: size.spanned,
+        span_mm: Measured::mm(size.span),
+        span_least_mm: Measured::mm(least),
+        span_most_mm: Measured::mm(most),
+        ball_mm: Measured::mm(size.ball),
+        over_balls_mm: known(size.over_balls),
+        over_balls_asked_mm: known(size.over_balls_asked),
+        root_diameter_mm: Measured::mm(size.root_diameter),
+        tip_diameter_mm: known(size.tip_diameter),
+        tip_diameter_asked_mm: Measured::mm(size.tip_diameter_asked),
     }
 }
 

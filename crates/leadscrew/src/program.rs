@@ -198,7 +198,8 @@ impl Job {
         let config = self.session.judge(self.material, &self.session.work_zero());
         let Some(proved) = &self.proved else { return config };
         let milled = MilledStock::of(&self.program.text, &self.session, proved.operations.all());
-        verify::Config { mill_stock: milled.found(&self.session), ..config }
+        let gear_blank = MilledStock::stated_in(&self.program.text, &self.session);
+        verify::Config { mill_stock: milled.found(&self.session), gear_blank, ..config }
     }
 
     /// The tools that the judge takes, as they really are on the simulated machine of this seed.

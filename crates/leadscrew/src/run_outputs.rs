@@ -97,6 +97,7 @@ fn tolerances(by: &verify::Tolerances) -> store::certificate::Tolerances {
         facet_flatness_um: Measured::um(by.facet_flatness),
         across_flats_um: Measured::um(by.across_flats),
         tooth_thickness_um: Measured::um(by.tooth_thickness),
+        tip_diameter_um: Measured::um(by.tip_diameter),
     }
 }
 

@@ -60,6 +60,7 @@ impl Holes {
             | ToolKind::Tap(_)
             | ToolKind::PolygonCutter(_)
             | ToolKind::Probe(_)
+            | ToolKind::Hob(_)
             | ToolKind::Insert(_) => return,
         };
         if hole.axis != Axis::Z || !point.is_finite() {

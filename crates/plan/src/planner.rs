@@ -406,6 +406,7 @@ impl Planner {
             OpKind::Message(_) => {}
         }
         self.follow_surface(&op.kind);
+        self.follow_hob(&op.kind, &before);
         self.feel_heat(op.span);
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.came_from.moved(&before, &self.programmed.linear);
@@ -416,6 +417,7 @@ impl Planner {
     pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
         self.end_thread(emit);
         self.judge_thread();
+        self.judge_hobbed();
         self.outbox.release([], &self.limits, emit);
         self.say_heat();
     }

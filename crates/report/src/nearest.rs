@@ -61,6 +61,8 @@ pub fn why_nearest(feature: &Feature, headroom: &Headroom, measure: Measure) -> 
         | Criterion::Contour
         | Criterion::Pitch
         | Criterion::Helix
+        | Criterion::Profile
+        | Criterion::Span
         | Criterion::Chip
         | Criterion::Deflection
         | Criterion::Whole => return None, // no thread has one, and the whole was named

@@ -19,7 +19,7 @@ mod gear;
 mod milling;
 mod turned;
 pub use evidence::{Contact, Count, Inputs, Tolerances, sha256};
-pub use gear::Gear;
+pub use gear::{Gear, ToothSize};
 pub use milling::{At, Milling};
 pub use turned::{TurnedSizes, TurnedThread};
 

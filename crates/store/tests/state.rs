@@ -427,6 +427,7 @@ fn a_library_written_as_toml_reads_back_bit_for_bit() {
     let lathe = "[[tool]]\nnumber = 90\nkind = \"turning-insert\"\nlength_mm = 80\npoint_angle_deg = 55.1\nnose_radius_mm = 0.8\n\
         [[tool]]\nnumber = 91\nkind = \"threading-insert\"\nlength_mm = 80\nflat_mm = 0.1\ncrest_height_mm = 0.9\n\
         [[tool]]\nnumber = 92\nkind = \"polygon-cutter\"\nlength_mm = 80\ntip_radius_mm = 33.3\ninsert_angles_deg = [0, 91.7, 180.3]\n\
+        [[tool]]\nnumber = 94\nkind = \"hob\"\nlength_mm = 60\ndiameter_mm = 80\ndiametral_pitch = 9.7\nstarts = 3\nhand = \"left\"\npressure_angle_deg = 14.5\nhob_length_in = 3.3\ncuts_with = \"M4\"\n\
         [[tool]]\nnumber = 93\nkind = \"tap\"\nlength_mm = 80\nthread = \"1/4-20 UNC-LH\"\nchamfer_pitches = 2.5\nthread_length_in = 0.9\nflute = \"straight\"\nholder = { kind = \"clutch\", stiffness_n_per_mm = 3.7, spline_length_mm = 5, pawl_backlash_rev = 0.3 }\n\
         wear_length_in = -0.0003\nlife = { uses = 3, limit_time_s = 60, at_limit = \"refuse\" }\n";
     for tool in store::tools::parse_toml(lathe, 0).unwrap().library.iter() {

@@ -207,6 +207,9 @@ fn the_shipped_tables_describe_the_same_tools() {
             }
             (ToolKind::PolygonCutter(a), ToolKind::PolygonCutter(b)) => assert_eq!(a, b),
             (ToolKind::Insert(a), ToolKind::Insert(b)) => assert_eq!(a, b),
+            (ToolKind::Hob(a), ToolKind::Hob(b)) => {
+                assert_eq!(*a, canon::HobTool { length: a.length, ..*b });
+            }
             (a, b) => assert_eq!(std::mem::discriminant(a), std::mem::discriminant(b)),
         }
     }
@@ -273,4 +276,27 @@ fn a_clutch_holder_has_splines_a_pawl_and_a_spring() {
     let without = SHOP.replace("{ kind = \"rigid\",", "{ kind = \"clutch\",");
     let found = tools::parse_toml(&without, 0).unwrap_err();
     assert!(found[0].message.contains("spline_length_mm"), "{found:?}");
+}
+
+#[test]
+fn a_hob_has_a_module_or_a_diametral_pitch_and_else_the_rack_of_iso_53() {
+    let hob = |keys: &str| {
+        let text = format!(
+            "[[tool]]\nnumber = 1\nkind = \"hob\"\nlength_mm = 60.0\ndiameter_mm = 70.0\n{keys}\n"
+        );
+        tools::parse_toml(&text, 0).map(|table| match tool(&table, 1).kind {
+            ToolKind::Hob(hob) => hob,
+            ref other => panic!("{other:?}"),
+        })
+    };
+    let usual = hob("module_mm = 2").unwrap();
+    assert_eq!((usual.addendum, usual.tip_radius), (Length::mm(2.5), Length::mm(0.76)));
+    assert_eq!((usual.signed_starts(), usual.cuts_backwards), (1, false));
+    let inch =
+        hob("diametral_pitch = 10\nstarts = 2\nhand = \"left\"\ncuts_with = \"M4\"").unwrap();
+    assert!((inch.module.value() - 2.54).abs() < 1e-12);
+    assert_eq!((inch.signed_starts(), inch.cuts_backwards), (-2, true));
+    for wrong in ["", "module_mm = 2\ndiametral_pitch = 12.7", "module_mm = 2\nstarts = 0"] {
+        assert!(hob(wrong).is_err(), "{wrong}");
+    }
 }

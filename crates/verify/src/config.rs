@@ -25,6 +25,8 @@ pub struct Config {
     pub described_mills: ToolLibrary,
     /// The stock that is milled; `None`: what mills cut is not judged.
     pub mill_stock: Option<MillStock>,
+    /// The blank that gears are hobbed of, as a program states it; `None`: the stock is it.
+    pub gear_blank: Option<Stock>,
     /// Machine coordinates, X and Y, of the axis about which the work turns.
     pub work_axis: [Length; 2],
     /// Radius of the bar that is turned; `None`: nothing limits what is cut.
@@ -59,6 +61,7 @@ impl Config {
             stock: None,
             described_mills: ToolLibrary::default(),
             mill_stock: None,
+            gear_blank: None,
             work_axis: [Length::ZERO; 2],
             stock_radius: None,
             bar: None,
@@ -98,12 +101,14 @@ pub struct Tolerances {
     pub across_flats: Length,
     /// Thickness of hobbed teeth, each way: what the depth of the cut makes of it.
     pub tooth_thickness: Length,
+    /// Diameter over the tips of hobbed teeth, each way.
+    pub tip_diameter: Length,
 }
 
 impl Default for Tolerances {
     /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO
     /// 2768-1 f for 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Teeth: DIN 3967, series 26, 50
-    /// to 125 mm. Turned threads: what lathe builders promise of their leads, typical.
+    /// to 125 mm; over their tips IT 11 (ISO 286-1), 80 to 120 mm. Turned threads: what lathe builders promise of their leads, typical.
     fn default() -> Self {
         Self {
             hole_depth: Length::mm(0.05),
@@ -118,6 +123,7 @@ impl Default for Tolerances {
             facet_tilt: Angle::deg(0.5),
             across_flats: Length::mm(0.1),
             tooth_thickness: Length::um(60.0),
+            tip_diameter: Length::mm(0.22),
         }
     }
 }

@@ -1,48 +1,51 @@
-//! A hobbed gear: what the hob generated, from recorded motion.
-//!
-//! Each time the hob has turned by one of its threads, a tooth stands right. Where the work stood
-//! at that instant says where that tooth's flank is in the work, at the height at which the hob
-//! stood:
+//! A hobbed gear: what the hob in the spindle generated, from recorded motion.
 //!
 //! ```text
-//!   n = |s|·θ_hob whole:   tooth n mod z,  flank at   φ = ±n/z − θ_work   turns, at the hob's height
-//!
-//!     φ │      ╱ slope 1/lead            pitch deviation     φ of neighbouring teeth at one height, less 1/z
-//!       │    ╱                           total               largest less smallest of all teeth at that height
-//!       │  ╱  tooth k                    helix deviation     slope of a tooth over the face, less the ordered
-//!       └────────── height
+//!   record ─► track     a pass each time the hob has turned by one of its threads
+//!             again     those of a gear that is hobbed again belong to it; other teeth destroy it
+//!             measure   the deepest passes: pitch, helix, profile (ISO 1328-1)
+//!             size      span, balls, root and tip against the drawing, by the real distance of the axes
 //! ```
 //!
-//! Angles count as arcs on the pitch circle, d = m·z/cos β. What is judged is the generating
-//! motion: the hob's own form, its run-out and the feed marks of its edges are not. Grades and
-//! tolerances by ISO 1328-1:2013, 5.3: `f_pT` = (0.001 d + 0.4 m + 5)·√2^(A−5), `F_pT` = (0.002
-//! d + 0.55 √d + 0.7 m + 12)·√2^(A−5), `f_HβT` = (0.05 √d + 0.35 √b + 4)·√2^(A−5), µm.
+//! The hob is the one in the spindle, as the tool table has it: module, threads, hand, diameter,
+//! addendum, pressure angle. What is judged is the generating motion and the size; the hob's own
+//! form and its run-out are not, and the marks of its feed are given and not judged. Angles count as
+//! arcs on the pitch circle, d = m·z/cos β.
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
 use crate::judged::Judged;
 use crate::verdict::Verdict;
-use bus::{Sample, State};
-use canon::{Hob, OpKind, Tool};
+use bus::Sample;
+use canon::{Hob, HobTool, Tool, ToolKind};
 use core::f64::consts::PI;
 use units::{Angle, Length, Spin, Time};
 
-/// Sections along the face at which the pitch is measured.
-const SECTIONS: usize = 5;
-/// The grade that is asked.
+mod again;
+mod measure;
+mod size;
+mod tooth;
+mod track;
+
+pub(crate) use again::{Cuts, Earlier};
+pub use size::ToothSize;
+
+use again::CutGear;
+use size::Rack;
+use track::{Pass, Track};
+
+/// The grade that is asked where the drawing asks none.
 const GRADE_ASKED: u8 = 7;
-/// The coarsest grade there is.
-const COARSEST: u8 = 11;
-/// The hob cuts to depth where it is within this of its least distance.
-const AT_DEPTH_MM: f64 = 0.02;
-/// Of the basic rack (ISO 53).
-const PRESSURE_ANGLE: Angle = Angle::deg(20.0);
-/// Passes that are kept.
-const MOST_PASSES: usize = 1 << 20;
+/// Passes that each tooth needs so that its helix and pitch can be measured.
+const LEAST_PASSES: usize = 3;
+/// A hob may move so far along its own axis while it cuts, mm.
+const ALONG_Y_MM: f64 = 0.02;
+/// The toothed face may be shorter than asked by this, mm, besides a tooth's share of the feed.
+const SHORT_MM: f64 = 0.1;
 
 /// A gear as it was hobbed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gear {
-    /// Teeth that were generated.
+    /// Teeth that were ordered.
     pub teeth: u32,
     /// Module in the normal section.
     pub module: Length,
@@ -58,17 +61,25 @@ pub struct Gear {
     pub pitch_total: Length,
     /// Largest deviation of a tooth's slope over the face from the ordered one.
     pub helix_deviation: Length,
-    /// Grade of ISO 1328-1 that all three are within; `None`: beyond the coarsest.
+    /// Total deviation of the worst profile, along the normal of the flank.
+    pub profile_deviation: Length,
+    /// Slope of that profile.
+    pub profile_slope: Length,
+    /// What is left of it beside the slope.
+    pub profile_form: Length,
+    /// Depth of the marks that the feed along the face leaves on the flanks.
+    pub feed_mark: Length,
+    /// Grade of ISO 1328-1 that all four are within; `None`: beyond the coarsest.
     pub grade: Option<u8>,
-    /// What the grade asked allows of single pitch, total pitch and helix slope.
-    pub allowed: [Length; 3],
+    /// What the grade asked allows of single pitch, total pitch, helix slope and profile.
+    pub allowed: [Length; 4],
     /// Machine coordinate of the hob where the face begins.
     pub z_from: Length,
     /// Where it ends.
     pub z_to: Length,
-    /// How much deeper than ordered the hob stood where it was worst; negative: not deep enough.
-    pub depth_error: Length,
-    /// Of the work, mean over the cut.
+    /// Size of the teeth; `None`: the hob is not known, or cut nothing.
+    pub size: Option<ToothSize>,
+    /// Spin of the work, mean over the cut.
     pub spin: Spin,
     /// Deviation of each tooth's place at the middle of the face.
     pub places: Vec<Length>,
@@ -77,326 +88,329 @@ pub struct Gear {
 impl Gear {
     /// Such as "gear 40 × 2".
     pub fn name(&self) -> String {
-        format!("gear {} × {}", self.teeth, self.module.value())
+        format!("gear {} × {}", self.teeth, canon::number(self.module.value()))
+    }
+
+    /// How much deeper than asked the hob stood where it was worst; negative: not deep enough.
+    pub fn depth_error(&self) -> Option<Length> {
+        self.size.map(|size| size.distance_asked - size.distance)
+    }
+}
+
+/// The rack that generates the teeth, and the blank.
+#[derive(Clone, Copy, Debug)]
+struct Generator {
+    /// Of hob and work.
+    spindles: [usize; 2],
+    /// Of the hob, 1 or −1 where the work turns against it.
+    threads: f64,
+    sense: f64,
+    teeth: u32,
+    module: f64,
+    helix_deg: f64,
+    /// Turns a mm of height, from the helix angle alone.
+    twist: f64,
+    pitch_diameter: f64,
+    transverse_rad: f64,
+    tool_length: f64,
+    /// Of the hob.
+    radius: f64,
+    blank_radius: Option<f64>,
+    /// Lower and upper face of the blank.
+    faces: Option<[f64; 2]>,
+}
+
+impl Generator {
+    fn new(hob: &Hob, tool: Option<&Tool>, config: &Config) -> Self {
+        let tooth = size::asked(hob);
+        let blank = Blank::of(config);
+        let worn = |tool: &Tool| tool.diameter / 2.0 + tool.wear.radius;
+        Self {
+            spindles: [usize::from(hob.hob), usize::from(hob.work)],
+            threads: f64::from(hob.starts.unsigned_abs()),
+            sense: f64::from(hob.starts.signum()),
+            teeth: hob.teeth,
+            module: tooth.module_mm,
+            helix_deg: hob.helix.in_deg(),
+            twist: tooth.helix_rad.sin() / (PI * tooth.module_mm * tooth.teeth),
+            pitch_diameter: tooth.reference_diameter(),
+            transverse_rad: (tooth.pressure_rad.tan() / tooth.helix_rad.cos()).atan(),
+            tool_length: tool.map_or(0.0, |t| t.worn_length().value()),
+            radius: tool.map_or(0.0, |t| worn(t).value()),
+            blank_radius: blank.radius,
+            faces: blank.faces,
+        }
+    }
+
+    /// The hob reaches into the blank at this distance of the axes.
+    fn reaches(&self, distance: f64) -> bool {
+        self.blank_radius.is_none_or(|radius| distance - self.radius < radius)
+    }
+
+    /// Between the faces of the blank.
+    fn is_within(&self, z: f64) -> bool {
+        self.faces.is_none_or(|[low, high]| (low..=high).contains(&z))
+    }
+
+    /// Teeth, module and helix are the same.
+    fn has_teeth_of(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        self.teeth == other.teeth
+            && same(self.module, other.module)
+            && same(self.twist, other.twist)
+            && same(self.sense, other.sense)
+    }
+}
+
+/// Turns within half a turn of zero.
+fn wrapped(turns: f64) -> f64 {
+    turns - turns.round()
+}
+
+/// The round blank: that of the program's comment, else that of the set-up.
+struct Blank {
+    radius: Option<f64>,
+    faces: Option<[f64; 2]>,
+}
+
+impl Blank {
+    fn of(config: &Config) -> Self {
+        if let Some(block) = config.gear_blank {
+            let half = (block.to[0] - block.from[0]).value() / 2.0;
+            let faces = Some([block.from[2].value(), block.to[2].value()]);
+            return Self { radius: Some(half), faces };
+        }
+        let radius = config.stock_radius.filter(|_| config.stock.is_some()).map(Length::value);
+        let faces = config.stock.map(|stock| [stock.from[2].value(), stock.to[2].value()]);
+        Self { radius, faces }
     }
 }
 
 /// What the program ordered.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct OrderedGear {
     pub(crate) hob: Hob,
-    /// Least distance of the axes, machine coordinate.
-    pub(crate) least_x: Option<Length>,
-}
-
-impl OrderedGear {
-    /// An operation while it is geared: how close does the hob come?
-    pub(crate) fn see(&mut self, kind: &OpKind) {
-        if let OpKind::Line { to, .. } | OpKind::Arc { to, .. } | OpKind::Spline { to, .. } = kind {
-            let x = to.linear[0];
-            self.least_x = Some(self.least_x.map_or(x, |least| least.min(x)));
-        }
-    }
-}
-
-/// A tooth that has just been generated.
-#[derive(Clone, Copy, Debug)]
-struct Pass {
-    tooth: usize,
-    x: f64,
-    z: f64,
-    time: Time,
-    work: f64,
-    /// Turns, with the whole turns taken off.
-    flank: f64,
 }
 
 /// Follows hob and work.
 #[derive(Clone, Debug)]
 pub(crate) struct GearTrack {
-    hob: Hob,
-    tool_length: f64,
-    /// Of the hob, mm.
-    radius: f64,
-    /// Angles of hob and work and the hob's height, one period ago.
-    before: Option<[f64; 3]>,
-    passes: Vec<Pass>,
-    faulted: bool,
+    rack: Generator,
+    /// What is in the spindle; `None`: the table does not describe it as a hob.
+    hob: Option<HobTool>,
+    number: Option<u32>,
+    axis: [f64; 2],
+    track: Track,
 }
 
 impl GearTrack {
-    pub(crate) fn new(ordered: &OrderedGear, tool: Option<&Tool>) -> Self {
-        Self {
-            hob: ordered.hob,
-            tool_length: tool.map_or(0.0, |t| t.worn_length().value()),
-            radius: tool.map_or(0.0, |t| t.diameter.value() / 2.0),
-            before: None,
-            passes: Vec::new(),
-            faulted: false,
-        }
+    pub(crate) fn new(
+        ordered: &OrderedGear,
+        (number, tool): (Option<u32>, Option<&Tool>),
+        config: &Config,
+    ) -> Self {
+        let rack = Generator::new(&ordered.hob, tool, config);
+        let hob = tool.and_then(|tool| match tool.kind {
+            ToolKind::Hob(hob) => Some(hob),
+            _ => None,
+        });
+        let axis = config.work_axis.map(Length::value);
+        Self { rack, hob, number, axis, track: Track::new(rack) }
     }
 
     pub(crate) fn sample(&mut self, sample: &Sample) {
-        self.faulted |= matches!(sample.report.state, State::Faulted);
-        let x = sample.axis(0).value();
-        let z = sample.axis(2).value() - self.tool_length;
-        let hob = sample.spindle(usize::from(self.hob.hob)).value();
-        let work = sample.spindle(usize::from(self.hob.work)).value();
-        let now = [hob, work, z];
-        if let Some(before) = self.before.replace(now).filter(|_| !self.faulted) {
-            self.between(before, now, x, sample.feedback.time);
-        }
-    }
-
-    /// Teeth that were generated between two records.
-    fn between(&mut self, before: [f64; 3], now: [f64; 3], x: f64, time: Time) {
-        let threads = f64::from(self.hob.starts.unsigned_abs());
-        let sense = f64::from(self.hob.starts.signum());
-        let teeth = f64::from(self.hob.teeth);
-        let (a, b) = (before[0] * threads, now[0] * threads);
-        let mut n = a.min(b).ceil();
-        while n < a.max(b) && self.passes.len() < MOST_PASSES {
-            let part = (n - a) / (b - a);
-            let at = |i: usize| before[i] + part * (now[i] - before[i]);
-            let flank = sense * (n / teeth).fract() - at(1).fract();
-            let tooth = n.rem_euclid(teeth) as usize;
-            let flank = flank - flank.round();
-            self.passes.push(Pass { tooth, x, z: at(2), time, work: at(1), flank });
-            n += 1.0;
-        }
+        self.track.sample(sample, self.axis[0]);
     }
 
     pub(crate) fn finish(
-        self,
+        mut self,
         (op, line, tool): (u32, u32, Option<u32>),
         ordered: &OrderedGear,
-        config: &Config,
+        (config, cuts): (&Config, &mut Cuts),
         now: Time,
-    ) -> Judged<Gear> {
-        let contact = self.contact(config);
-        let passes = self.of_the_face(ordered, config);
-        let ends = passes.as_ref().and_then(|all| all.first().zip(all.last()));
-        let (time, duration, spin) = ends.map_or((now, Time::ZERO, Spin::ZERO), |(a, b)| {
-            let duration = b.time - a.time;
-            (a.time, duration, Angle::rev((b.work - a.work).abs()) / duration)
-        });
+    ) -> (Judged<Gear>, Earlier) {
+        let (hob, tool) = (&ordered.hob, self.number.or(tool));
+        let contact = self.contact();
         let mut findings = Vec::new();
-        if self.faulted {
+        if self.track.faulted {
             findings.push("the machine stopped while the work was geared to the hob".to_owned());
         }
-        if let Some(stock) = config.stock.as_ref().filter(|_| self.hob.own_zero.is_none()) {
-            let [x, y, z] = self.hob.zero.linear;
-            let zero = [x, y, z - Length::mm(self.tool_length)];
+        if let Some(stock) = config.stock.as_ref().filter(|_| hob.own_zero.is_none()) {
+            let [x, y, z] = hob.zero.linear;
+            let zero = [x, y, z - Length::mm(self.rack.tool_length)];
             findings.extend(shifted(zero, stock, config.tolerances.position));
         }
-        let mut gear = self.empty(spin);
-        if let Some(passes) = passes {
-            measure(&mut gear, &self.hob, &passes, &mut findings);
-            self.depth(&mut gear, &passes, ordered, config, &mut findings);
-        } else if contact.reach.is_some_and(|reach| reach <= Length::ZERO) {
+        let passes = std::mem::take(&mut self.track.passes);
+        let (time, duration, spin) = duration(&passes, now);
+        let mut gear = empty(hob, spin);
+        let mut not_judged = unknown(config.stock.as_ref());
+        let mut earlier = Earlier::default();
+        if passes.is_empty() {
             findings.push("not cut: the hob never touched the blank".to_owned());
         } else {
-            findings.push("the hob never cut the stock to its depth".to_owned());
+            let new = CutGear { op, line, tool, rack: self.rack, passes };
+            let cut;
+            (cut, earlier) = cuts.add(new);
+            findings.append(&mut earlier.findings);
+            not_judged = not_judged.or(earlier.unknown.take());
+            let unknown = self.judge(&mut gear, hob, &cut.passes, config, &mut findings);
+            not_judged = not_judged.or(unknown);
         }
-        Judged {
-            op,
-            line,
-            tool,
-            time,
-            duration,
-            verdict: Verdict::unless(&findings, unknown(config.stock.as_ref())),
-            contact,
-            kind: gear,
+        let verdict = Verdict::unless(&findings, not_judged);
+        (Judged { op, line, tool, time, duration, verdict, contact, kind: gear }, earlier)
+    }
+
+    /// Measures the teeth; gives why they cannot be judged.
+    fn judge(
+        &self,
+        gear: &mut Gear,
+        hob: &Hob,
+        passes: &[Pass],
+        config: &Config,
+        findings: &mut Vec<String>,
+    ) -> Option<String> {
+        let passes = measure::deepest(passes, self.rack.radius);
+        let beside = measure::beside(&passes, &self.rack);
+        let backwards = self.track.turned[1] > self.track.turned[0];
+        let mut not_judged = None;
+        let mut generates = true;
+        if let Some(tool) = self.hob {
+            let rack = Rack { tool, radius_mm: self.rack.radius };
+            let wrong = rack.differs(hob, backwards);
+            generates = tool.signed_starts() == i64::from(hob.starts);
+            findings.extend(wrong);
+            if generates {
+                let blank = (self.rack.blank_radius, beside);
+                gear.size = rack.size(hob, &passes, blank, &config.tolerances, findings);
+            }
+            findings.extend(self.along_its_axis(&rack, hob, &mut not_judged));
+        } else {
+            let number = self.number.map_or("the tool".to_owned(), |number| format!("T{number}"));
+            not_judged = Some(format!(
+                "{number} is not described as a hob: how thick the teeth are is not known without its module, diameter and threads (kind = \"hob\" in the tool table)"
+            ));
+        }
+        if !generates {
+            return not_judged;
+        }
+        let fewest = measure::fewest(&passes, hob.teeth);
+        if fewest < LEAST_PASSES {
+            return not_judged.or(Some(format!(
+                "{fewest} pass(es) at full depth of the tooth that has fewest, {LEAST_PASSES} are needed to measure pitch and helix: feed less a turn of the work"
+            )));
+        }
+        measure::measure(
+            gear,
+            &self.rack,
+            &passes,
+            hob.asked.grade.unwrap_or(GRADE_ASKED),
+            findings,
+        );
+        let feed = feed_of_a_turn(&passes);
+        gear.feed_mark = Length::mm(self.feed_mark(feed));
+        findings.extend(width(gear, hob, feed));
+        not_judged
+    }
+
+    /// Depth of the marks that a feed leaves: the hob's circle cuts a hollow along the tooth,
+    /// δ = (f/cos β)²·sin α / (4·D) (Hoffmeister; DIN 3960 has the angles).
+    fn feed_mark(&self, feed: f64) -> f64 {
+        let angle = self.hob.map_or(hob_angle(), |hob| hob.pressure_angle.in_rad());
+        let along = feed / self.rack.helix_deg.to_radians().cos();
+        if self.rack.radius > 0.0 {
+            along * along * angle.sin() / (8.0 * self.rack.radius)
+        } else {
+            0.0
         }
     }
 
-    const fn empty(&self, spin: Spin) -> Gear {
-        Gear {
-            teeth: self.hob.teeth,
-            module: self.hob.module,
-            helix: self.hob.helix,
-            lead: None,
-            lead_ordered: None,
-            pitch_deviation: Length::ZERO,
-            pitch_total: Length::ZERO,
-            helix_deviation: Length::ZERO,
-            grade: None,
-            allowed: [Length::ZERO; 3],
-            z_from: Length::ZERO,
-            z_to: Length::ZERO,
-            depth_error: Length::ZERO,
-            spin,
-            places: Vec::new(),
+    fn along_its_axis(
+        &self,
+        rack: &Rack,
+        hob: &Hob,
+        not_judged: &mut Option<String>,
+    ) -> Option<String> {
+        let [low, high] = self.track.y?;
+        if high - low > ALONG_Y_MM {
+            not_judged.get_or_insert_with(|| {
+                format!(
+                    "the hob moved {:.3} mm along Y while it cut: what a hob that is shifted along its axis generates is not judged",
+                    high - low
+                )
+            });
         }
+        let off = [low, high].map(|y| y - self.axis[1]);
+        let most = if off[0].abs() > off[1].abs() { off[0] } else { off[1] };
+        rack.reaches_over(hob, most).err()
     }
 
     /// How far the hob's teeth went into the blank; what hobbing takes is not simulated.
-    fn contact(&self, config: &Config) -> Contact {
-        let reach = |radius: Length| {
-            let axis = config.work_axis[0].value();
-            let edges = self.passes.iter().filter(|p| within(config, p.z)).map(|p| p.x - axis);
-            let least = edges.fold(f64::INFINITY, f64::min) - self.radius;
-            Length::mm((radius.value() - least).max(0.0))
+    fn contact(&self) -> Contact {
+        let reach = |radius: f64| {
+            let least = self.track.passes.iter().map(|p| p.distance).fold(f64::INFINITY, f64::min);
+            Length::mm((radius - (least - self.rack.radius)).max(0.0))
         };
-        let known = config.stock_radius.filter(|_| config.stock.is_some());
-        Contact { reach: known.map(reach), ..Contact::default() }
-    }
-
-    /// How deep the teeth are, against the distance of the axes that was ordered: each tooth is
-    /// thinner by 2·Δ·tan 20°.
-    fn depth(
-        &self,
-        gear: &mut Gear,
-        passes: &[Pass],
-        ordered: &OrderedGear,
-        config: &Config,
-        findings: &mut Vec<String>,
-    ) {
-        let Some(least_x) = ordered.least_x else { return };
-        let asked = (least_x - self.hob.zero.linear[0]).value();
-        let axis = config.work_axis[0].value();
-        let too_deep = passes.iter().map(|p| asked - (p.x - axis));
-        let worst = too_deep.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-        gear.depth_error = Length::mm(worst);
-        let thinner = 2.0 * worst * PRESSURE_ANGLE.in_rad().tan();
-        let allowed = config.tolerances.tooth_thickness.value();
-        if thinner.abs() > allowed {
-            let (word, than) =
-                if worst > 0.0 { ("deep", "thinner") } else { ("shallow", "thicker") };
-            findings.push(format!(
-                "the teeth are cut {:.3} mm too {word}: {:.0} µm {than} than ordered, {:.0} µm allowed",
-                worst.abs(),
-                thinner.abs() * 1e3,
-                allowed * 1e3
-            ));
-        }
-    }
-
-    /// The passes within the stock, if there are enough of each tooth.
-    fn of_the_face(&self, ordered: &OrderedGear, config: &Config) -> Option<Vec<Pass>> {
-        let deep = ordered.least_x?.value() + AT_DEPTH_MM;
-        let cuts = |p: &&Pass| within(config, p.z) && p.x <= deep;
-        let inside: Vec<Pass> = self.passes.iter().filter(cuts).copied().collect();
-        let teeth = self.hob.teeth as usize;
-        let each = |tooth: usize| inside.iter().filter(|p| p.tooth == tooth).count() >= 3;
-        (inside.len() >= 3 * teeth && (0..teeth).all(each)).then_some(inside)
+        Contact { reach: self.rack.blank_radius.map(reach), ..Contact::default() }
     }
 }
 
-/// Between the faces of the stock.
-fn within(config: &Config, z: f64) -> bool {
-    config.stock.is_none_or(|stock| (stock.from[2].value()..=stock.to[2].value()).contains(&z))
+const fn hob_angle() -> f64 {
+    canon::GearAsked::PRESSURE_ANGLE.in_rad()
 }
 
-/// Everything about the gear that the passes say.
-fn measure(gear: &mut Gear, hob: &Hob, passes: &[Pass], findings: &mut Vec<String>) {
-    let teeth = hob.teeth as usize;
-    let (m, z) = (hob.module.value(), f64::from(hob.teeth));
-    let d = m * z / hob.helix.in_rad().cos();
-    // turns a mm of height, from the helix angle alone
-    let twist = hob.helix.in_rad().sin() / (PI * m * z);
-    let low = passes.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    let high = passes.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-    let face = high - low;
-    (gear.z_from, gear.z_to) = (Length::mm(low), Length::mm(high));
-    // what is left beside the ordered helix, wrapped about its first pass: µm on the pitch circle
-    let um = PI * d * 1e3;
-    let left = |p: &Pass| p.flank - twist * (p.z - low);
-    let origin = passes.first().map_or(0.0, left);
-    let off = |p: &Pass| {
-        let turns = left(p) - origin;
-        (turns - turns.round()) * um
+/// From when, for how long and how fast the work turned in the cut.
+fn duration(passes: &[Pass], now: Time) -> (Time, Time, Spin) {
+    let Some((first, last)) = passes.first().zip(passes.last()) else {
+        return (now, Time::ZERO, Spin::ZERO);
     };
-    let by_tooth: Vec<Vec<[f64; 2]>> = (0..teeth)
-        .map(|k| passes.iter().filter(|p| p.tooth == k).map(|p| [p.z, off(p)]).collect())
-        .collect();
-    let slopes: Vec<f64> = by_tooth.iter().map(|points| slope(points)).collect();
-    let helix = slopes.iter().map(|s| (s * face).abs()).fold(0.0, f64::max);
-    let (mut single, mut total) = (0.0_f64, 0.0_f64);
-    for section in 0..SECTIONS {
-        let at = low + face * (section as f64 + 0.5) / SECTIONS as f64;
-        let places: Vec<f64> = by_tooth.iter().map(|points| place(points, at)).collect();
-        for k in 0..teeth {
-            single = single.max((places[(k + 1) % teeth] - places[k]).abs());
-        }
-        let [least, most] = [f64::min, f64::max].map(|of| places.iter().copied().reduce(of));
-        total = total.max(most.unwrap_or(0.0) - least.unwrap_or(0.0));
-        if section == SECTIONS / 2 {
-            gear.places = places.iter().map(|um| Length::um(*um)).collect();
-        }
-    }
-    let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
-    let cut = twist + mean / um;
-    let lead = |per_mm: f64| (per_mm.abs() > 1e-9).then(|| Length::mm(1.0 / per_mm));
-    if twist != 0.0 {
-        (gear.lead, gear.lead_ordered) = (lead(cut), lead(twist));
-    }
-    gear.pitch_deviation = Length::um(single);
-    gear.pitch_total = Length::um(total);
-    gear.helix_deviation = Length::um(helix);
-    let found = [single, total, helix];
-    let within = |grade: u8| {
-        tolerances(d, m, face, grade).iter().zip(found).all(|(most, found)| found <= *most)
+    let duration = last.time - first.time;
+    let turned = Angle::rev((last.work - first.work).abs());
+    let spin = if duration > Time::ZERO { turned / duration } else { Spin::ZERO };
+    (first.time, duration, spin)
+}
+
+/// Feed along the face a turn of the work, mean over the passes.
+fn feed_of_a_turn(passes: &[Pass]) -> f64 {
+    let (way, turns) = passes.windows(2).fold((0.0, 0.0), |(way, turns), pair| {
+        (way + (pair[1].z - pair[0].z).abs(), turns + (pair[1].work - pair[0].work).abs())
+    });
+    if turns > 0.0 { way / turns } else { 0.0 }
+}
+
+/// The face that the drawing asks for is toothed.
+fn width(gear: &Gear, hob: &Hob, feed: f64) -> Option<String> {
+    let found = (gear.z_to - gear.z_from).value();
+    let asked = hob.asked.width.map_or(0.0, Length::value);
+    let least = if asked > 0.0 { asked } else { hob.module.value() };
+    let short = found < least - SHORT_MM - feed / f64::from(hob.teeth);
+    let what = if asked > 0.0 {
+        format!("{asked:.3} asked")
+    } else {
+        "less than a module: the hob was not fed along the face".to_owned()
     };
-    gear.grade = (1..=COARSEST).find(|grade| within(*grade));
-    let asked = tolerances(d, m, face, GRADE_ASKED);
-    gear.allowed = asked.map(Length::um);
-    for ((name, found), most) in
-        ["single pitch", "total pitch", "helix slope"].into_iter().zip(found).zip(asked)
-    {
-        if found > most {
-            findings.push(format!(
-                "{name} deviation {found:.1} µm, grade {GRADE_ASKED} allows {most:.1} µm"
-            ));
-        }
-    }
+    short.then(|| format!("the toothed face is {found:.3} mm wide, {what}"))
 }
 
-/// Single pitch, total pitch, helix slope: µm, for mm.
-fn tolerances(d: f64, m: f64, face: f64, grade: u8) -> [f64; 3] {
-    let step = core::f64::consts::SQRT_2.powi(i32::from(grade) - 5);
-    [
-        (0.001 * d + 0.4 * m + 5.0) * step,
-        (0.002 * d + 0.55 * d.sqrt() + 0.7 * m + 12.0) * step,
-        (0.05 * d.sqrt() + 0.35 * face.sqrt() + 4.0) * step,
-    ]
-}
-
-/// Of the least-squares line.
-fn slope(points: &[[f64; 2]]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / n;
-    let (x, y) = (mean(0), mean(1));
-    let top: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
-    let bottom: f64 = points.iter().map(|p| (p[0] - x) * (p[0] - x)).sum();
-    if bottom > 0.0 { top / bottom } else { 0.0 }
-}
-
-/// Where a tooth stands at a height, between the passes below and above it.
-fn place(points: &[[f64; 2]], at: f64) -> f64 {
-    let nearest = |above: bool| {
-        let side = points.iter().filter(|p| (p[0] >= at) == above);
-        side.min_by(|a, b| (a[0] - at).abs().total_cmp(&(b[0] - at).abs()))
-    };
-    match (nearest(false), nearest(true)) {
-        (Some(a), Some(b)) if b[0] > a[0] => a[1] + (b[1] - a[1]) * (at - a[0]) / (b[0] - a[0]),
-        (Some(one), _) | (None, Some(one)) => one[1],
-        (None, None) => 0.0,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tolerances_are_those_of_the_standards_table() {
-        // ISO 1328-1, grade 5, d = 50, m = 2, b = 20: by hand
-        let [single, total, helix] = tolerances(50.0, 2.0, 20.0, 5);
-        assert!((single - 5.85).abs() < 1e-9);
-        assert!((total - 17.389).abs() < 1e-3, "{total}");
-        assert!((helix - 5.9188).abs() < 1e-3, "{helix}");
-        // two grades coarser: twice as wide
-        assert!((tolerances(50.0, 2.0, 20.0, 7)[0] - 2.0 * single).abs() < 1e-9);
+const fn empty(hob: &Hob, spin: Spin) -> Gear {
+    Gear {
+        teeth: hob.teeth,
+        module: hob.module,
+        helix: hob.helix,
+        lead: None,
+        lead_ordered: None,
+        pitch_deviation: Length::ZERO,
+        pitch_total: Length::ZERO,
+        helix_deviation: Length::ZERO,
+        profile_deviation: Length::ZERO,
+        profile_slope: Length::ZERO,
+        profile_form: Length::ZERO,
+        feed_mark: Length::ZERO,
+        grade: None,
+        allowed: [Length::ZERO; 4],
+        z_from: Length::ZERO,
+        z_to: Length::ZERO,
+        size: None,
+        spin,
+        places: Vec::new(),
     }
 }

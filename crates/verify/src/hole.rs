@@ -106,6 +106,7 @@ impl HoleTrack {
             Some((
                 ToolKind::PolygonCutter(_)
                 | ToolKind::Insert(_)
+                | ToolKind::Hob(_)
                 | ToolKind::Probe(_)
                 | ToolKind::Other,
                 _,

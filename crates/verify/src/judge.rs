@@ -10,7 +10,6 @@
 //!
 //! A sample between features costs a comparison; within one, memory is bounded by the bins of its
 //! depth.
-use crate::Config;
 use crate::bar::TurnedBar;
 use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
@@ -23,6 +22,7 @@ use crate::polygon::{OrderedPolygon, PolygonTrack, StandingPolygons};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
+use crate::{Config, Stock};
 use bus::Sample;
 use canon::{
     CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap, Tool,
@@ -44,6 +44,7 @@ pub struct Judge {
     /// The bar as it has been turned so far.
     bar: Option<TurnedBar>,
     milling: Milling,
+    gears: gear::Cuts,
     features: Vec<Feature>,
     removals: Removals,
     /// Where the ops so far have brought the axes.
@@ -65,6 +66,7 @@ pub struct Work {
     polygons: StandingPolygons,
     bar: Option<TurnedBar>,
     milling: Milling,
+    gears: gear::Cuts,
 }
 
 /// One feature that the program orders.
@@ -110,6 +112,7 @@ impl Judge {
             drilled: Vec::new(),
             polygons: StandingPolygons::default(),
             milling: Milling::default(),
+            gears: gear::Cuts::default(),
             features: Vec::new(),
             removals: Removals::default(),
             at: Position::default(),
@@ -127,6 +130,7 @@ impl Judge {
         self.drilled = work.drilled;
         self.polygons = work.polygons;
         self.milling = work.milling.at_rest();
+        self.gears = work.gears;
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
         }
@@ -138,13 +142,18 @@ impl Judge {
         self.config.cams = cams;
     }
 
+    /// A program begins that states the blank of its gears.
+    pub const fn may_hob(&mut self, blank: Stock) {
+        self.config.gear_blank = Some(blank);
+    }
+
     /// What is left of the work.
     pub fn into_work(mut self) -> Work {
         while !self.orders.is_empty() {
             self.close();
         }
-        let Self { drilled, polygons, bar, milling, .. } = self;
-        Work { drilled, polygons, bar, milling }
+        let Self { drilled, polygons, bar, milling, gears, .. } = self;
+        Work { drilled, polygons, bar, milling, gears }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -179,8 +188,7 @@ impl Judge {
                 }
                 return;
             }
-            if let What::Gear(ordered) = &mut open.what {
-                ordered.see(&op.kind);
+            if let What::Gear(_) = &open.what {
                 if matches!(op.kind, OpKind::HobEnd | OpKind::End) {
                     open.end = Some(index);
                 }
@@ -224,9 +232,7 @@ impl Judge {
                 ordered.see(index, from, &self.came_from, &op.kind);
                 (What::Turned(ordered), None)
             }
-            OpKind::Hob(hob) => {
-                (What::Gear(Box::new(gear::OrderedGear { hob: *hob, least_x: None })), None)
-            }
+            OpKind::Hob(hob) => (What::Gear(Box::new(gear::OrderedGear { hob: *hob })), None),
             OpKind::Polygon(polygon) => {
                 (What::Polygon(Box::new(OrderedPolygon::new(polygon))), None)
             }
@@ -372,7 +378,14 @@ impl Judge {
                 Some(found.map(Box::new).map(FeatureKind::Cam))
             }
             (Track::Gear(track), What::Gear(ordered)) => {
-                let found = track.finish((op, line, order.tool), ordered, config, now);
+                let place = (op, line, order.tool);
+                let (found, earlier) = track.finish(place, ordered, (config, &mut self.gears), now);
+                self.features.retain(|feature| !earlier.absorbed.contains(&feature.op));
+                for (op, how) in &earlier.destroyed {
+                    if let Some(first) = self.features.iter_mut().find(|f| f.op == *op) {
+                        first.destroyed(line, how);
+                    }
+                }
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {
@@ -412,7 +425,7 @@ impl Track {
             What::Cam(ordered) => return Self::Cam(CamTrack::new(ordered)),
             What::Turned(_) => return Self::Turned(TurnedTrack::default()),
             What::Gear(ordered) => {
-                return Self::Gear(Box::new(GearTrack::new(ordered, tool)));
+                return Self::Gear(Box::new(GearTrack::new(ordered, (number, tool), config)));
             }
             What::Polygon(ordered) => {
                 return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));

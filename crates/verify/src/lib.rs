@@ -46,7 +46,7 @@ pub use config::{Config, Tolerances};
 pub use contact::{Contact, Stock};
 pub use feature::{Feature, FeatureKind};
 pub use gauge::{CutThread, Gauge, Gauged};
-pub use gear::Gear;
+pub use gear::{Gear, ToothSize};
 pub use hole::Hole;
 pub use idle::IdleTurns;
 pub use judge::{Judge, Work};

@@ -67,6 +67,10 @@ pub enum Criterion {
     Pitch,
     /// Slope of a gear's teeth.
     Helix,
+    /// Profile of a gear's teeth.
+    Profile,
+    /// Span over a gear's teeth.
+    Span,
     /// Thickness of a mill's chip.
     Chip,
     /// Deflection of a mill's tip.
@@ -88,6 +92,8 @@ impl Criterion {
             Self::Contour => "contour",
             Self::Pitch => "pitch",
             Self::Helix => "helix slope",
+            Self::Profile => "profile",
+            Self::Span => "span over teeth",
             Self::Chip => "chip thickness",
             Self::Deflection => "deflection",
             Self::Whole => "the whole feature",
@@ -152,9 +158,16 @@ fn of_gear(gear: &crate::Gear) -> Vec<Headroom> {
         (Criterion::Pitch, gear.pitch_deviation),
         (Criterion::Pitch, gear.pitch_total),
         (Criterion::Helix, gear.helix_deviation),
+        (Criterion::Profile, gear.profile_deviation),
     ];
+    let span = gear.size.map(|size| Headroom {
+        of: Criterion::Span,
+        left: size.span_left(),
+        tolerance: (size.span_allowed[1] - size.span_allowed[0]) / 2.0,
+    });
     let all = found.into_iter().zip(gear.allowed).filter(|(_, most)| *most > Length::ZERO);
     all.map(|((of, found), tolerance)| Headroom { of, left: tolerance - found, tolerance })
+        .chain(span)
         .collect()
 }
 

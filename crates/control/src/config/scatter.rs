@@ -65,6 +65,7 @@ fn with_diameter(tool: Tool, machine: &MachineFile, of: (u64, u32)) -> Tool {
         ToolKind::Tap(tap) => tap.oversize += off(),
         ToolKind::SpotDrill { .. }
         | ToolKind::Insert(_)
+        | ToolKind::Hob(_)
         | ToolKind::Probe(_)
         | ToolKind::EndMill(_)
         | ToolKind::PolygonCutter(_)

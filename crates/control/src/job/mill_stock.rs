@@ -208,8 +208,8 @@ impl MilledStock {
         milled
     }
 
-    /// What comments state, for a planner: in machine coordinates.
-    pub(super) fn stated_in(source: &[u8], session: &Session) -> Option<Stock> {
+    /// What comments state, for planners and for judges of gears: in machine coordinates.
+    pub fn stated_in(source: &[u8], session: &Session) -> Option<Stock> {
         let Some(Stated::Block(block)) = stated_by(source) else { return None };
         let own = machine_stock(session)?;
         Some(placed(&block, own.block.zero, StockSource::Comment).block)

@@ -15,6 +15,7 @@ use super::state::{ExecutionEvent, Mode};
 use super::tool_path::ToolPath;
 use super::under_way::{Loaded, LoadedProgram, UnderWay, count_from};
 use crate::job::Session;
+use crate::job::mill_stock::MilledStock;
 use crate::job::preflight::wrong_from;
 use crate::job::restart::{self, Restart};
 use crate::observers::use_up;
@@ -170,6 +171,9 @@ impl Control {
         let mut workpiece = self.workpiece.clone();
         workpiece.watch.begin_program();
         workpiece.judge.may_grind(session.cams.library.clone());
+        if let Some(blank) = MilledStock::stated_in(&text, &session) {
+            workpiece.judge.may_hob(blank);
+        }
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());
         if let Some(writer) = writer {

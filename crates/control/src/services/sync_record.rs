@@ -435,6 +435,7 @@ const fn holder(kind: &ToolKind) -> Option<Holder> {
         | ToolKind::EndMill(_)
         | ToolKind::PolygonCutter(_)
         | ToolKind::Insert(_)
+        | ToolKind::Hob(_)
         | ToolKind::Probe(_)
         | ToolKind::Other => None,
     }
@@ -462,6 +463,7 @@ const fn thread_length(kind: &ToolKind) -> Length {
         | ToolKind::EndMill(_)
         | ToolKind::PolygonCutter(_)
         | ToolKind::Insert(_)
+        | ToolKind::Hob(_)
         | ToolKind::Probe(_)
         | ToolKind::Other => Length::ZERO,
     }

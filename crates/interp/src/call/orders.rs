@@ -44,6 +44,8 @@ pub struct HobOrder {
     pub module_mm: f64,
     /// P, degrees.
     pub helix_deg: f64,
+    /// What (GEAR …) asks.
+    pub asked: canon::GearAsked,
 }
 
 /// What G51.2 says, in the program's units.

@@ -96,7 +96,8 @@ pub(crate) fn hobbing<S: Sink>(
     }
     modes.hobbing = true;
     modes.motion = crate::modes::Motion::None;
-    out.say(&Call::Hob(&HobOrder { teeth, starts, module_mm, helix_deg }));
+    let asked = modes.gear;
+    out.say(&Call::Hob(&HobOrder { teeth, starts, module_mm, helix_deg, asked }));
     Ok(true)
 }
 
@@ -118,6 +119,7 @@ pub(crate) fn operation(resolver: &mut Resolver, order: &HobOrder, span: Span) {
         helix: Angle::deg(order.helix_deg),
         zero: position(&resolver.machine(&[0.0; 9])),
         own_zero: resolver.own_zero(),
+        asked: order.asked,
     };
     resolver.push(span, OpKind::Hob(hob));
 }

@@ -138,6 +138,12 @@ pub(super) const ROWS: &[Finding] = &[
         "M8\nG81 T40 L1 Q2\nG80",
     ),
     row(
+        "I0824",
+        "A (GEAR …) comment is not understood.",
+        "(GEAR SHIFT 0.3 CROWN 2)\nG81 T40 L1 Q2\nG80",
+        "(GEAR SHIFT 0.3)\nG81 T40 L1 Q2\nG80",
+    ),
+    row(
         "I0901",
         "A subprogram is never called.",
         "o<a> sub\no<a> endsub\nG0 X1",

@@ -132,6 +132,8 @@ pub(crate) struct Modes {
     pub(crate) polygon: bool,
     /// G81 T L Q P is in force.
     pub(crate) hobbing: bool,
+    /// What the last (GEAR …) asks.
+    pub(crate) gear: canon::GearAsked,
     /// G151: a cam's profile is in force.
     pub(crate) cam: bool,
     /// S of the last grinding block.
@@ -191,6 +193,7 @@ impl Modes {
             swings: Vec::new(),
             polygon: false,
             hobbing: false,
+            gear: canon::GearAsked::default(),
             cam: false,
             cam_rpm: 0.0,
             unknown: Unknown::default(),

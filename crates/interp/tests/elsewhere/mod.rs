@@ -174,6 +174,15 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0431", "Hobbing needs a hob's spindle and a work spindle."),
     ("M0432", "The hob stands, and the work shall follow it."),
     ("M0433", "The work would turn faster with the hob than it can; the speed that works is said."),
+    (
+        "M0434",
+        "The hob goes deeper or less deep than the gear's teeth need; the X that works is said.",
+    ),
+    (
+        "M0435",
+        "The hob in the spindle has another module, pressure angle, hand or number of starts than is ordered, or turns the wrong way; what works is said.",
+    ),
+    ("M0436", "The blank's diameter is not that of the gear's tips, which a hob does not cut."),
     ("S0401", "The file is not TOML."),
     ("S0402", "An unknown key, and the one that was perhaps meant."),
     ("S0403", "A key or a section is missing."),

@@ -25,6 +25,7 @@ use units::{Angle, Length, Spin};
 mod bar;
 mod body;
 mod form;
+mod hobbing;
 mod say;
 mod turned;
 
@@ -84,6 +85,8 @@ pub(super) struct Contact {
     /// Of the thread that is being turned, and how far off the bar the pass under way keeps.
     passes: Option<turned::Passes>,
     gap: Option<f64>,
+    /// Teeth that are hobbed.
+    hobbed: Option<hobbing::Hobbed>,
     /// Where the tip went into the work.
     entered: Option<[f64; 2]>,
     /// Counts the tools that were put into the spindle: findings of one of them are of one cause.
@@ -126,6 +129,7 @@ impl Contact {
             outline: stock.bar.map(|bar| Outline::new(&stock, bar)),
             passes: None,
             gap: None,
+            hobbed: None,
             entered: None,
             mounted: 0,
             rotary,

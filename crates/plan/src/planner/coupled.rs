@@ -143,6 +143,7 @@ impl Planner {
 
     pub(super) fn polygon_end(&mut self, job: &mut Job) {
         let Some(gear) = self.coupled.gear.take() else { return };
+        self.hob_ends();
         self.hand_on(job, StepKind::WayOut(None));
         let superposed = core::mem::take(&mut self.coupled.superposed);
         for on in superposed.iter().copied() {
@@ -182,6 +183,8 @@ impl Planner {
             return;
         }
         self.polygon_end(job);
+        let turning = self.spindles.get(usize::from(hob.hob)).map_or(Spin::ZERO, |s| s.ordered);
+        self.hob_begins(job, hob, turning);
         self.tell_spindles(job);
         self.await_spindles(job);
         // a right-hand helix: the section at a greater Z is turned forward, so the work belongs

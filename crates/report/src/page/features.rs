@@ -315,9 +315,12 @@ fn columns(kind: usize) -> Vec<Column> {
         ],
         _ => &[
             ("width", "mm", false),
+            ("span", "mm", false),
+            ("span error", "µm", false),
             ("single pitch", "µm", false),
             ("total pitch", "µm", false),
             ("helix slope", "µm", false),
+            ("profile", "µm", false),
             ("grade", "", true),
             ("speed", "rpm", false),
         ],
@@ -424,9 +427,12 @@ fn of_cam(write: Writer, cam: &GroundCam) -> Vec<Cell> {
 fn of_gear(write: Writer, gear: &Gear) -> Vec<Cell> {
     vec![
         write.length((gear.z_to - gear.z_from).abs()),
+        gear.size.map_or_else(Cell::empty, |size| write.length(size.span)),
+        gear.size.map_or_else(Cell::empty, |size| write.small(size.span - size.span_asked, 1)),
         write.small(gear.pitch_deviation, 2),
         write.small(gear.pitch_total, 2),
         write.small(gear.helix_deviation, 2),
+        write.small(gear.profile_deviation, 2),
         Cell::plain(gear.grade.map_or("none".into(), |grade| grade.to_string())),
         Cell::plain(fixed(gear.spin.in_rpm(), 1)),
     ]

@@ -135,6 +135,7 @@ impl ToolBody {
                 ToolKind::Tap(_) => "tap",
                 ToolKind::PolygonCutter(_) => "polygon cutter",
                 ToolKind::Insert(_) => "insert",
+                ToolKind::Hob(_) => "hob",
                 ToolKind::Probe(_) => "probe",
                 ToolKind::Other => "other",
             },

@@ -37,6 +37,9 @@ pub struct Tolerances {
     pub across_flats_um: Measured,
     /// Thickness of hobbed teeth, each way.
     pub tooth_thickness_um: Measured,
+    /// Diameter over the tips of hobbed teeth, each way.
+    #[serde(default)]
+    pub tip_diameter_um: Measured,
 }
 
 /// SHA-256 of the bytes that a run was made from, in hexadecimal digits.

@@ -24,7 +24,19 @@ pub struct Gear {
     pub pitch_total_um: Measured,
     /// Helix slope deviation of the worst tooth.
     pub helix_deviation_um: Measured,
-    /// Grade of ISO 1328-1 that all three are within.
+    /// Total profile deviation of the worst tooth, along the normal of its flank.
+    #[serde(default)]
+    pub profile_deviation_um: Measured,
+    /// Slope of that profile.
+    #[serde(default)]
+    pub profile_slope_um: Measured,
+    /// What is left of it beside the slope.
+    #[serde(default)]
+    pub profile_form_um: Measured,
+    /// Depth of the marks that the feed along the face leaves.
+    #[serde(default)]
+    pub feed_mark_um: Measured,
+    /// Grade of ISO 1328-1 that pitch, helix slope and profile are within.
     pub grade: Option<u8>,
     /// Where the face begins.
     pub z_from_mm: Measured,
@@ -32,4 +44,38 @@ pub struct Gear {
     pub z_to_mm: Measured,
     /// Speed of the work.
     pub rpm: Measured,
+    /// Size of the teeth, where it is farthest from the size asked; null: the hob is not known.
+    #[serde(default)]
+    pub size: Option<ToothSize>,
+}
+
+/// Size of a gear's teeth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToothSize {
+    /// Distance of the axes of hob and work.
+    pub distance_mm: Measured,
+    /// Distance at which the teeth have the size asked.
+    pub distance_asked_mm: Measured,
+    /// Coefficient of the profile shift.
+    pub shift: Measured,
+    /// Teeth that the span is taken over.
+    pub spanned: u32,
+    /// Span over them.
+    pub span_mm: Measured,
+    /// Least span allowed.
+    pub span_least_mm: Measured,
+    /// Greatest span allowed.
+    pub span_most_mm: Measured,
+    /// Diameter of the measuring balls.
+    pub ball_mm: Measured,
+    /// Dimension over two balls.
+    pub over_balls_mm: Measured,
+    /// Dimension over two balls of teeth without allowances.
+    pub over_balls_asked_mm: Measured,
+    /// Diameter of the root circle.
+    pub root_diameter_mm: Measured,
+    /// Diameter over the tips, as the blank has it.
+    pub tip_diameter_mm: Measured,
+    /// Diameter over the tips that is asked.
+    pub tip_diameter_asked_mm: Measured,
 }

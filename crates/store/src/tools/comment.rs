@@ -7,6 +7,7 @@
 //! | "drill", also "tap drill" | drill, 118° unless "… deg" is stated |
 //! | "mill", "endmill" | end mill |
 //! | "polygon" and "… inserts" | polygon cutter whose diameter is that of its tips, nose radius 0.8 |
+//! | "hob" with "module" or "dp" and its number, and "single start" or "2 starts" | hob, right-handed unless "left"; its diameter is D |
 //! | "threading" or "thread" with "insert", "tool" or "bar" | threading insert, 60° unless "… deg" is stated, with the point of the thread's standard unless D says it (twice the nose radius); "full profile 0.92 mm" cuts the crest so far above its point |
 //! | "turning" with "insert" or "tool" | turning insert, 80° unless stated, nose radius half of D or 0.4 |
 //! | "probe" | touch probe, as good as ideal: its pretravel is calibrated |
@@ -67,6 +68,12 @@ pub(super) fn understand(comment: &str) -> Understood {
             inserts: (0..inserts).map(|n| Angle::rev(f64::from(n) / f64::from(inserts))).collect(),
             nose_radius: Length::mm(0.8),
         });
+        return understood;
+    }
+    if has(&["hob"])
+        && let Some(hob) = super::hob::of_words(&words)
+    {
+        understood.kind = ToolKind::Hob(hob);
         return understood;
     }
     let thread = has(&["threading"]) || has(&["thread"]) && has(&["insert", "tool", "bar"]);
@@ -196,6 +203,7 @@ mod tests {
             ToolKind::PolygonCutter(_) => "polygon cutter".into(),
             ToolKind::Insert(insert) => format!("insert {}", insert.angle.in_deg().round()),
             ToolKind::Probe(_) => "probe".into(),
+            ToolKind::Hob(hob) => format!("hob {} {}", hob.module.value(), hob.signed_starts()),
             ToolKind::Other => "other".into(),
         }
     }
@@ -215,6 +223,9 @@ mod tests {
         assert_eq!(kind("threading insert 60 degrees external"), "insert 60");
         assert_eq!(kind("thread tool 55 deg"), "insert 55");
         assert_eq!(kind("thread mill M8"), "mill");
+        assert_eq!(kind("hob, module 2, single start, right hand"), "hob 2 1");
+        assert_eq!(kind("hob dp 12.7 2 starts left hand"), "hob 2 -2");
+        assert_eq!(kind("hob 2 starts"), "other");
     }
 
     #[test]

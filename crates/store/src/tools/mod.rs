@@ -15,7 +15,7 @@
 //! | `pocket` | all | else the number |
 //! | `length_mm` | all | gauge line to tip, G43's H; every key in `_mm` may be written in inches, as `length_in` |
 //! | `diameter_mm` | all | taps: else the thread's nominal diameter |
-//! | `kind` | all | drill, spot-drill, end-mill, tap, polygon-cutter, other |
+//! | `kind` | all | drill, spot-drill, end-mill, tap, polygon-cutter, hob, other |
 //! | `description` | all | else empty |
 //! | `wear_length_mm`, `wear_radius_mm` | all | what use has added, else 0: G43 and G41 take geometry and wear together |
 //! | `life` | all | `{ uses = 12, limit_uses = 500, time_s = 80, limit_time_s = 3600, cut_mm = 900, limit_cut_mm = 1e6, at_limit = "refuse" }`; each may be left out, and `at_limit` is else "remark" |
@@ -32,6 +32,12 @@
 //! | `tip_radius_mm` | polygon-cutter | from the spindle's axis to an insert's tip |
 //! | `inserts`, or `insert_angles_deg` | polygon-cutter | how many, equally spaced; or where, `[0, 90]` |
 //! | `nose_radius_mm` | polygon-cutter | else 0.8 |
+//! | `module_mm`, or `diametral_pitch` | hob | of its normal section |
+//! | `starts`, `hand` | hob | else 1, right |
+//! | `pressure_angle_deg` | hob | else 20 |
+//! | `addendum_mm`, `tip_radius_mm` | hob | from the datum line to the crest, else 1.25 modules; what rounds it, else 0.38 modules (ISO 53, A) |
+//! | `hob_length_mm` | hob | of its threads; else whether it reaches over the teeth is not judged |
+//! | `cuts_with` | hob | M3, M4: the sense in which its cutting faces look; else M3 |
 //! | `point_angle_deg` | drill, spot-drill | else 118 and 90 |
 //! | `thread` | tap | "M6x1", "M6", "1/4-20 UNC", "#10-32", with "-LH" for left-hand |
 //! | `chamfer_pitches` | tap | 2–3 bottoming, 4–5 plug |
@@ -40,6 +46,7 @@
 //! | `oversize_um` | tap | else the middle of class ISO 2 |
 //! | `holder` | tap | `{ kind = "rigid", stiffness_n_per_um = 20 }`; soft-synchro and tension-compression also have `travel_mm` |
 mod comment;
+mod hob;
 mod mill;
 mod table;
 mod tbl;

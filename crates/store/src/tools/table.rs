@@ -19,6 +19,7 @@ enum Kind {
     EndMill,
     Tap,
     PolygonCutter,
+    Hob,
     ThreadingInsert,
     TurningInsert,
     Probe,
@@ -49,6 +50,7 @@ fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
         ("end-mill", Kind::EndMill),
         ("tap", Kind::Tap),
         ("polygon-cutter", Kind::PolygonCutter),
+        ("hob", Kind::Hob),
         ("threading-insert", Kind::ThreadingInsert),
         ("turning-insert", Kind::TurningInsert),
         ("probe", Kind::Probe),
@@ -67,6 +69,7 @@ fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
             let diameter = cutter.radius * 2.0;
             (ToolKind::PolygonCutter(cutter), Some(diameter))
         }
+        Kind::Hob => (ToolKind::Hob(super::hob::read(keys)), None),
         Kind::ThreadingInsert => (ToolKind::Insert(read_threading_insert(keys)), None),
         Kind::TurningInsert => (ToolKind::Insert(read_turning_insert(keys)), None),
         Kind::Probe => (ToolKind::Probe(read_probe(keys)), None),

@@ -124,6 +124,12 @@ fn write_kind(text: &mut String, kind: &ToolKind) {
             kind_of("polygon-cutter");
             write_cutter(text, cutter);
         }
+        ToolKind::Hob(hob) => {
+            kind_of("hob");
+            for (key, value) in super::hob::written(hob) {
+                line(text, key, &value);
+            }
+        }
         ToolKind::Insert(insert) => write_insert(text, insert),
         ToolKind::Probe(probe) => {
             kind_of("probe");

@@ -25,7 +25,7 @@ fn name(tool: &Tool) -> String {
         ToolKind::SpotDrill { .. } => format!("spot drill {} mm", tool.diameter.value()),
         ToolKind::EndMill(_) => format!("end mill {} mm", tool.diameter.value()),
         ToolKind::Probe(_) => "touch probe".to_owned(),
-        ToolKind::Insert(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => {
+        ToolKind::Insert(_) | ToolKind::PolygonCutter(_) | ToolKind::Hob(_) | ToolKind::Other => {
             tool.description.clone()
         }
     };

@@ -50,6 +50,7 @@ pub(crate) use tape::Tape;
 
 use crate::{
     call::{Call, Sink, out::Out},
+    cycles::gear_comment::gear_comment,
     execute::{After, refused},
     fault::{Outcome, error, refuse},
     front_end::fanuc::{
@@ -118,6 +119,10 @@ fn execute<S: Sink>(fanuc: &mut Fanuc, it: &mut Program<'_>, out: &mut Out<'_, S
     assign(fanuc, it, out).inspect_err(|_| refused::forget_parameters(&mut it.executor.modes))?;
     it.executor.words.begin(&it.block);
     out.place = it.executor.words.place;
+    for comment in &it.block.comments {
+        let text = it.block.text(comment.text);
+        gear_comment(text, comment.span, &mut it.executor.modes, out.remarks);
+    }
     if let Some(comment) = it.block.comments.last().filter(|_| it.block.assignments.is_empty()) {
         let text = it.block.text(comment.text).trim_start();
         out.say(&Call::Comment(text));

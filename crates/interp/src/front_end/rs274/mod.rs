@@ -4,7 +4,7 @@ pub(crate) mod flow;
 
 use crate::{
     call::{Sink, out::Out},
-    cycles::record,
+    cycles::{gear_comment::gear_comment, record},
     execute::{self, After, refused},
     fault::{Outcome, error},
     front_end::rs274::flow::Flow,
@@ -63,6 +63,10 @@ impl Rs274 {
             return record::record(&mut it.executor, out);
         }
         if !it.block.comments.is_empty() {
+            for comment in &it.block.comments {
+                let text = it.block.text(comment.text);
+                gear_comment(text, comment.span, &mut it.executor.modes, out.remarks);
+            }
             let (ex, text) = (&it.executor, it.sources[it.file]);
             let result = comments::comments(&ex.modes, &ex.store, &it.block, text, out);
             it.ended |= result.is_err();

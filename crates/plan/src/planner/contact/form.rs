@@ -26,8 +26,10 @@ pub(super) fn form(tool: &Tool, pressure: f64, stated: bool) -> Option<Form> {
         }
         ToolKind::Tap(_) => Some(Form::Tap { diameter }),
         ToolKind::EndMill(_) => Some(Form::Mill { radius: diameter / 2.0 }),
-        ToolKind::Insert(_) | ToolKind::Probe(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => {
-            None
-        }
+        ToolKind::Insert(_)
+        | ToolKind::Probe(_)
+        | ToolKind::PolygonCutter(_)
+        | ToolKind::Hob(_)
+        | ToolKind::Other => None,
     }
 }
