@@ -1,8 +1,8 @@
 //! What a run leaves behind: the certificate for programs, the report for people.
-use crate::{Finished, certificate};
+use crate::{Finished, Job, certificate};
 use control::Outcome;
 use report::{Alarm, Limits, Note, Run};
-use store::certificate::{Certificate, Count, Inputs, Measured, Verdict, sha256};
+use store::certificate::{Certificate, Count, Frame, Inputs, Measured, Verdict, sha256};
 use store::output::Folder;
 use store::solid::{Slice, dxf, radii, stl};
 use verify::Feature;
@@ -29,6 +29,7 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
         count: count(&outcome.features),
         material: job.material.name().to_owned(),
         tolerances: tolerances(&finished.tolerances),
+        frame: Some(frame(job)),
         inputs: Inputs {
             program_sha256: sha256(&job.program.text),
             machine_sha256: job.session.hashes[0].clone(),
@@ -59,6 +60,15 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
 }
 
 /// Of the whole run, as its exit code says it.
+/// Where the set-up has the workpiece.
+fn frame(job: &Job) -> Frame {
+    let stock = &job.session.machine.setup.stock;
+    Frame {
+        zero_mm: job.session.work_zero().linear.map(Measured::mm),
+        stock_mm: [stock.from, stock.to].map(|corner| corner.map(Measured::mm)),
+    }
+}
+
 fn verdict(outcome: &Outcome) -> Verdict {
     let open = |f: &Feature| matches!(f.verdict, verify::Verdict::NotJudged { .. });
     let good = |f: &Feature| f.verdict.is_pass();

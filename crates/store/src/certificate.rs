@@ -18,7 +18,7 @@ mod evidence;
 mod gear;
 mod milling;
 mod turned;
-pub use evidence::{Contact, Count, Inputs, Tolerances, sha256};
+pub use evidence::{Contact, Count, Frame, Inputs, Tolerances, sha256};
 pub use gear::{Gear, ToothSize};
 pub use milling::{At, Milling};
 pub use turned::{TurnedSizes, TurnedThread};
@@ -57,6 +57,9 @@ pub struct Certificate {
     /// By which the features were judged.
     #[serde(default)]
     pub tolerances: Tolerances,
+    /// Where the set-up has the workpiece: what was judged stands there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
     /// Hashes of what the run was made from.
     #[serde(default)]
     pub inputs: Inputs,

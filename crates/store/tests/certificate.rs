@@ -2,7 +2,7 @@
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use store::certificate::{
-    Alarm, Cam, Certificate, Common, Contact, Count, Feature, Hand, Hole, Inputs, Measured,
+    Alarm, Cam, Certificate, Common, Contact, Count, Feature, Frame, Hand, Hole, Inputs, Measured,
     Polygon, Thread, Tolerances, Verdict, sha256,
 };
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
@@ -108,6 +108,10 @@ fn certificate() -> Certificate {
         count: Count { passed: 3, failed: 1, not_judged: 0 },
         material: "C45".into(),
         tolerances: Tolerances { thread_class: "6H".into(), ..Tolerances::default() },
+        frame: Some(Frame {
+            zero_mm: [-150.0, -60.0, -400.0].map(Measured::number),
+            stock_mm: [[-50.0, -50.0, -30.0], [50.0, 50.0, 0.0]].map(|c| c.map(Measured::number)),
+        }),
         inputs: Inputs { program_sha256: sha256(b"abc"), ..Inputs::default() },
         alarms: vec![Alarm {
             number: 301,
@@ -145,7 +149,7 @@ fn every_promised_key_is_there_and_no_other() {
     assert_eq!(
         keys(&value),
         sorted(
-            "leadscrew program machine seed cycle_time_s ended verdict count material tolerances inputs
+            "leadscrew program machine seed cycle_time_s ended verdict count material tolerances frame inputs
              alarms features invariants withdrawals"
         )
     );
@@ -174,6 +178,7 @@ fn the_head_says_what_the_run_was_made_from_and_each_feature_whether_it_was_cut(
     // FIPS 180-2, appendix B.1
     let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
     assert_eq!(value["inputs"]["program_sha256"], abc);
+    assert_eq!(keys(&value["frame"]), sorted("zero_mm stock_mm"));
     assert_eq!(keys(&value["inputs"]), sorted("program_sha256 machine_sha256 tools_sha256"));
     assert_eq!((&value["verdict"], &value["count"]["failed"]), (&json!("fail"), &json!(1)));
     let contact = &value["features"][0]["contact"];

@@ -42,6 +42,16 @@ pub struct Tolerances {
     pub tip_diameter_um: Measured,
 }
 
+/// Where the set-up has the workpiece. Positions are judged from there: a frame that the program, or
+/// who touched off, has moved for all operations alike is not seen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Zero of the work (G54): machine coordinates X, Y, Z.
+    pub zero_mm: [Measured; 3],
+    /// The machine's stock from that zero: its least coordinates, and its largest.
+    pub stock_mm: [[Measured; 3]; 2],
+}
+
 /// SHA-256 of the bytes that a run was made from, in hexadecimal digits.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inputs {
