@@ -380,3 +380,54 @@ fn g28_ends_the_compensation_on_its_way_and_starts_it_up_again_behind() {
     let found = places(&ops(&text, Dialect::Fanuc));
     assert_eq!(found[found.len() - 2..], [[40.0, 5.0, -20.0], [40.0, 5.0, 0.0]]);
 }
+
+#[test]
+fn turns_and_periods_of_a_polygon_are_whole_numbers_with_a_point_or_without() {
+    for dialect in [Dialect::Fanuc, Dialect::Haas, Dialect::Mitsubishi] {
+        for words in ["P1 Q2", "P1. Q2.", "P2 Q4"] {
+            let text = format!("%\nO1\nG21 G90\nS500 M3\nG251 {words}\nG250\nM30\n%\n");
+            let kinds = ops(&text, dialect);
+            let ratio = kinds.iter().find_map(|kind| match kind {
+                OpKind::Polygon(polygon) => Some(polygon.ratio.value()),
+                _ => None,
+            });
+            assert_eq!(ratio, Some(2.0), "{words} in {}", dialect.name());
+        }
+    }
+}
+
+/// Haas, mill operator's manual, G84 and G74: the control starts the spindle itself.
+#[test]
+fn a_haas_starts_the_spindle_of_a_tap_by_itself() {
+    for (before, block) in [
+        ("", "G84 Z-15. R3. F500. S500"),
+        ("S500", "G84 Z-15. R3. F500."),
+        ("G95 S500", "G84 Z-15. R3. F1."),
+        ("S500", "G74 Z-15. R3. F500."),
+        ("S500 M03", "G84 Z-15. R3. F500."),
+    ] {
+        let text = format!("%\nO1\nG21 G90\nG00 X0. Y0. Z10.\n{before}\n{block}\nG80\nM30\n%\n");
+        let kinds = ops(&text, Dialect::Haas);
+        let taps = kinds.iter().filter(|kind| matches!(kind, OpKind::Tap(_)));
+        assert_eq!(taps.count(), 1, "{before} {block}");
+    }
+}
+
+#[test]
+fn a_link_of_no_length_with_k0_does_nothing() {
+    let text = "G21 G90 G18\nS100 M3\nG0 X10 Z2\nG33 X10 Z2 K0\nG33 X10 Z1 K1\nM2\n";
+    let kinds = ops(text, Dialect::LinuxCnc);
+    let links = kinds.iter().filter(|kind| matches!(kind, OpKind::Threading(_)));
+    assert_eq!(links.count(), 1);
+    let setup = setup(Dialect::LinuxCnc);
+    let mut ops = Ops::new(b"G21 G90 G18\nS100 M3\nG0 X10 Z2\nG33 X10 Z1 K0\nM2\n", &setup);
+    ops.by_ref().for_each(drop);
+    assert!(ops.diagnostics().iter().any(|found| found.code == "I0426"), "that goes somewhere");
+}
+
+/// Grbl 1.1, `gcode.c`: G53 is absolute whatever the distance mode is.
+#[test]
+fn a_grbl_takes_a_machine_coordinate_under_g91() {
+    let text = "G21 G91 G94\nG10 L2 P1 X50 Y0 Z0\nG53 G0 X-5\nX2\nM2\n";
+    assert_eq!(places(&ops(text, Dialect::Grbl)), [[-5.0, 0.0, 0.0], [-3.0, 0.0, 0.0]]);
+}

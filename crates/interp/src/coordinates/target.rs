@@ -40,7 +40,7 @@ pub(crate) fn destination(
         if words.any(POLAR) {
             return refuse("I0430", words.place.span, "@ and ^ cannot be used with G53");
         }
-        if modes.incremental {
+        if modes.incremental && !words.rules().machine_place_in_increments {
             let fault = error(
                 "I0406",
                 words.place.span,

@@ -48,6 +48,8 @@ pub(crate) struct Rules {
     pub(crate) taps_keep_dwell: bool,
     /// Tapping cycles turn the spindle by themselves where S is known.
     pub(crate) taps_turn_spindle: bool,
+    /// G53 leads to a machine coordinate while G91 is in force, too.
+    pub(crate) machine_place_in_increments: bool,
     /// Modes may be restated and ended in one block with G40, and the work offset in force may be
     /// called again.
     pub(crate) restates_modes: bool,

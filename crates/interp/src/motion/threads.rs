@@ -21,6 +21,9 @@ pub(crate) fn thread<S: Sink>(
     settings: &Settings,
     out: &mut Out<'_, S>,
 ) -> Outcome {
+    if words.get(b'K') == Some(0.0) && target::destination(words, modes, false)? == modes.at {
+        return Ok(()); // a link of no length, as loops begin with
+    }
     let (lead, _) = synchronised(words, modes, "G33")?;
     if words.any(crate::codes::set("ABC")) {
         return refuse("I0420", words.place.span, "G33 moves linear axes: A, B and C have no lead");

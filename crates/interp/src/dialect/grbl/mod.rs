@@ -8,6 +8,7 @@
 //!   G4 S2             waits for two seconds, as Marlin does, with a remark
 //!   G50               the end of a scaling, which never begins here: left out, with a remark
 //!   T1                names the tool that is clamped by hand: no M6 has to follow
+//!   G91 G53 G0 X0     a machine coordinate
 //!   G2 … K0, D1       words that no code takes have no effect, with a remark
 //! ```
 //!
@@ -38,6 +39,7 @@ pub(crate) const RULES: Rules = Rules {
     has_laser: true,
     dwells_by_s: true,
     ends_scaling: true,
+    machine_place_in_increments: true,
     tools_by_hand: true,
     idle: set("DHKPQ"),
     short_radius: [0.005, 0.0002],

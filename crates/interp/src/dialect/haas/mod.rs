@@ -66,5 +66,6 @@ pub(crate) const RULES: Rules = Rules {
     evidence: &[Family::Fanuc, Family::FanucMill, Family::Haas],
     idle: set("DEHPQ"),
     last_code_acts: false,
+    taps_turn_spindle: true,
     ..fanuc::MILL
 };

@@ -37,6 +37,7 @@ pub(crate) const RULES: Rules = Rules {
     has_laser: false,
     dwells_by_s: false,
     ends_scaling: false,
+    machine_place_in_increments: false,
     last_code_acts: false,
     tools_by_hand: false,
     idle: 0,

@@ -47,8 +47,17 @@ pub(crate) fn read_words(
         let counts = matches!(word.value, Value::Number(_)) && !text.is_some_and(is_meant);
         said.push(Said { letter: word.letter, value, counts, span: word.span });
     }
+    if said.iter().any(|word| word.letter == b'G' && gears_spindles(word.value)) {
+        let turns = said.iter_mut().filter(|word| b"PQL".contains(&word.letter));
+        turns.for_each(|word| word.counts = false);
+    }
     fanuc.said = said;
     Ok(())
+}
+
+/// Whether a G code's P, Q and L are turns and periods: whole numbers, with a point or without.
+fn gears_spindles(code: f64) -> bool {
+    matches!(tenths(code), Some(512..=514 | 2510))
 }
 
 /// Whether the block counts inches: its own G20 and G21 hold for it.
