@@ -431,3 +431,13 @@ fn a_grbl_takes_a_machine_coordinate_under_g91() {
     let text = "G21 G91 G94\nG10 L2 P1 X50 Y0 Z0\nG53 G0 X-5\nX2\nM2\n";
     assert_eq!(places(&ops(text, Dialect::Grbl)), [[-5.0, 0.0, 0.0], [-3.0, 0.0, 0.0]]);
 }
+
+#[test]
+fn a_rigid_tap_that_is_refused_moves_nothing() {
+    let setup = setup(Dialect::LinuxCnc);
+    let mut ops = Ops::new(b"G21 G90\nG0 X20 Y20 Z5\nG33.1 Z-10 K1\nG0 X0\nM2\n", &setup);
+    let found = places(&ops.by_ref().map(|op| op.kind).collect::<Vec<_>>());
+    assert_eq!(found, [[20.0, 20.0, 5.0], [0.0, 20.0, 5.0]]);
+    let codes: Vec<_> = ops.diagnostics().iter().map(|found| found.code).collect();
+    assert_eq!(codes, ["I0427"]);
+}

@@ -192,7 +192,8 @@ fn give_up_compensation<S: Sink>(modes: &mut Modes, out: &mut Out<'_, S>) {
     modes.unknown.add(Unknown::COMPENSATION);
 }
 
-/// The place where the block leads to, and the motion that it puts in force.
+/// The place where the block leads to, and the motion that it puts in force; a tap comes back to
+/// where it began.
 fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
     let named = words.g(GGroup::Motion).map(Motion::from_code);
     let motion = named.unwrap_or(modes.motion);
@@ -232,7 +233,7 @@ fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>
     }
     modes.nurbs = None;
     modes.left_beside = None;
-    if to != modes.at {
+    if to != modes.at && motion != Motion::RigidTap {
         let feeds = !matches!(motion, Motion::Rapid | Motion::None | Motion::Cycle(_));
         let line = feeds && modes.feed > 0.0;
         modes.at = to;
