@@ -108,7 +108,8 @@ pub struct Tolerances {
 impl Default for Tolerances {
     /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO
     /// 2768-1 f for 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Teeth: DIN 3967, series 26, 50
-    /// to 125 mm; over their tips IT 11 (ISO 286-1), 80 to 120 mm. Turned threads: what lathe builders promise of their leads, typical.
+    /// to 125 mm; over their tips IT 11 (ISO 286-1), 80 to 120 mm. Turned threads: what lathe
+    /// builders promise of their leads, typical.
     fn default() -> Self {
         Self {
             hole_depth: Length::mm(0.05),

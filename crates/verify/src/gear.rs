@@ -9,8 +9,8 @@
 //!
 //! The hob is the one in the spindle, as the tool table has it: module, threads, hand, diameter,
 //! addendum, pressure angle. What is judged is the generating motion and the size; the hob's own
-//! form and its run-out are not, and the marks of its feed are given and not judged. Angles count as
-//! arcs on the pitch circle, d = m·z/cos β.
+//! form and its run-out are not, and the marks of its feed are given and not judged. Angles count
+//! as arcs on the pitch circle, d = m·z/cos β.
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
 use crate::judged::Judged;
@@ -31,7 +31,7 @@ pub use size::ToothSize;
 
 use again::CutGear;
 use size::Rack;
-use track::{Pass, Track};
+use track::{Pass, PassTrack};
 
 /// The grade that is asked where the drawing asks none.
 const GRADE_ASKED: u8 = 7;
@@ -200,7 +200,7 @@ pub(crate) struct GearTrack {
     hob: Option<HobTool>,
     number: Option<u32>,
     axis: [f64; 2],
-    track: Track,
+    track: PassTrack,
 }
 
 impl GearTrack {
@@ -215,7 +215,7 @@ impl GearTrack {
             _ => None,
         });
         let axis = config.work_axis.map(Length::value);
-        Self { rack, hob, number, axis, track: Track::new(rack) }
+        Self { rack, hob, number, axis, track: PassTrack::new(rack) }
     }
 
     pub(crate) fn sample(&mut self, sample: &Sample) {

@@ -85,7 +85,6 @@ pub(super) struct Contact {
     /// Of the thread that is being turned, and how far off the bar the pass under way keeps.
     passes: Option<turned::Passes>,
     gap: Option<f64>,
-    /// Teeth that are hobbed.
     hobbed: Option<hobbing::Hobbed>,
     /// Where the tip went into the work.
     entered: Option<[f64; 2]>,

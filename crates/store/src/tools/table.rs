@@ -1,12 +1,12 @@
 //! The table in TOML.
-use super::{LONGEST, MOST_TOOLS, mill, usual_oversize, without_doubles};
+use super::{LONGEST, MOST_TOOLS, hob, mill, usual_oversize, without_doubles};
 use crate::{
     keys::{self, Keys},
     machine::n_per_um,
 };
 use canon::{
-    AtLimit, Body, Flute, Hand, Holder, Insert, InsertPoint, PolygonCutter, TapTool, ThreadSize,
-    Tool, ToolKind, ToolLibrary, ToolLife, ToolLimit, ToolUse, ToolWear, TouchProbe,
+    AtLimit, Body, Flute, Hand, HobTool, Holder, Insert, InsertPoint, PolygonCutter, TapTool,
+    ThreadSize, Tool, ToolKind, ToolLibrary, ToolLife, ToolLimit, ToolUse, ToolWear, TouchProbe,
 };
 use diag::{Diagnostic, Span};
 use std::ops::RangeInclusive;
@@ -69,7 +69,7 @@ fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
             let diameter = cutter.radius * 2.0;
             (ToolKind::PolygonCutter(cutter), Some(diameter))
         }
-        Kind::Hob => (ToolKind::Hob(super::hob::read(keys)), None),
+        Kind::Hob => (ToolKind::Hob(read_hob(keys)), None),
         Kind::ThreadingInsert => (ToolKind::Insert(read_threading_insert(keys)), None),
         Kind::TurningInsert => (ToolKind::Insert(read_turning_insert(keys)), None),
         Kind::Probe => (ToolKind::Probe(read_probe(keys)), None),
@@ -231,6 +231,38 @@ fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
     let nose_radius = optional_length(keys, ["nose_radius_mm", "nose_radius_in"], 0.0..=100.0)
         .unwrap_or(Length::mm(0.8));
     PolygonCutter { radius, inserts, nose_radius }
+}
+
+fn read_hob(keys: &mut Keys<'_>) -> HobTool {
+    let hob = hob::usual(read_module(keys));
+    let hands = [("right", Hand::Right), ("left", Hand::Left)];
+    let senses = [("M3", false), ("M4", true)];
+    let stated = |keys: &mut Keys<'_>, names, most: f64| optional_length(keys, names, 0.0..=most);
+    let m = hob.module.value();
+    let pressure = keys.optional("pressure_angle_deg", 5.0..=45.0);
+    HobTool {
+        starts: keys.optional_whole("starts", 1..=hob::MOST_STARTS).unwrap_or(hob.starts),
+        hand: keys.optional_choice("hand", &hands).unwrap_or(hob.hand),
+        pressure_angle: pressure.map_or(hob.pressure_angle, Angle::deg),
+        addendum: stated(keys, ["addendum_mm", "addendum_in"], 3.0 * m).unwrap_or(hob.addendum),
+        tip_radius: stated(keys, ["tip_radius_mm", "tip_radius_in"], m).unwrap_or(hob.tip_radius),
+        length: stated(keys, ["hob_length_mm", "hob_length_in"], 2000.0),
+        cuts_backwards: keys.optional_choice("cuts_with", &senses).unwrap_or(false),
+        ..hob
+    }
+}
+
+fn read_module(keys: &mut Keys<'_>) -> Length {
+    const PITCH: &str = "diametral_pitch";
+    let (least, most) = (*hob::MODULE_MM.start(), *hob::MODULE_MM.end());
+    if !keys.has(PITCH) {
+        return Length::mm(keys.number("module_mm", hob::MODULE_MM));
+    }
+    if keys.has("module_mm") {
+        keys.conflict(PITCH, "`module_mm` states it too: expected one of them");
+        keys.optional("module_mm", hob::MODULE_MM);
+    }
+    Length::mm(MM_PER_INCH / keys.number(PITCH, MM_PER_INCH / most..=MM_PER_INCH / least))
 }
 
 /// A tap's diameter may be left out; stated, it must be its thread's.

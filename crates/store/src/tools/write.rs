@@ -8,8 +8,8 @@
 //! bit for bit.
 use super::mill;
 use canon::{
-    AtLimit, Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind,
-    ToolLibrary, ToolLife,
+    AtLimit, Flute, Hand, HobTool, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool,
+    ToolKind, ToolLibrary, ToolLife,
 };
 use std::fmt::Write;
 use units::{Angle, Length, Stiffness};
@@ -126,9 +126,7 @@ fn write_kind(text: &mut String, kind: &ToolKind) {
         }
         ToolKind::Hob(hob) => {
             kind_of("hob");
-            for (key, value) in super::hob::written(hob) {
-                line(text, key, &value);
-            }
+            write_hob(text, hob);
         }
         ToolKind::Insert(insert) => write_insert(text, insert),
         ToolKind::Probe(probe) => {
@@ -196,6 +194,21 @@ fn write_cutter(text: &mut String, cutter: &PolygonCutter) {
         line(text, "insert_angles_deg", &format!("[{}]", angles.join(", ")));
     }
     mm(text, "nose_radius_mm", cutter.nose_radius);
+}
+
+fn write_hob(text: &mut String, hob: &HobTool) {
+    mm(text, "module_mm", hob.module);
+    line(text, "starts", &hob.starts.to_string());
+    line(text, "hand", &quoted(if hob.hand == Hand::Left { "left" } else { "right" }));
+    line(text, "pressure_angle_deg", &degrees(hob.pressure_angle));
+    mm(text, "addendum_mm", hob.addendum);
+    mm(text, "tip_radius_mm", hob.tip_radius);
+    if let Some(length) = hob.length {
+        mm(text, "hob_length_mm", length);
+    }
+    if hob.cuts_backwards {
+        line(text, "cuts_with", &quoted("M4"));
+    }
 }
 
 fn write_insert(text: &mut String, insert: &Insert) {

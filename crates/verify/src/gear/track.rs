@@ -63,7 +63,7 @@ struct Moment {
 
 /// Follows hob and work.
 #[derive(Clone, Debug)]
-pub(super) struct Track {
+pub(super) struct PassTrack {
     rack: Generator,
     before: Option<Moment>,
     pub(super) passes: Vec<Pass>,
@@ -75,7 +75,7 @@ pub(super) struct Track {
     pub(super) turned: [f64; 2],
 }
 
-impl Track {
+impl PassTrack {
     pub(super) const fn new(rack: Generator) -> Self {
         Self {
             rack,
