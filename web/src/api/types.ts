@@ -777,7 +777,8 @@ number: number,
  */
 description: string, 
 /**
- * `drill`, `spot drill`, `end mill`, `tap`, `polygon cutter`, `insert`, `probe`, `other`.
+ * `drill`, `spot drill`, `end mill`, `tap`, `polygon cutter`, `hob`, `insert`, `probe`,
+ * `other`.
  */
 kind: string, 
 /**

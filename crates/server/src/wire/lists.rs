@@ -71,7 +71,8 @@ pub(crate) struct ToolBody {
     pub number: u32,
     /// For people.
     pub description: String,
-    /// `drill`, `spot drill`, `end mill`, `tap`, `polygon cutter`, `insert`, `probe`, `other`.
+    /// `drill`, `spot drill`, `end mill`, `tap`, `polygon cutter`, `hob`, `insert`, `probe`,
+    /// `other`.
     pub kind: &'static str,
     /// From the gauge line to the tip, without wear.
     pub length_mm: f64,
