@@ -2,7 +2,7 @@
 use crate::{Finished, Job, certificate};
 use control::Outcome;
 use report::{Alarm, Limits, Note, Run};
-use store::certificate::{Certificate, Count, Frame, Inputs, Measured, Verdict, sha256};
+use store::certificate::{Certificate, Clamping, Count, Inputs, Measured, Verdict, sha256};
 use store::output::Folder;
 use store::solid::{Slice, dxf, radii, stl};
 use verify::Feature;
@@ -61,9 +61,9 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
 
 /// Of the whole run, as its exit code says it.
 /// Where the set-up has the workpiece.
-fn frame(job: &Job) -> Frame {
+fn frame(job: &Job) -> Clamping {
     let stock = &job.session.machine.setup.stock;
-    Frame {
+    Clamping {
         zero_mm: job.session.work_zero().linear.map(Measured::mm),
         stock_mm: [stock.from, stock.to].map(|corner| corner.map(Measured::mm)),
     }

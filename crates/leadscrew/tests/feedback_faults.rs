@@ -449,8 +449,8 @@ fn forces(_: &Activity, stop: &[&Sample], config: &kernel::Config, fault: &str) 
     let mut wrong = Vec::new();
     for axis in (0..AXES).filter(|axis| config.axes[*axis].is_some()) {
         let command = &last.command.axes[axis];
-        // beside a spindle that coasts the axes are held until it stands, or longer than is recorded;
-        // after an alarm of one that lags behind they are held
+        // beside a spindle that coasts the axes are held until it stands, which may be longer than
+        // is recorded; after an alarm of one that lags behind they are held
         let holds = fault == "drive-fault spindle" || fault.starts_with("torque-loss");
         if command.enable && !holds {
             wrong.push(format!(

@@ -18,7 +18,7 @@ mod evidence;
 mod gear;
 mod milling;
 mod turned;
-pub use evidence::{Contact, Count, Frame, Inputs, Tolerances, sha256};
+pub use evidence::{Clamping, Contact, Count, Inputs, Tolerances, sha256};
 pub use gear::{Gear, ToothSize};
 pub use milling::{At, Milling};
 pub use turned::{TurnedSizes, TurnedThread};
@@ -59,7 +59,7 @@ pub struct Certificate {
     pub tolerances: Tolerances,
     /// Where the set-up has the workpiece: what was judged stands there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frame: Option<Frame>,
+    pub frame: Option<Clamping>,
     /// Hashes of what the run was made from.
     #[serde(default)]
     pub inputs: Inputs,

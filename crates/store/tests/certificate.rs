@@ -2,8 +2,8 @@
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use store::certificate::{
-    Alarm, Cam, Certificate, Common, Contact, Count, Feature, Frame, Hand, Hole, Inputs, Measured,
-    Polygon, Thread, Tolerances, Verdict, sha256,
+    Alarm, Cam, Certificate, Clamping, Common, Contact, Count, Feature, Hand, Hole, Inputs,
+    Measured, Polygon, Thread, Tolerances, Verdict, sha256,
 };
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
@@ -108,7 +108,7 @@ fn certificate() -> Certificate {
         count: Count { passed: 3, failed: 1, not_judged: 0 },
         material: "C45".into(),
         tolerances: Tolerances { thread_class: "6H".into(), ..Tolerances::default() },
-        frame: Some(Frame {
+        frame: Some(Clamping {
             zero_mm: [-150.0, -60.0, -400.0].map(Measured::number),
             stock_mm: [[-50.0, -50.0, -30.0], [50.0, 50.0, 0.0]].map(|c| c.map(Measured::number)),
         }),

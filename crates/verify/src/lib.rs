@@ -28,6 +28,7 @@ mod judge;
 mod judged;
 mod milling;
 mod polygon;
+mod standing_polygons;
 mod stroke;
 mod summary;
 mod tapped;

@@ -25,13 +25,11 @@ mod measure;
 mod ordered;
 mod passes;
 mod section;
-mod standing;
 mod zone;
 
 pub use along::Along;
 pub(crate) use measure::PolygonTrack;
 pub(crate) use ordered::OrderedPolygon;
-pub(crate) use standing::StandingPolygons;
 
 use units::{Angle, Length, Spin};
 

@@ -2,11 +2,10 @@
 use crate::{
     call::{Call, GrowingThread, Sense, Sink, out::Out},
     coordinates::target,
-    cycles::holes::tap::meant_lead,
     fault::{Outcome, error, refuse},
     geometry::frame::Point,
     modes::Modes,
-    resolve::{Resolver, position},
+    resolve::{Resolver, lead::meant_lead, position},
     state::executor::Settings,
     words::Words,
 };

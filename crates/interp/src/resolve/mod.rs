@@ -16,6 +16,7 @@
 //!
 //! The operations of a cycle are made in its file; which call leads where stands in
 //! [`calls`](crate::operations::calls).
+pub(crate) mod lead;
 pub(crate) mod stroke;
 
 use crate::{

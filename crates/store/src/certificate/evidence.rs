@@ -42,10 +42,10 @@ pub struct Tolerances {
     pub tip_diameter_um: Measured,
 }
 
-/// Where the set-up has the workpiece. Positions are judged from there: a frame that the program, or
-/// who touched off, has moved for all operations alike is not seen.
+/// Where the set-up has the workpiece. Positions are judged from there: a frame that the program,
+/// or who touched off, has moved for all operations alike is not seen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Frame {
+pub struct Clamping {
     /// Zero of the work (G54): machine coordinates X, Y, Z.
     pub zero_mm: [Measured; 3],
     /// The machine's stock from that zero: its least coordinates, and its largest.

@@ -39,7 +39,7 @@ pub(super) type Answered = Box<dyn FnOnce(RequestAnswer) + Send>;
 const MOST_TEXTS: usize = 4;
 
 /// A request that waits for its turn.
-pub(super) struct Asked {
+pub(super) struct WaitingRequest {
     pub(super) request: Request,
     /// Who asked is gone.
     pub(super) is_gone: Interruption,
@@ -51,7 +51,7 @@ pub(super) struct Asked {
 /// What the control's thread is told.
 pub(super) enum Job {
     /// A request.
-    Request(Asked),
+    Request(WaitingRequest),
     /// A text is proved that a request needs.
     Proven(Box<Proven>, ForWhom),
     /// The program that is loaded is proved again, or was broken off.
@@ -65,7 +65,7 @@ pub(super) enum Job {
 }
 
 /// Which of the texts that are proved it is, and the request that it is proved for.
-type ForWhom = (LoadMark, Asked);
+type ForWhom = (LoadMark, WaitingRequest);
 /// A text that is to be proved, and for whom.
 type Text = (Box<Proving>, Option<ForWhom>);
 
@@ -259,7 +259,7 @@ impl Lead {
         }
     }
 
-    fn begin(&mut self, asked: Asked) {
+    fn begin(&mut self, asked: WaitingRequest) {
         let Some(asked) = self.still_due(asked) else { return };
         let kept = self.control.last_kept();
         match self.control.begin(&asked.request) {
@@ -269,7 +269,7 @@ impl Lead {
     }
 
     /// A request is refused where a stop has overtaken it that is meant for it.
-    fn still_due(&self, asked: Asked) -> Option<Asked> {
+    fn still_due(&self, asked: WaitingRequest) -> Option<WaitingRequest> {
         let Some(stop) = self.shared.stops.since(asked.after, &asked.request) else {
             return Some(asked);
         };
@@ -289,7 +289,7 @@ impl Lead {
     }
 
     /// A text is to be proved before a request is answered.
-    fn prove(&mut self, asked: Asked, text: Box<Proving>) {
+    fn prove(&mut self, asked: WaitingRequest, text: Box<Proving>) {
         if let Some(renewal) = &mut self.renewal {
             if renewal.is_of(&text) && renewal.waiting() < MOST_TEXTS {
                 return renewal.wait(asked);

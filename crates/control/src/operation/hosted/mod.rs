@@ -38,7 +38,7 @@ use super::request::{Accepted, Request};
 use super::signals::Signals;
 use crate::Refused;
 use crate::job::Interruption;
-use lead::{Asked, Job};
+use lead::{Job, WaitingRequest};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -168,7 +168,7 @@ impl Client {
             return self.shared.stops.ask(stop, Box::new(answer));
         }
         let after = self.shared.stops.mark();
-        let asked = Asked { request, is_gone, after, answer: Box::new(answer) };
+        let asked = WaitingRequest { request, is_gone, after, answer: Box::new(answer) };
         self.jobs.try_send(Job::Request(asked)).map_err(|error| match error {
             TrySendError::Full(_) => RefusalData::busy(MOST_JOBS),
             TrySendError::Disconnected(_) => RefusalData::ended(),

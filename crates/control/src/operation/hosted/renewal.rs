@@ -5,7 +5,7 @@
 //!   nothing asked for half a second ─► renewal ─► kept │ another text is to be proved: broken off
 //!                                         └─ start of the same ─► waits for it
 //! ```
-use super::lead::Asked;
+use super::lead::WaitingRequest;
 use crate::job::Interruption;
 use crate::operation::{ProofMark, Proving};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(super) struct Renewal {
     mark: ProofMark,
     is_stopped: Arc<AtomicBool>,
     /// Requests that need just what is proved.
-    waiting: Vec<Asked>,
+    waiting: Vec<WaitingRequest>,
 }
 
 impl Renewal {
@@ -38,7 +38,7 @@ impl Renewal {
     }
 
     /// A request that waits for it.
-    pub(super) fn wait(&mut self, waiting: Asked) {
+    pub(super) fn wait(&mut self, waiting: WaitingRequest) {
         self.waiting.push(waiting);
     }
 
@@ -57,12 +57,12 @@ impl Renewal {
     }
 
     /// What waits for it waits no longer: a stop or a reset has come.
-    pub(super) fn take_waiting(&mut self) -> Vec<Asked> {
+    pub(super) fn take_waiting(&mut self) -> Vec<WaitingRequest> {
         std::mem::take(&mut self.waiting)
     }
 
     /// It is over: what has waited for it.
-    pub(super) fn over(self) -> Vec<Asked> {
+    pub(super) fn over(self) -> Vec<WaitingRequest> {
         self.waiting
     }
 }

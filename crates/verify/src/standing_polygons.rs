@@ -9,9 +9,9 @@
 //! corner may be as blunt as on a bolt of product grade A: across corners at least 1.13
 //! times the least width of a hexagon, 1.3 times that of a square (ISO 4759-1), the width by h13
 //! (ISO 286-1).
-use super::{Polygon, Section};
 use crate::feature::Feature;
 use crate::judged::Judged;
+use crate::polygon::{Facet, Polygon, Section};
 use units::Length;
 
 /// Normals within this are of the same facet, rad.
@@ -46,7 +46,7 @@ impl Standing {
     /// What there is of a polygon; `None`: it was not cut.
     fn of(judged: &Judged<Polygon>) -> Option<Self> {
         let faces = |section: &Section| {
-            let face = |facet: &super::Facet| Face {
+            let face = |facet: &Facet| Face {
                 normal: (facet.normal + facet.tilt).in_rad(),
                 distance: facet.distance.value(),
             };
