@@ -28,7 +28,7 @@ pub struct Judged<K> {
 
 impl<K> Judged<K> {
     /// Takes back what was said of it: a later cut, of this line, has changed it.
-    pub(crate) fn destroyed(&mut self, line: u32, how: &str) {
+    pub fn destroyed(&mut self, line: u32, how: &str) {
         let later = format!("destroyed in line {line}: {how}");
         let reason = match &self.verdict {
             Verdict::Pass => format!("good when cut, {later}"),
@@ -39,13 +39,16 @@ impl<K> Judged<K> {
         self.verdict = Verdict::Fail { reason };
     }
 
-    /// Finds something wrong with it beside what was found already.
-    pub(crate) fn fails(&mut self, finding: String) {
-        let reason = match &self.verdict {
-            Verdict::Fail { reason } => format!("{reason}; {finding}"),
-            Verdict::Pass | Verdict::NotJudged { .. } => finding,
-        };
-        self.verdict = Verdict::Fail { reason };
+    /// Adds what is wrong with it because of what is beside it.
+    pub(crate) fn fails(&mut self, findings: &[String]) {
+        if !findings.is_empty() {
+            let found = findings.join("; ");
+            let reason = match &self.verdict {
+                Verdict::Fail { reason } => format!("{reason}; {found}"),
+                Verdict::Pass | Verdict::NotJudged { .. } => found,
+            };
+            self.verdict = Verdict::Fail { reason };
+        }
     }
 
     /// The same, with what it is told in another type.

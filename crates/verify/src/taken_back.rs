@@ -1,0 +1,82 @@
+//! Verdicts that are taken back: a later cut has changed the feature, or shown that no one has seen
+//! its hole.
+//!
+//! ```text
+//!   workpiece ─► destroyed ─┬─► a feature that is there   its verdict is changed
+//!                           ├─► one that is not judged yet  kept until it is
+//!                           └─► one of a program before   kept for who has counted it
+//! ```
+use crate::feature::{Feature, FeatureKind};
+use crate::judge::Judge;
+use crate::thread::UNSEEN;
+use crate::verdict::Verdict;
+use crate::workpiece::Undone;
+
+/// Features of programs before of which it is kept that they were destroyed.
+const MOST_FORGOTTEN: usize = 1000;
+
+/// What was taken back.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TakenBack {
+    /// Places in the list of features that were changed after they were judged, in that order.
+    pub(crate) changed: Vec<usize>,
+    /// Of features that are not judged yet.
+    to_come: Vec<Undone>,
+    /// Of features that the judge has forgotten.
+    forgotten: Vec<Undone>,
+}
+
+impl Judge {
+    /// Places in the list of features whose verdict was changed after they were judged: those of
+    /// the changes from this one on.
+    pub fn changed_since(&self, change: usize) -> &[usize] {
+        self.taken_back.changed.get(change..).unwrap_or_default()
+    }
+
+    /// Features that were taken before ([`Self::take_features`]) and destroyed since.
+    pub fn take_undone(&mut self) -> Vec<Undone> {
+        std::mem::take(&mut self.taken_back.forgotten)
+    }
+
+    /// A program begins whose holes are there already, or not.
+    pub const fn holes_are_there(&mut self, pre_drilled: bool) {
+        self.config.pre_drilled = pre_drilled;
+    }
+
+    /// The program drills: what was tapped without a hole that was seen is not found good.
+    pub(crate) fn will_drill(&mut self) {
+        if self.work.is_drilled() {
+            return;
+        }
+        self.work.will_be_drilled();
+        if self.config.pre_drilled {
+            return;
+        }
+        for (place, feature) in self.features.iter_mut().enumerate() {
+            let is_unseen = matches!(&feature.kind, FeatureKind::Thread(t) if !t.drilled);
+            if is_unseen && feature.verdict.is_pass() {
+                feature.verdict = Verdict::NotJudged { reason: UNSEEN.to_owned() };
+                self.taken_back.changed.push(place);
+            }
+        }
+    }
+
+    /// What a cut has changed is changed in its verdict.
+    pub(crate) fn take_back(&mut self) {
+        let mut undone = std::mem::take(&mut self.taken_back.to_come);
+        undone.extend(self.work.take_undone());
+        for undone in undone {
+            let made = |f: &Feature| {
+                f.op == undone.op && matches!(f.kind, FeatureKind::Hole(_) | FeatureKind::Thread(_))
+            };
+            if let Some(place) = self.features.iter().rposition(made) {
+                self.features[place].destroyed(undone.line, &undone.how);
+                self.taken_back.changed.push(place);
+            } else if self.is_to_come(undone.op) {
+                self.taken_back.to_come.push(undone);
+            } else if self.taken_back.forgotten.len() < MOST_FORGOTTEN {
+                self.taken_back.forgotten.push(undone);
+            }
+        }
+    }
+}
