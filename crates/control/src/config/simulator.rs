@@ -285,9 +285,8 @@ fn tool(tool: &Tool, seat: &TapSeat, material: StockMaterial) -> sim::Tool {
             pretravel: probe.pretravel,
             lobing: probe.lobing,
         }),
-        ToolKind::EndMill(_) | ToolKind::PolygonCutter(_) | ToolKind::Hob(_) | ToolKind::Other => {
-            sim::ToolKind::Other
-        }
+        ToolKind::EndMill(_) => sim::ToolKind::Mill { diameter: tool.diameter },
+        ToolKind::PolygonCutter(_) | ToolKind::Hob(_) | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.worn_length(), kind }
 }

@@ -289,7 +289,8 @@ impl Workpiece {
         let span = [new.top_mm, new.bottom_mm];
         let mut findings = Vec::new();
         for bore in bores.iter_mut().filter(|bore| same_side(bore.rotary, new.rotary)) {
-            if bore.breaks_into(new.at, new.ring[1], span).is_some() {
+            let beside = bore.breaks_into(new.at, new.ring[1], span);
+            if beside.is_some_and(|beside| beside > new.pitch_mm) {
                 findings.push(breaks("hole", bore.line, apart(bore.cut.at, new.at)));
                 bore.is_broken_into_by(new.at, new.line, "thread", undone);
             }
