@@ -2,7 +2,7 @@
 //! away there.
 //!
 //! ```text
-//!   top ──┐  ┌──────┐  ┌──    a drill     median of the mill's grid on a circle just outside of all
+//!   top ──┐  ┌──────┐  ┌──    a drill     highest of the mill's grid on a circle just outside of all
 //!         │  │ pocket   │                 that was bored there
 //!   floor ┴──┘   or     └──   a tap       deepest of nine tenths of a circle between its bore and its
 //!            counterbore                  nominal diameter; a bore wider than its thread is air, too
@@ -19,6 +19,8 @@ use std::f64::consts::TAU;
 const PLACES: usize = 40;
 /// Cells that a circle keeps away from a bore: half the diagonal of a cell, and a little.
 const CELLS_APART: f64 = 0.75;
+/// Part of a circle that a drill meets first.
+const SHARE_MET: f64 = 0.15;
 /// Part of a thread's circle that must be there.
 const SHARE_THERE: f64 = 0.9;
 
@@ -56,7 +58,7 @@ impl Workpiece {
         let (radius, share) = match under {
             Under::Drill { radius } => {
                 let widest = here().map(|bore| bore.radius()).fold(radius, f64::max);
-                (widest + cell + NOISE_MM, 0.5)
+                (widest + cell + NOISE_MM, SHARE_MET)
             }
             Under::Tap { ring: [inner, outer], .. } => {
                 (f64::midpoint(inner, outer).max(inner + cell), SHARE_THERE)
