@@ -21,14 +21,13 @@ use crate::milling::{Milled, Milling};
 use crate::polygon::{OrderedPolygon, PolygonTrack, StandingPolygons};
 use crate::stroke::Stroke;
 use crate::taken_back::TakenBack;
-use crate::thread::{self, ThreadTrack};
+use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
-use crate::workpiece::{Under, Workpiece};
+use crate::workpiece::Workpiece;
 use crate::{Config, Stock};
 use bus::Sample;
 use canon::{
-    Axis, CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap,
-    Tool,
+    CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap, Tool,
 };
 use std::collections::VecDeque;
 use units::Time;
@@ -38,7 +37,7 @@ use units::Time;
 pub struct Judge {
     pub(crate) config: Config,
     /// Ordered and not yet judged, in order; the front is being cut once `track` is there.
-    orders: VecDeque<OrderedFeature>,
+    pub(crate) orders: VecDeque<OrderedFeature>,
     track: Option<Track>,
     /// The tool that the ops so far have put into the spindle.
     tool_ordered: Option<u32>,
@@ -76,17 +75,17 @@ pub struct Work {
 
 /// One feature that the program orders.
 #[derive(Clone, Debug)]
-struct OrderedFeature {
-    first: u32,
+pub(crate) struct OrderedFeature {
+    pub(crate) first: u32,
     /// First op that is no longer part of it; `None` while that is not known.
     end: Option<u32>,
     span: Span,
     tool: Option<u32>,
-    what: What,
+    pub(crate) what: What,
 }
 
 #[derive(Clone, Debug)]
-enum What {
+pub(crate) enum What {
     Hole(Hole),
     Tap(Tap),
     Polygon(Box<OrderedPolygon>),
@@ -322,11 +321,6 @@ impl Judge {
         }
     }
 
-    /// A feature of this op is not judged yet.
-    pub(crate) fn is_to_come(&self, op: u32) -> bool {
-        self.orders.iter().any(|order| order.first == op)
-    }
-
     /// The program was given up at this op: what was ordered after it will not be cut, and is no
     /// feature.
     pub fn give_up(&mut self, op: u32) {
@@ -399,13 +393,15 @@ impl Judge {
             (Track::Thread(track), _) => {
                 let mut found = track.finish((op, line), now, config, (work, milling));
                 if let Some(place) = track.place((op, line), &found.kind, config.class) {
-                    found.fails(&self.work.tapped(place));
+                    self.work.tapped(place).into_iter().for_each(|why| found.fails(why));
                 }
                 Some(found.map(Box::new).map(FeatureKind::Thread))
             }
             (Track::Polygon(track), What::Polygon(ordered)) => {
                 let mut found = track.finish(op, line, ordered, config, now);
+                let before = TakenBack::known(&self.features);
                 self.polygons.add(&mut found, &mut self.features, config.stock_radius);
+                self.taken_back.compare(&before, &self.features);
                 Some(found.map(Box::new).map(FeatureKind::Polygon))
             }
             (Track::Cam(track), What::Cam(ordered)) => {
@@ -442,29 +438,6 @@ impl Judge {
             if let Some(feature) = self.features.last_mut().filter(|f| f.op == op) {
                 feature.chips_were_thrown();
             }
-        }
-    }
-}
-
-impl OrderedFeature {
-    /// A hole or a tap.
-    const fn is_along_its_tool(&self) -> bool {
-        matches!(self.what, What::Hole(_) | What::Tap(_))
-    }
-
-    /// Where it comes down on the block, and what does; `None`: not along the spindle.
-    fn under(&self, tool: Option<&Tool>, config: &Config) -> Option<([f64; 2], Under)> {
-        let tool = tool?;
-        let at = |at: &Position| [at.linear[0].value(), at.linear[1].value()];
-        match &self.what {
-            What::Hole(hole) if hole.axis == Axis::Z => {
-                let radius = tool.diameter.value() / 2.0;
-                Some((at(&hole.at), Under::Drill { radius }))
-            }
-            What::Tap(tap) if tap.axis == Axis::Z => {
-                Some((at(&tap.start), thread::under(tap, tool, config.class)))
-            }
-            _ => None,
         }
     }
 }

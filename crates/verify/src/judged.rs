@@ -39,16 +39,13 @@ impl<K> Judged<K> {
         self.verdict = Verdict::Fail { reason };
     }
 
-    /// Adds what is wrong with it because of what is beside it.
-    pub(crate) fn fails(&mut self, findings: &[String]) {
-        if !findings.is_empty() {
-            let found = findings.join("; ");
-            let reason = match &self.verdict {
-                Verdict::Fail { reason } => format!("{reason}; {found}"),
-                Verdict::Pass | Verdict::NotJudged { .. } => found,
-            };
-            self.verdict = Verdict::Fail { reason };
-        }
+    /// Finds something wrong with it beside what was found already.
+    pub(crate) fn fails(&mut self, finding: String) {
+        let reason = match &self.verdict {
+            Verdict::Fail { reason } => format!("{reason}; {finding}"),
+            Verdict::Pass | Verdict::NotJudged { .. } => finding,
+        };
+        self.verdict = Verdict::Fail { reason };
     }
 
     /// The same, with what it is told in another type.

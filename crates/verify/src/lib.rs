@@ -14,6 +14,7 @@ mod bar;
 mod cam;
 mod chips;
 mod class;
+mod coming_down;
 mod config;
 mod contact;
 mod feature;

@@ -26,6 +26,20 @@ pub(crate) struct TakenBack {
     forgotten: Vec<Undone>,
 }
 
+impl TakenBack {
+    /// Verdicts as they are now.
+    pub(crate) fn known(features: &[Feature]) -> Vec<Verdict> {
+        features.iter().map(|feature| feature.verdict.clone()).collect()
+    }
+
+    /// Which of them have been changed since.
+    pub(crate) fn compare(&mut self, before: &[Verdict], features: &[Feature]) {
+        let all = before.iter().zip(features).enumerate();
+        let changed = all.filter(|(_, (before, now))| **before != now.verdict);
+        self.changed.extend(changed.map(|(place, _)| place));
+    }
+}
+
 impl Judge {
     /// Places in the list of features whose verdict was changed after they were judged: those of
     /// the changes from this one on.
@@ -72,7 +86,7 @@ impl Judge {
             if let Some(place) = self.features.iter().rposition(made) {
                 self.features[place].destroyed(undone.line, &undone.how);
                 self.taken_back.changed.push(place);
-            } else if self.is_to_come(undone.op) {
+            } else if self.orders.iter().any(|order| order.first == undone.op) {
                 self.taken_back.to_come.push(undone);
             } else if self.taken_back.forgotten.len() < MOST_FORGOTTEN {
                 self.taken_back.forgotten.push(undone);
