@@ -102,7 +102,7 @@ fn told(args: &RunArgs, quiet: bool, finished: &Finished) -> Result<(), Refused>
     let outcome = &finished.outcome;
     match args.format {
         Format::Json => say::out(&format!("{}\n", finished.certificate().to_json()))?,
-        Format::Text if quiet => say::out(&summary::wrong(finished))?,
+        Format::Text if quiet => say::out(&summary::wrong(outcome))?,
         Format::Text => say::out(&summary::text(finished, args.out.as_deref()))?,
     }
     for missing in &outcome.not_triggered {

@@ -31,7 +31,7 @@ pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
     }
     said += &control::stops::text(&outcome.stops, &outcome.happened, &outcome.withdrawn);
     said += &alarms(outcome);
-    said += &format!("{}, cycle time {}\n", verdict(finished), clock(outcome));
+    said += &format!("{}, cycle time {}\n", verdict(outcome), clock(outcome));
     if let Some(out) = out {
         said += &format!("report: {}\n", out.join("report.html").display());
     }
@@ -39,15 +39,14 @@ pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
 }
 
 /// Only what went wrong; nothing if nothing did.
-pub(crate) fn wrong(finished: &Finished) -> String {
-    let outcome = &finished.outcome;
+pub(crate) fn wrong(outcome: &Outcome) -> String {
     let mut said = features(outcome) + &went_wrong(outcome);
     if !outcome.ended {
         said += &control::stops::text(&outcome.stops, &outcome.happened, &outcome.withdrawn);
         said += &alarms(outcome);
     }
     if !said.is_empty() || !outcome.ended {
-        said += &format!("{}\n", verdict(finished));
+        said += &format!("{}\n", verdict(outcome));
     }
     said
 }
@@ -79,8 +78,7 @@ fn alarms(outcome: &Outcome) -> String {
         .fold(String::new(), |said, fault| said + &format!("{fault}\n  {}\n", fault.kind.remedy()))
 }
 
-fn verdict(finished: &Finished) -> String {
-    let outcome = &finished.outcome;
+fn verdict(outcome: &Outcome) -> String {
     if !outcome.ended {
         let what = if outcome.faults.is_empty() { "STOPPED" } else { "STOPPED BY AN ALARM" };
         let broken = outcome.stops.iter().any(|stop| stop.broken.is_some());
@@ -102,7 +100,7 @@ fn verdict(finished: &Finished) -> String {
         Some(counts) => format!("FAIL: of {}, {counts}", plural(all, "feature")),
         None if outcome.watch.violations() > 0 => "FAIL: a safety check was violated".to_owned(),
         None if all == 0 => "ENDED, no holes or threads to judge".to_owned(),
-        None => match unseen(finished) {
+        None => match features.iter().filter(|f| f.has_assumed_hole()).count() {
             0 => format!("PASS: {} within tolerance", plural(all, "feature")),
             unseen => format!(
                 "IF THE HOLES ARE THERE, PASS: {} within tolerance, of which {} taken to be drilled before: \
@@ -112,15 +110,6 @@ fn verdict(finished: &Finished) -> String {
             ),
         },
     }
-}
-
-/// Threads in holes that were not seen, where nothing states that they are there.
-fn unseen(finished: &Finished) -> usize {
-    if finished.job.session.pre_drilled {
-        return 0;
-    }
-    let is_unseen = |f: &&verify::Feature| matches!(&f.kind, FeatureKind::Thread(t) if !t.drilled);
-    finished.outcome.features.iter().filter(is_unseen).count()
 }
 
 fn clock(outcome: &Outcome) -> String {

@@ -390,6 +390,7 @@ fn a_hole_that_no_one_saw_is_not_judged_where_the_program_drills() {
         bad("drill 6.8 20 20 24; tap 8 20 -20 18", &[UNSEEN]),
         bad("drill 6.8 20 40 24; tap 8 40 20 18", &[UNSEEN]),
         bad("plunge 6.8 40 20 24; tap 8 20 20 18", &[UNSEEN]),
+        bad("tap 8 20 20 18; plunge 6.8 40 20 24", &[UNSEEN]),
         good("tap 8 20 20 18"),
         good("raw (PRE-DRILLED); drill 6.8 40 20 24; tap 8 20 20 18"),
         good("raw (pre-drilled: a casting); tap 8 20 20 18; drill 6.8 40 20 24"),

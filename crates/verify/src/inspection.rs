@@ -15,7 +15,7 @@ use crate::config::tapping_torque;
 use crate::gauge::{CutThread, Gauge, Gauged};
 use crate::groove::{GrooveCut, OffHelix, TapForm};
 use crate::stroke::Visit;
-use crate::tapped::{ProfilePoint, Thread};
+use crate::tapped::{KnownHole, ProfilePoint, Thread};
 use crate::thread::ThreadTrack;
 use crate::tolerance::{Limits, normal_engagement};
 use crate::workpiece::{Bore, Workpiece};
@@ -110,7 +110,11 @@ impl<'a> Inspection<'a> {
             pitch_diameter: if_cut(gauged.pitch_diameter),
             virtual_pitch_diameter: if_cut(gauged.virtual_pitch_diameter),
             minor_diameter: flanks.minor_diameter,
-            drilled: self.hole.is_some(),
+            hole: match (self.hole.is_some(), self.config.pre_drilled) {
+                (true, _) => KnownHole::Seen,
+                (false, true) => KnownHole::Stated,
+                (false, false) => KnownHole::Assumed,
+            },
             class,
             class_asked: self.class,
             margin,
@@ -268,11 +272,6 @@ impl<'a> Inspection<'a> {
                 surface.lowered_mm, self.full_mm, least.min(ordered)
             )
         })
-    }
-
-    /// No hole was seen in which it could have been tapped.
-    pub(crate) const fn is_unseen(&self) -> bool {
-        self.hole.is_none()
     }
 
     fn sync_finding(&self) -> Option<String> {

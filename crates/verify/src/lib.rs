@@ -57,7 +57,7 @@ pub use judged::Judged;
 pub use milling::{HeightMap, Largest, MillStock, Milled, MillingPlace, RapidCut, StockSource};
 pub use polygon::{Along, Facet, Polygon, Section};
 pub use summary::{Count, Criterion, Headroom, Summary};
-pub use tapped::{ProfilePoint, Thread};
+pub use tapped::{KnownHole, ProfilePoint, Thread};
 pub use tolerance::Limits;
 pub use trend::TorqueTrend;
 pub use turned::{LeadOfTurn, TurnedLimits, TurnedSizes, TurnedThread};

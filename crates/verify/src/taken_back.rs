@@ -20,6 +20,8 @@ const MOST_FORGOTTEN: usize = 1000;
 pub(crate) struct TakenBack {
     /// Places in the list of features that were changed after they were judged, in that order.
     pub(crate) changed: Vec<usize>,
+    /// Threads in holes that no one saw were looked at, because something is drilled.
+    is_drilled: bool,
     /// Of features that are not judged yet.
     to_come: Vec<Undone>,
     /// Of features that the judge has forgotten.
@@ -59,16 +61,12 @@ impl Judge {
 
     /// The program drills: what was tapped without a hole that was seen is not found good.
     pub(crate) fn will_drill(&mut self) {
-        if self.work.is_drilled() {
-            return;
-        }
         self.work.will_be_drilled();
-        if self.config.pre_drilled {
+        if std::mem::replace(&mut self.taken_back.is_drilled, true) || self.config.pre_drilled {
             return;
         }
         for (place, feature) in self.features.iter_mut().enumerate() {
-            let is_unseen = matches!(&feature.kind, FeatureKind::Thread(t) if !t.drilled);
-            if is_unseen && feature.verdict.is_pass() {
+            if feature.has_assumed_hole() && feature.verdict.is_pass() {
                 feature.verdict = Verdict::NotJudged { reason: UNSEEN.to_owned() };
                 self.taken_back.changed.push(place);
             }
@@ -77,6 +75,9 @@ impl Judge {
 
     /// What a cut has changed is changed in its verdict.
     pub(crate) fn take_back(&mut self) {
+        if self.work.is_drilled() {
+            self.will_drill();
+        }
         let mut undone = std::mem::take(&mut self.taken_back.to_come);
         undone.extend(self.work.take_undone());
         for undone in undone {

@@ -16,7 +16,7 @@ use crate::inspection::Inspection;
 use crate::judged::Judged;
 use crate::milling::Milling;
 use crate::stroke::{Stroke, Visit};
-use crate::tapped::Thread;
+use crate::tapped::{KnownHole, Thread};
 use crate::tolerance::Limits;
 use crate::verdict::Verdict;
 use crate::workpiece::{TappedPlace, Under, Workpiece};
@@ -169,21 +169,13 @@ impl ThreadTrack {
         }
     }
 
-    /// Why it is not known whether its hole was there.
-    fn unseen(
-        &self,
-        inspection: &Inspection<'_>,
-        config: &Config,
-        (work, milling): (&Workpiece, &Milling),
-    ) -> Option<String> {
-        if config.pre_drilled || !inspection.is_unseen() || !work.is_drilled() {
-            return None;
-        }
+    /// Its hole was milled before it.
+    fn is_bored(&self, milling: &Milling) -> bool {
+        let Some(tool) = &self.tool else { return false };
         let bore = self.size.tap_drill().value() / 2.0;
-        let length_mm = self.tool.as_ref()?.worn_length().value();
-        let bottom_mm = self.stroke.coordinate_mm(self.visit.deepest_mm) - length_mm;
+        let tip_mm = self.stroke.coordinate_mm(self.visit.deepest_mm) - tool.worn_length().value();
         let at = self.visit.position(&self.stroke).map(Length::value);
-        (!milling.has_bored(at, bore, bottom_mm)).then(|| UNSEEN.to_owned())
+        milling.has_bored(at, bore, tip_mm)
     }
 
     /// Where it is in the work; `None`: nothing was cut that could be destroyed.
@@ -226,15 +218,20 @@ impl ThreadTrack {
     ) -> Judged<Thread> {
         let inspection = Inspection::new(self, config, work);
         let [time, duration] = times(&self.visit, now);
+        let mut thread = inspection.thread();
+        if thread.hole == KnownHole::Assumed && self.is_bored(milling) {
+            thread.hole = KnownHole::Seen;
+        }
+        let is_unseen = thread.hole == KnownHole::Assumed && work.is_drilled();
         Judged {
             op,
             line,
             tool: self.tool_number,
             time,
             duration,
-            verdict: self.verdict(&inspection, self.unseen(&inspection, config, (work, milling))),
+            verdict: self.verdict(&inspection, is_unseen.then(|| UNSEEN.to_owned())),
             contact: if self.is_assumed() { Contact::default() } else { inspection.contact() },
-            kind: inspection.thread(),
+            kind: thread,
         }
     }
 
