@@ -67,7 +67,8 @@ class Block:
     def levels(self, x, y, inner, outer, down, share=0.9):
         """Levels of a thread's ring that are there, as a row of truths from the top down."""
         r = self.off(x, y)
-        ring = self.depth[(r > inner / 2 + CELL) & (r < outer / 2 - CELL / 2)]
+        beyond = CELL if share > 0.9 else -CELL / 2
+        ring = self.depth[(r > inner / 2 + CELL) & (r < outer / 2 + beyond)]
         return np.array([np.mean(ring <= level + 1e-9) >= share for level in np.arange(0.0, down, STEP)])
 
 

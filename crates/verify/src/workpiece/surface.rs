@@ -4,7 +4,7 @@
 //! ```text
 //!   top ──┐  ┌──────┐  ┌──    a drill     highest of the mill's grid on a circle just outside of all
 //!         │  │ pocket   │                 that was bored there
-//!   floor ┴──┘   or     └──   a tap       deepest of nine tenths of a circle between its bore and its
+//!   floor ┴──┘   or     └──   a tap       deepest of a circle between its bore and its
 //!            counterbore                  nominal diameter; a bore wider than its thread is air, too
 //! ```
 //!
@@ -21,8 +21,10 @@ const PLACES: usize = 40;
 const CELLS_APART: f64 = 0.75;
 /// Part of a circle that a drill meets first.
 const SHARE_MET: f64 = 0.15;
-/// Part of a thread's circle that must be there.
-const SHARE_THERE: f64 = 0.9;
+/// Part of a thread's circle that must be there: all but one place ...
+const SHARE_THERE: f64 = 0.975;
+/// ... or half of it, where a cell is larger than this share of the thread's radius.
+const COARSE: f64 = 0.2;
 
 /// Where the material begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,7 +63,9 @@ impl Workpiece {
                 (widest + cell + NOISE_MM, SHARE_MET)
             }
             Under::Tap { ring: [inner, outer], .. } => {
-                (f64::midpoint(inner, outer).max(inner + cell), SHARE_THERE)
+                let is_coarse = milling.cell() > COARSE * outer;
+                let share = if is_coarse { 0.5 } else { SHARE_THERE };
+                (f64::midpoint(inner, outer).max(inner + cell), share)
             }
         };
         let milled = milling.top_around(at, radius, share).filter(|milled| *milled < top_mm);
