@@ -411,12 +411,13 @@ impl Judge {
             (Track::Gear(track), What::Gear(ordered)) => {
                 let place = (op, line, order.tool);
                 let (found, earlier) = track.finish(place, ordered, (config, &mut self.gears), now);
-                self.features.retain(|feature| !earlier.absorbed.contains(&feature.op));
+                let before = self.taken_back.absorb(&earlier.absorbed, &mut self.features);
                 for (op, how) in &earlier.destroyed {
                     if let Some(first) = self.features.iter_mut().find(|f| f.op == *op) {
                         first.destroyed(line, how);
                     }
                 }
+                self.taken_back.compare(&before, &self.features);
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {

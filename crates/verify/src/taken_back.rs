@@ -34,6 +34,14 @@ impl TakenBack {
         features.iter().map(|feature| feature.verdict.clone()).collect()
     }
 
+    /// Features of these ops are part of another one that follows; the verdicts that are left.
+    pub(crate) fn absorb(&mut self, ops: &[u32], features: &mut Vec<Feature>) -> Vec<Verdict> {
+        let all = features.len();
+        features.retain(|feature| !ops.contains(&feature.op));
+        self.changed.extend(std::iter::repeat_n(Judge::REMOVED, all - features.len()));
+        Self::known(features)
+    }
+
     /// Which of them have been changed since.
     pub(crate) fn compare(&mut self, before: &[Verdict], features: &[Feature]) {
         let all = before.iter().zip(features).enumerate();
@@ -43,8 +51,12 @@ impl TakenBack {
 }
 
 impl Judge {
+    /// What stands in the place of a feature that is no longer in the list: it is part of another
+    /// one, and those behind it have moved up.
+    pub const REMOVED: usize = usize::MAX;
+
     /// Places in the list of features whose verdict was changed after they were judged: those of
-    /// the changes from this one on.
+    /// the changes from this one on, or [`Self::REMOVED`].
     pub fn changed_since(&self, change: usize) -> &[usize] {
         self.taken_back.changed.get(change..).unwrap_or_default()
     }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
-use verify::Feature;
+use verify::{Feature, Judge};
 
 /// What the observers have not looked at yet: some seconds of samples; then the run waits for them,
 /// and the servo thread does not.
@@ -56,8 +56,9 @@ pub(crate) struct Beside {
 /// What each tool has cut, by its number.
 type ToolUses = BTreeMap<u32, ToolUse>;
 
-/// A feature at its place in the list, new or changed; what each tool had cut by then.
-type JudgedAt = (usize, Feature, ToolUses);
+/// A feature at its place in the list, new or changed, or the end of a list that is told anew; what
+/// each tool had cut by then.
+type JudgedAt = (usize, Option<Feature>, ToolUses);
 
 /// What there is to look at.
 enum Look {
@@ -246,11 +247,16 @@ impl Beside {
         // a thread that has broken down is told of at the end
         let _ = self.looks.send(look);
         for (place, feature, tool_use) in self.judged.try_iter() {
-            if let Some(known) = self.features.get_mut(place) {
-                *known = feature;
-                self.changed.push(place);
-            } else {
-                self.features.push(feature);
+            match (feature, self.features.get_mut(place)) {
+                (Some(feature), Some(known)) => {
+                    *known = feature;
+                    self.changed.push(place);
+                }
+                (Some(feature), None) => self.features.push(feature),
+                (None, _) => {
+                    self.features.clear();
+                    self.changed.push(Judge::REMOVED);
+                }
             }
             self.tool_use = tool_use;
         }
@@ -281,14 +287,21 @@ impl NewFeatures {
     fn tell(&mut self, observers: &Observers) {
         let judged = observers.judge.features();
         let send = |place: usize| {
-            let feature = judged[place].clone();
+            let feature = judged.get(place).cloned();
             let _ = self.features.send((place, feature, observers.tool_use())); // the run may be over
         };
+        let changed = observers.judge.changed_since(self.changes);
+        let (removed, changed): (Vec<usize>, Vec<usize>) =
+            changed.iter().partition(|place| **place == Judge::REMOVED);
+        if !removed.is_empty() {
+            self.count = 0;
+            self.changes += removed.len();
+            removed.into_iter().for_each(send);
+        }
         (self.count..judged.len()).for_each(send);
         self.count = judged.len();
-        let changed = observers.judge.changed_since(self.changes);
-        changed.iter().copied().for_each(send);
         self.changes += changed.len();
+        changed.into_iter().for_each(send);
         self.breaches.store(observers.watch.breaches().len(), Relaxed);
     }
 }

@@ -59,7 +59,9 @@ impl Control {
         let told = self.of_last_program().get(..self.told_features).unwrap_or_default();
         let again: Vec<Feature> =
             changed.iter().filter_map(|place| told.get(*place)).cloned().collect();
+        let removed = changed.iter().filter(|place| **place == Judge::REMOVED).count();
         self.told_changes += changed.len();
+        self.told_features = self.told_features.saturating_sub(removed);
         for feature in again {
             self.keep_feature(&feature);
             self.events.notice(format!("a verdict has changed: {}", said_of(&feature)));
