@@ -19,9 +19,8 @@ impl Tool {
     /// Cutting diameter; zero for what does not cut here.
     pub fn diameter(&self) -> Length {
         match &self.kind {
-            ToolKind::Drill { diameter, .. } => *diameter,
+            ToolKind::Drill { diameter, .. } | ToolKind::Mill { diameter } => *diameter,
             ToolKind::Tap(tap) => tap.diameter,
-            ToolKind::Mill { diameter } => *diameter,
             ToolKind::Insert(_) | ToolKind::Probe(_) | ToolKind::Other => Length::ZERO,
         }
     }

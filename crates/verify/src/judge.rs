@@ -66,7 +66,7 @@ pub struct Judge {
 /// What has been cut of the work, as far as a judge knows: what comes later is judged against it.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
-    work: Workpiece,
+    block: Workpiece,
     polygons: StandingPolygons,
     bar: Option<TurnedBar>,
     milling: Milling,
@@ -132,7 +132,7 @@ impl Judge {
     /// The same judge, who knows what was cut before.
     #[must_use]
     pub fn on(mut self, work: Work) -> Self {
-        self.work = work.work.at_rest();
+        self.work = work.block.at_rest();
         self.polygons = work.polygons;
         self.milling = work.milling.at_rest();
         self.gears = work.gears;
@@ -157,8 +157,8 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        let Self { work, polygons, bar, milling, gears, .. } = self;
-        Work { work, polygons, bar, milling, gears }
+        let Self { work: block, polygons, bar, milling, gears, .. } = self;
+        Work { block, polygons, bar, milling, gears }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.

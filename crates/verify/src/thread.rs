@@ -156,17 +156,14 @@ impl ThreadTrack {
     }
 
     fn verdict(&self, inspection: &Inspection<'_>, unseen: Option<String>) -> Verdict {
-        match self.tool_number.filter(|_| self.is_assumed()) {
-            Some(number) => Verdict::NotJudged {
+        if let Some(number) = self.tool_number.filter(|_| self.is_assumed()) {
+            return Verdict::NotJudged {
                 reason: format!(
                     "T{number} is not in the tool table: what it taps is not judged; add it to the table"
                 ),
-            },
-            None => {
-                let not_judged = self.stroke.not_judged().or(unseen);
-                Verdict::unless(&inspection.findings(), not_judged)
-            }
+            };
         }
+        Verdict::unless(&inspection.findings(), self.stroke.not_judged().or(unseen))
     }
 
     /// Its hole was milled before it.

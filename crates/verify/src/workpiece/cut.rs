@@ -27,7 +27,7 @@ impl Cut {
     }
 
     /// Lowest coordinate at which it takes something of a ring about a place.
-    pub(crate) fn into_ring(&self, at: [f64; 2], [inner, outer]: [f64; 2]) -> Option<f64> {
+    pub(crate) fn ring_level(&self, at: [f64; 2], [inner, outer]: [f64; 2]) -> Option<f64> {
         let apart = apart(self.at, at);
         self.level((inner - apart).max(apart - outer))
     }
@@ -52,7 +52,7 @@ mod tests {
     #[test]
     fn a_drill_within_the_bore_takes_nothing_of_the_thread_and_one_beside_it_does() {
         let m8 = [3.456, 4.0];
-        let flat = |x, d| cut(x, d, MillForm::FLAT).into_ring([0.0, 0.0], m8);
+        let flat = |x, d| cut(x, d, MillForm::FLAT).ring_level([0.0, 0.0], m8);
         assert_eq!(flat(0.0, 6.8), None, "its own hole");
         assert_eq!(flat(0.0, 8.5), Some(-10.0));
         assert_eq!(flat(1.5, 6.8), Some(-10.0));
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn a_countersink_reaches_the_thread_as_deep_as_its_cone_is_wider_than_the_bore() {
         let cone = MillForm::Conical { angle: Angle::deg(90.0), tip: Length::ZERO };
-        let level = cut(0.0, 20.0, cone).into_ring([0.0, 0.0], [3.0, 4.0]).unwrap();
+        let level = cut(0.0, 20.0, cone).ring_level([0.0, 0.0], [3.0, 4.0]).unwrap();
         assert!((level + 7.0).abs() < 1e-9, "{level}");
     }
 }

@@ -237,7 +237,7 @@ impl Workpiece {
                 && old.is_about(new.cut.at)
         });
         for thread in threads.iter_mut().filter(|thread| same_side(thread.rotary, *rotary)) {
-            if let Some(level) = new.cut.into_ring(thread.at, thread.ring) {
+            if let Some(level) = new.cut.ring_level(thread.at, thread.ring) {
                 let allowed = if new.is_spot && !new.is_about(thread.at) {
                     thread.pitch_mm
                 } else if new.is_about(thread.at) {
@@ -272,7 +272,7 @@ impl Workpiece {
                 && apart(thread.at, own.cut.at) + thread.ring[1] > own.radius()
                 && own
                     .cut
-                    .into_ring(thread.at, thread.ring)
+                    .ring_level(thread.at, thread.ring)
                     .is_some_and(|level| level.max(thread.bottom_mm) < thread.top_mm - SCRAPE_MM)
         });
         let at = own.cut.at;
@@ -312,7 +312,7 @@ impl Workpiece {
                     old.is_destroyed_by(new.line, &how, undone);
                 }
                 None => {
-                    if let Some(level) = cut.into_ring(old.at, old.ring) {
+                    if let Some(level) = cut.ring_level(old.at, old.ring) {
                         if !is_here && level < old.top_mm - SCRAPE_MM && !old.is_destroyed {
                             findings.push(breaks("thread", old.line, apart(old.at, new.at)));
                         }
@@ -343,7 +343,7 @@ impl Workpiece {
         self.looked_at = Some(tip);
         let rotary = self.rotary;
         for thread in &mut self.threads {
-            if let Some(level) = cut.into_ring(thread.at, thread.ring)
+            if let Some(level) = cut.ring_level(thread.at, thread.ring)
                 && level < thread.top_mm
                 && same_side(thread.rotary, rotary)
             {

@@ -9,6 +9,7 @@ pub(super) const NOISE_MM: f64 = 0.01;
 
 /// A hole that a drill or an end mill has made, or a spot drill's cone.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 pub(crate) struct Bore {
     /// Across the tool.
     pub(crate) at: [Length; 2],

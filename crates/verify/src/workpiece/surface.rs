@@ -11,7 +11,7 @@
 //! A grid is as fine as the smallest mill so far: a circle nearer than a cell to a bore would be
 //! taken for air.
 use super::places::NOISE_MM;
-use super::{MOUTH_PITCHES, Workpiece};
+use super::{Bore, MOUTH_PITCHES, Workpiece};
 use crate::milling::Milling;
 use std::f64::consts::TAU;
 
@@ -59,7 +59,7 @@ impl Workpiece {
         let cell = CELLS_APART * milling.cell();
         let (radius, share) = match under {
             Under::Drill { radius } => {
-                let widest = here().map(|bore| bore.radius()).fold(radius, f64::max);
+                let widest = here().map(Bore::radius).fold(radius, f64::max);
                 (widest + cell + NOISE_MM, SHARE_MET)
             }
             Under::Tap { ring: [inner, outer], .. } => {
