@@ -37,6 +37,7 @@ const G54: usize = 5221;
 const OFFSETS_APART: usize = 20;
 
 /// Everything that is loaded before a program is read.
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct Session {
     /// The machine.
     pub machine: MachineFile,
