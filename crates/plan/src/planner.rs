@@ -125,7 +125,7 @@ pub struct Planner {
     spindles: Vec<SpindleState>,
     mode: PathMode,
     holes: Holes,
-    stroke: Option<deep::Stroke>,
+    stroke: Option<deep::UnpeckedHole>,
     /// The tool against the stock, if that is known.
     contact: Option<contact::Contact>,
     /// In and out.

@@ -56,7 +56,8 @@ pub(crate) struct Drilling {
 }
 
 impl Drilling {
-    /// The drill touches the surface, or the floor of what was milled so deep below it. `scale` is this hole's scatter of the cutting force.
+    /// The drill touches the surface, or the floor of what was milled so deep below it. `scale` is
+    /// this hole's scatter of the cutting force.
     pub(crate) fn begin(
         diameter: Length,
         point_angle: Angle,

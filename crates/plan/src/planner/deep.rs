@@ -21,7 +21,7 @@ const SAME: f64 = 1e-6;
 
 /// A hole whose first feed has not come yet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stroke {
+pub(super) struct UnpeckedHole {
     bottom: Length,
     depth: Length,
     most: Length,
@@ -45,7 +45,7 @@ impl Planner {
             let is_open = self.holes.at(&hole.at, hole.bottom - tool.worn_length());
             let is_new = is_open
                 .is_none_or(|open| open.full_bottom > hole.bottom - tool.worn_length() + most);
-            (hole.axis == Axis::Z && is_new).then_some(Stroke {
+            (hole.axis == Axis::Z && is_new).then_some(UnpeckedHole {
                 bottom: hole.bottom,
                 depth,
                 most,

@@ -11,7 +11,7 @@ use crate::milling::Cutter;
 
 /// A tool at one place.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cut {
+pub(crate) struct ToolCut {
     /// Across the tool, mm.
     pub(crate) at: [f64; 2],
     /// Coordinate of the tip, mm.
@@ -19,7 +19,7 @@ pub(crate) struct Cut {
     pub(crate) cutter: Cutter,
 }
 
-impl Cut {
+impl ToolCut {
     /// Lowest coordinate at which it is wider than a radius; `None`: it never is.
     pub(crate) fn level(&self, radius: f64) -> Option<f64> {
         let radius = radius.max(0.0);
@@ -44,9 +44,9 @@ mod tests {
     use canon::MillForm;
     use units::{Angle, Length};
 
-    fn cut(x: f64, diameter: f64, form: MillForm) -> Cut {
+    fn cut(x: f64, diameter: f64, form: MillForm) -> ToolCut {
         let cutter = Cutter::with(diameter / 2.0, form);
-        Cut { at: [x, 0.0], tip_mm: -10.0, cutter }
+        ToolCut { at: [x, 0.0], tip_mm: -10.0, cutter }
     }
 
     #[test]

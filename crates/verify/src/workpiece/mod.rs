@@ -25,7 +25,7 @@ use crate::stroke::{axis_mm, edge_of};
 use crate::{Config, Stock};
 use bus::Sample;
 use canon::{Tool, ToolKind};
-use cut::{Cut, apart};
+use cut::{ToolCut, apart};
 use places::{NOISE_MM, same_side};
 use units::Length;
 
@@ -180,7 +180,7 @@ impl Workpiece {
             self.plunges(at, tip_mm, (feature, line));
         }
         if tool.is_mill && !self.threads.is_empty() {
-            self.mills(Cut { at, tip_mm, cutter: tool.cutter }, line);
+            self.mills(ToolCut { at, tip_mm, cutter: tool.cutter }, line);
         }
     }
 
@@ -207,7 +207,7 @@ impl Workpiece {
         if plunge.from_mm - plunge.deepest_mm < LEAST_PLUNGE_MM {
             return;
         }
-        let cut = Cut { at: plunge.at, tip_mm: plunge.deepest_mm, cutter: tool.cutter };
+        let cut = ToolCut { at: plunge.at, tip_mm: plunge.deepest_mm, cutter: tool.cutter };
         let radius = tool.cutter.radius;
         self.is_drilled = true;
         self.bored(Bore {
@@ -296,7 +296,7 @@ impl Workpiece {
             }
         }
         let cutter = Cutter::flat(new.ring[1]);
-        let cut = Cut { at: new.at, tip_mm: new.bottom_mm, cutter };
+        let cut = ToolCut { at: new.at, tip_mm: new.bottom_mm, cutter };
         let mut ops = Vec::new();
         for old in threads.iter_mut().filter(|old| same_side(old.rotary, new.rotary)) {
             let is_here = apart(old.at, new.at) <= ELSEWHERE_MM;
@@ -334,7 +334,7 @@ impl Workpiece {
         findings
     }
 
-    fn mills(&mut self, cut: Cut, line: u32) {
+    fn mills(&mut self, cut: ToolCut, line: u32) {
         let tip = [cut.at[0], cut.at[1], cut.tip_mm];
         let is_near = |last: &[f64; 3]| (0..3).all(|i| (last[i] - tip[i]).abs() < MILL_STEP_MM);
         if self.looked_at.as_ref().is_some_and(is_near) {

@@ -1,5 +1,5 @@
 //! Places of the workpiece: bores and tapped threads, each with the line that has made it.
-use super::cut::{Cut, apart};
+use super::cut::{ToolCut, apart};
 use crate::hole::SAME_HOLE;
 use crate::milling::Cutter;
 use units::Length;
@@ -17,7 +17,7 @@ pub(crate) struct Bore {
     pub(crate) diameter: Length,
     /// Coordinate of the *tip* to which the diameter is full.
     pub(crate) bottom_mm: f64,
-    pub(super) cut: Cut,
+    pub(super) cut: ToolCut,
     pub(super) is_spot: bool,
     /// Where its cylinder begins, coordinate.
     pub(super) top_mm: f64,
