@@ -28,6 +28,8 @@ class ProgramOptions(TypedDict, total=False):
     """Parameter file (``.var``) with work offsets."""
     inputs: Path | None
     missing_tools: Literal["refuse", "stand-in"] | None
+    pre_drilled: bool | None
+    """Holes that the program taps and does not drill are there."""
     tapping: Literal["synchronised", "floating"] | None
     clutch_dwell: Literal["refuse", "warn"] | None
     dialect: Dialect | None

@@ -49,6 +49,8 @@ pub struct Body {
     pub stick_out: Option<Length>,
     /// Diameter of the holder.
     pub holder: Option<Length>,
+    /// Depth that a drill makes without pecks, where its maker states it.
+    pub depth_without_pecks: Option<Length>,
 }
 
 /// What a tool is.

@@ -100,7 +100,15 @@ fn verdict(outcome: &Outcome) -> String {
         Some(counts) => format!("FAIL: of {}, {counts}", plural(all, "feature")),
         None if outcome.watch.violations() > 0 => "FAIL: a safety check was violated".to_owned(),
         None if all == 0 => "ENDED, no holes or threads to judge".to_owned(),
-        None => format!("PASS: {} within tolerance", plural(all, "feature")),
+        None => match features.iter().filter(|f| f.has_assumed_hole()).count() {
+            0 => format!("PASS: {} within tolerance", plural(all, "feature")),
+            unseen => format!(
+                "IF THE HOLES ARE THERE, PASS: {} within tolerance, of which {} taken to be drilled before: \
+                 --pre-drilled or a comment (PRE-DRILLED) states it",
+                plural(all, "feature"),
+                if unseen == 1 { "1 is".to_owned() } else { format!("{unseen} are") }
+            ),
+        },
     }
 }
 

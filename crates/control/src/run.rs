@@ -238,6 +238,12 @@ impl Running {
         self.observers.features()
     }
 
+    /// Places of features whose verdict was changed after they were judged: those of the changes
+    /// from this one on.
+    pub fn changed_since(&self, change: usize) -> &[usize] {
+        self.observers.changed_since(change)
+    }
+
     /// Before the first period: keep what pictures need, and every period.
     pub fn record(&mut self, recorder: report::Recorder, trace: TraceThread) {
         if let Some(observers) = self.observers.here() {

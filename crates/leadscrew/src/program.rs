@@ -190,12 +190,18 @@ impl Job {
             axis.start = start.along(Axis::ALL[*index]);
         }
         simulated.tool = self.session.tool();
+        let stated = MilledStock::stated_in(&self.program.text, &self.session);
+        if let (Some(work), Some(block)) = (&mut simulated.stock, stated) {
+            config::clamp(work, &block);
+        }
         simulated
     }
 
     /// What the workpiece is judged by.
     pub(crate) fn judge(&self) -> verify::Config {
         let config = self.session.judge(self.material, &self.session.work_zero());
+        let stated = MilledStock::stated_in(&self.program.text, &self.session);
+        let config = verify::Config { stock: stated.or(config.stock), ..config };
         let Some(proved) = &self.proved else { return config };
         let milled = MilledStock::of(&self.program.text, &self.session, proved.operations.all());
         let gear_blank = MilledStock::stated_in(&self.program.text, &self.session);

@@ -4,6 +4,7 @@
 mod feedback_faults;
 mod library;
 mod never_slower;
+mod one_workpiece;
 mod polygon_phase;
 mod probing;
 mod rounded_feeds;

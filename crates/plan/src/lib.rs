@@ -35,8 +35,9 @@
 //! M0351 not against the cut; M0355 a face thread, tap or gear with G96, M0356 a thread with it;
 //! tool and stock: M0360 rapid into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too
 //! fast, M0364 tap without its cycle, M0365 length offset, M0370 no such input, M0371 no such
-//! output, M0372 no probe, M0373 no tool of those selected, M0366 nothing is cut, M0367 reach,
-//! M0368 chamfer, M0369 zero, M0434 depth of a hob, M0435 another hob, M0436 blank of a gear;
+//! output, M0372 no probe, M0373 no tool of those selected, M0374 deep without pecks, M0366 nothing
+//! is cut, M0367 reach, M0368 chamfer, M0369 zero, M0434 depth of a hob, M0435 another hob, M0436
+//! blank of a gear;
 //! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool
 //! spindle too fast; cam grinding: M0411 no such profile, M0412 nothing
 //! sampled, M0413 not measured, M0414 too fast, M0415 wheel too near; turned threads: M0421 spindle

@@ -42,6 +42,7 @@ mod cam;
 mod chips;
 mod contact;
 mod coupled;
+mod deep;
 mod empty_spindle;
 mod moves;
 mod probe;
@@ -124,6 +125,7 @@ pub struct Planner {
     spindles: Vec<SpindleState>,
     mode: PathMode,
     holes: Holes,
+    stroke: Option<deep::UnpeckedHole>,
     /// The tool against the stock, if that is known.
     contact: Option<contact::Contact>,
     /// In and out.
@@ -253,6 +255,7 @@ impl Planner {
             selected: None,
             mode,
             holes: Holes::default(),
+            stroke: None,
             contact: None,
             last_strokes: [None; 2],
             warned_still: false,
@@ -335,6 +338,7 @@ impl Planner {
         match &op.kind {
             OpKind::Rapid { to } => self.rapid(&mut job, to),
             OpKind::Line { to, feed } => {
+                self.hole_is_fed(to);
                 self.cut(&mut job, to, *feed, |from| Path::Line { from, to: *to });
             }
             OpKind::Arc { to, arc, feed } => {
@@ -349,6 +353,7 @@ impl Planner {
             OpKind::Threading(order) => self.threading(&mut job, order),
             OpKind::Hole(hole) => {
                 self.judge_hole(&job, hole);
+                self.hole_begins(hole, op.span);
                 if let Some(tool) = self.tools.get(self.tool) {
                     self.holes.drill(hole, tool, op.span);
                 } else if self.tool == 0 {

@@ -47,6 +47,7 @@ fn all_tools() -> ToolLibrary {
         shank: None,
         stick_out: Some(mm(18.0)),
         holder: Some(mm(30.0)),
+        ..canon::Body::default()
     };
     let point_angle = Angle::deg(118.0);
     tools.insert(Tool { body, ..tool(11, 5.0, ToolKind::Drill { point_angle }) });

@@ -45,6 +45,7 @@ pub(crate) struct Drilling {
     sine: f64,
     kc: f64,
     top: f64,
+    floor: f64,
     thickness: f64,
     feed: f64,
     angle: f64,
@@ -55,11 +56,12 @@ pub(crate) struct Drilling {
 }
 
 impl Drilling {
-    /// The drill touches the surface. `scale` is this hole's scatter of the cutting force.
+    /// The drill touches the surface, or the floor of what was milled so deep below it. `scale` is
+    /// this hole's scatter of the cutting force.
     pub(crate) fn begin(
         diameter: Length,
         point_angle: Angle,
-        stock: &mut Stock,
+        (stock, floor): (&mut Stock, f64),
         hole: usize,
         pose: &Pose,
         scale: f64,
@@ -72,6 +74,8 @@ impl Drilling {
             bores.push(Bore { diameter, tip_depth: Length::ZERO, cone: Length::mm(cone) });
             bores.len() - 1
         });
+        let open = &mut bores[bore].tip_depth;
+        *open = open.max(Length::mm(floor));
         Self {
             hole,
             bore,
@@ -81,6 +85,7 @@ impl Drilling {
             sine: half_point.sin(),
             kc: stock.cutting_n_per_mm2 * scale,
             top: stock.top.value(),
+            floor,
             thickness: stock.thickness.map_or(f64::INFINITY, Length::value),
             feed: 0.0,
             angle: pose.angle,
@@ -92,8 +97,9 @@ impl Drilling {
     /// The drill is clear of the work: above its surface, or back at it.
     #[inline]
     pub(crate) fn is_out(&self, pose: &Pose) -> bool {
-        let back = self.deepest > ENTERED_MM && pose.tip >= self.top - AT_SURFACE_MM;
-        pose.tip >= self.top || back
+        let floor = self.top - self.floor;
+        let back = self.deepest > self.floor + ENTERED_MM && pose.tip >= floor - AT_SURFACE_MM;
+        pose.tip >= floor || back
     }
 
     /// The drill at this pose, after one physics step; `None` where it breaks.
@@ -155,7 +161,7 @@ mod tests {
         let omega = 2.0 * core::f64::consts::PI * 50.0;
         let start = Pose { tip: top, angle: 0.0, omega };
         let mut drill =
-            Drilling::begin(Length::mm(5.0), Angle::deg(118.0), &mut stock, 0, &start, 1.0);
+            Drilling::begin(Length::mm(5.0), Angle::deg(118.0), (&mut stock, 0.0), 0, &start, 1.0);
         let steps = (depth / (feed * 50.0 * 25e-6)).ceil().max(2000.0) as usize;
         let mut load = None;
         for i in 1..=steps {

@@ -192,7 +192,7 @@ impl Tapping {
     /// force, `slip` how far a clutch has left the tap ahead of the spindle, rev.
     pub(crate) fn begin(
         tap: &Tap,
-        stock: &Stock,
+        (stock, floor): (&Stock, f64),
         hole: usize,
         pose: &Pose,
         scale: f64,
@@ -203,7 +203,8 @@ impl Tapping {
         let pitch = lead.abs();
         let made = &stock.holes[hole];
         let (bored, bored_to) = pilot(made, diameter, pitch);
-        let thickness = stock.thickness.map_or(f64::INFINITY, Length::value);
+        let thickness = stock.thickness.map_or(f64::INFINITY, Length::value) - floor;
+        let bored_to = (bored_to - floor).max(0.0);
         let kc = stock.cutting_n_per_mm2 * scale;
         let ground = if bored_to >= thickness { f64::INFINITY } else { bored_to };
         // a thread shorter than one pitch guides nothing
@@ -227,7 +228,7 @@ impl Tapping {
             per_chamfer: 1.0 / (tap.chamfer_pitches * pitch),
             tail_per_depth: TAIL_PER_DIAMETER / diameter,
             plateau: plateau_torque(kc, tap.flute_factor, diameter, bored),
-            top: stock.top.value(),
+            top: stock.top.value() - floor,
             thickness,
             ground: ground.min(tap.thread_length.value()),
             helix_angle,

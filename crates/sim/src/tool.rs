@@ -19,7 +19,7 @@ impl Tool {
     /// Cutting diameter; zero for what does not cut here.
     pub fn diameter(&self) -> Length {
         match &self.kind {
-            ToolKind::Drill { diameter, .. } => *diameter,
+            ToolKind::Drill { diameter, .. } | ToolKind::Mill { diameter } => *diameter,
             ToolKind::Tap(tap) => tap.diameter,
             ToolKind::Insert(_) | ToolKind::Probe(_) | ToolKind::Other => Length::ZERO,
         }
@@ -42,7 +42,12 @@ pub enum ToolKind {
     Insert(crate::Insert),
     /// Switches when it touches the work.
     Probe(crate::TouchProbe),
-    /// Does nothing that is simulated: an end mill.
+    /// An end mill: takes away what it meets, without a force.
+    Mill {
+        /// Of its circle.
+        diameter: Length,
+    },
+    /// Does nothing that is simulated.
     Other,
 }
 

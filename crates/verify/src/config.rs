@@ -40,6 +40,8 @@ pub struct Config {
     pub flank_angle_allowance: Length,
     /// Taps were synchronised with the spindle, so that it can be asked where their threads start.
     pub synchronised: bool,
+    /// Holes that no one has seen drilled are there: the program or its operator states it.
+    pub pre_drilled: bool,
 }
 
 impl Config {
@@ -68,6 +70,7 @@ impl Config {
             flank_clearance: Length::ZERO,
             flank_angle_allowance: Length::ZERO,
             synchronised: true,
+            pre_drilled: false,
         }
     }
 }

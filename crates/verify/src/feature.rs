@@ -5,7 +5,7 @@
 //! the certificate's keys (`depth_error_um`, …) are made where the file is written.
 use crate::hole::Hole;
 use crate::judged::Judged;
-use crate::tapped::Thread;
+use crate::tapped::{KnownHole, Thread};
 use units::Length;
 
 /// One thing cut into the workpiece, measured and judged.
@@ -47,6 +47,11 @@ impl Feature {
     /// came is, and where it is not known it is taken to be.
     pub fn is_there(&self) -> bool {
         self.verdict.is_pass() || self.contact.reach.is_none() || self.contact.is_cut()
+    }
+
+    /// A thread of which nothing says that its hole was there.
+    pub fn has_assumed_hole(&self) -> bool {
+        matches!(&self.kind, FeatureKind::Thread(thread) if thread.hole == KnownHole::Assumed)
     }
 
     /// Chips were thrown off the tool after it.

@@ -11,13 +11,14 @@
 use crate::judged::Judged;
 use crate::stroke::{Stroke, Visit};
 use crate::verdict::Verdict;
+use crate::workpiece::Workpiece;
 use crate::{Config, Contact};
 use bus::Sample;
 use canon::{Tool, ToolKind};
 use units::{Angle, Length, Time};
 
 /// Holes this near to each other are one.
-const SAME_HOLE: Length = Length::mm(0.1);
+pub(crate) const SAME_HOLE: Length = Length::mm(0.1);
 
 /// A hole as it was made.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,29 +49,6 @@ pub(crate) struct HoleTrack {
     visit: Visit,
 }
 
-/// What a tap that comes later wants to know of a hole: where it is, how wide, how deep.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Drilled {
-    /// Across the tool.
-    pub(crate) at: [Length; 2],
-    /// Of the drill.
-    pub(crate) diameter: Length,
-    /// Coordinate of the *tip* to which the diameter is full.
-    pub(crate) bottom_mm: f64,
-}
-
-impl Drilled {
-    /// Another hole is part of this one: in the same place, as wide, and no deeper.
-    pub(crate) fn stands_for(&self, other: &Self) -> bool {
-        const SAME: Length = Length::um(1.0);
-        let is_near = |a: Length, b: Length| (a - b).abs() <= SAME;
-        is_near(self.at[0], other.at[0])
-            && is_near(self.at[1], other.at[1])
-            && is_near(self.diameter, other.diameter)
-            && self.bottom_mm <= other.bottom_mm + SAME.value()
-    }
-}
-
 impl HoleTrack {
     pub(crate) fn new(stroke: Stroke) -> Self {
         Self { stroke, visit: Visit::new() }
@@ -84,13 +62,12 @@ impl HoleTrack {
     /// Measure and judge. `None` for a tool that makes no feature.
     pub(crate) fn finish(
         &self,
-        op: u32,
-        line: u32,
+        (op, line): (u32, u32),
         tool: (Option<u32>, Option<&Tool>),
         now: Time,
         config: &Config,
-        holes: &[Drilled],
-    ) -> Option<(Judged<Hole>, Option<Drilled>)> {
+        work: &Workpiece,
+    ) -> Option<Judged<Hole>> {
         let depth_mm = self.visit.deepest_mm.max(0.0);
         let mut findings = Vec::new();
         let (diameter_mm, point_mm) = match tool.1.map(|t| (&t.kind, t.diameter.value())) {
@@ -136,16 +113,11 @@ impl HoleTrack {
         let [x, y] = self.visit.position(&self.stroke);
         let contact = self.contact(tool.1);
         let full_mm = (depth_mm - point_mm).max(0.0);
-        let is_there = |hole: &Drilled| {
-            let near = (hole.at[0] - x).abs() < SAME_HOLE && (hole.at[1] - y).abs() < SAME_HOLE;
-            let length_mm = tool.1.map_or(0.0, |t| t.worn_length().value());
-            let bottom_mm = self.stroke.coordinate_mm(full_mm) - length_mm;
-            near && self.stroke.sense * (bottom_mm - hole.bottom_mm) <= allowed.value()
-        };
         // a drill that finds its hole made already meets nothing in it
-        if self.visit.times_s.is_some() && !holes.iter().any(is_there) {
+        if self.visit.times_s.is_some() && !work.was_there(op) {
             findings.extend(contact.unresisted());
         }
+        findings.extend(work.neighbours(op));
         let findings = Visit::causes(&self.stroke, findings);
         let hole = Hole {
             x,
@@ -157,18 +129,10 @@ impl HoleTrack {
             diameter: Length::mm(diameter_mm),
             chip_removal: false, // the judge sees that later
         };
-        let drilled =
-            tool.1.filter(|t| matches!(t.kind, ToolKind::Drill { .. } | ToolKind::EndMill(_)));
-        let drilled = drilled.filter(|_| self.visit.times_s.is_some()).map(|tool| Drilled {
-            at: [x, y],
-            diameter: hole.diameter,
-            bottom_mm: self.stroke.coordinate_mm(hole.full_diameter_depth.value())
-                - tool.worn_length().value(),
-        });
         let [time, duration] = times(&self.visit, now);
         let verdict = Verdict::unless(&findings, self.stroke.not_judged());
         let tool = tool.0;
-        Some((Judged { op, line, tool, time, duration, verdict, contact, kind: hole }, drilled))
+        Some(Judged { op, line, tool, time, duration, verdict, contact, kind: hole })
     }
 
     /// The evidence of contact; what an end mill takes is not simulated.

@@ -14,16 +14,22 @@ use crate::class::ThreadClass;
 use crate::config::tapping_torque;
 use crate::gauge::{CutThread, Gauge, Gauged};
 use crate::groove::{GrooveCut, OffHelix, TapForm};
-use crate::hole::Drilled;
 use crate::stroke::Visit;
-use crate::tapped::{ProfilePoint, Thread};
+use crate::tapped::{KnownHole, ProfilePoint, Thread};
 use crate::thread::ThreadTrack;
 use crate::tolerance::{Limits, normal_engagement};
+use crate::workpiece::{Bore, Workpiece};
 use crate::{Config, Contact};
 use units::{Angle, Length, Spin, Torque};
 
 /// A tap may stand this much deeper than the hole's full diameter: it is the drill's own tolerance.
 const HOLE_BOTTOM_MM: f64 = 0.05;
+/// A hole is the tap's own if its axis is as near as this share of the nominal diameter.
+const NEAR_SHARE: f64 = 0.05;
+/// A thread that begins below the stock's top keeps at least this share of what was ordered ...
+const LEAST_SHARE: f64 = 0.5;
+/// ... and the height of a nut, as a share of its nominal diameter.
+const NUT_HEIGHT: f64 = 0.8;
 
 /// All that is known of one thread.
 pub(crate) struct Inspection<'a> {
@@ -35,13 +41,13 @@ pub(crate) struct Inspection<'a> {
     sync: OffHelix,
     cut: GrooveCut,
     /// The hole drilled before.
-    hole: Option<Drilled>,
+    hole: Option<Bore>,
     flanks: CutThread,
     gauged: Gauged,
 }
 
 impl<'a> Inspection<'a> {
-    pub(crate) fn new(track: &'a ThreadTrack, config: &'a Config, holes: &[Drilled]) -> Self {
+    pub(crate) fn new(track: &'a ThreadTrack, config: &'a Config, work: &Workpiece) -> Self {
         let (tap, size) = (track.tap_tool(), &track.size);
         let tip_mm = track.visit.deepest_mm.max(0.0);
         let chamfer_mm = tap.map_or(0.0, |t| t.chamfer_pitches.max(0.0)) * size.pitch.value();
@@ -52,7 +58,7 @@ impl<'a> Inspection<'a> {
             engagement_mm: normal_engagement(size).value().min(full_mm),
         };
         let cut = track.edges.cut(&form, full_mm);
-        let hole = hole_below(track, holes, tip_mm);
+        let hole = hole_below(track, work, tip_mm);
         let class = config.class.in_family(size.family);
         let basic = Limits::of(size, class).pitch_diameter;
         let flanks = CutThread {
@@ -104,7 +110,11 @@ impl<'a> Inspection<'a> {
             pitch_diameter: if_cut(gauged.pitch_diameter),
             virtual_pitch_diameter: if_cut(gauged.virtual_pitch_diameter),
             minor_diameter: flanks.minor_diameter,
-            drilled: self.hole.is_some(),
+            hole: match (self.hole.is_some(), self.config.pre_drilled) {
+                (true, _) => KnownHole::Seen,
+                (false, true) => KnownHole::Stated,
+                (false, false) => KnownHole::Assumed,
+            },
             class,
             class_asked: self.class,
             margin,
@@ -229,6 +239,7 @@ impl<'a> Inspection<'a> {
             findings
                 .push(format!("no full thread: the tip's {tip:.2} mm are less than its chamfer"));
         }
+        findings.extend(self.air_finding());
         if let Some(hole) = &self.hole {
             let below = deeper_than(self.track, hole, tip);
             if below > HOLE_BOTTOM_MM {
@@ -244,6 +255,23 @@ impl<'a> Inspection<'a> {
                 .push(format!("{tip:.2} mm deep with a tap whose thread is {longest:.2} mm long"));
         }
         findings
+    }
+
+    /// Material that a tap from above the stock's top was to find is not there.
+    fn air_finding(&self) -> Option<String> {
+        let stroke = &self.track.stroke;
+        let surface = stroke.surface()?;
+        let ordered = self.full_mm + surface.lowered_mm;
+        let least = (ordered * LEAST_SHARE).max(NUT_HEIGHT * self.track.size.nominal.value());
+        let starts_within = stroke.start_depth_mm() > -surface.lowered_mm;
+        (self.full_mm < least.min(ordered) && !starts_within).then(|| {
+            let by = surface.line.map_or("milled".to_owned(), |line| format!("bored in line {line}"));
+            format!(
+                "{:.2} mm of it are in the air, where the material was {by} away: {:.2} mm of full thread are left, \
+                 {:.2} mm needed",
+                surface.lowered_mm, self.full_mm, least.min(ordered)
+            )
+        })
     }
 
     fn sync_finding(&self) -> Option<String> {
@@ -277,15 +305,15 @@ impl<'a> Inspection<'a> {
 
 /// The widest hole drilled here that is deep enough, else the deepest; a counterbore wider than the
 /// thread is none.
-fn hole_below(track: &ThreadTrack, holes: &[Drilled], tip_mm: f64) -> Option<Drilled> {
+fn hole_below(track: &ThreadTrack, work: &Workpiece, tip_mm: f64) -> Option<Bore> {
     let [x, y] = track.visit.position(&track.stroke);
-    let (nominal, near) = (track.size.nominal, track.size.nominal * 0.25);
-    let below = |hole: &Drilled| deeper_than(track, hole, tip_mm);
-    let here = holes.iter().filter(|hole| {
+    let (nominal, near) = (track.size.nominal, track.size.nominal * NEAR_SHARE);
+    let below = |hole: &Bore| deeper_than(track, hole, tip_mm);
+    let here = work.holes().filter(|hole| {
         (hole.at[0] - x).abs() < near && (hole.at[1] - y).abs() < near && hole.diameter < nominal
     });
     here.copied().reduce(|best, hole| {
-        let deep_enough = |h: &Drilled| below(h) <= HOLE_BOTTOM_MM;
+        let deep_enough = |h: &Bore| below(h) <= HOLE_BOTTOM_MM;
         let better = match (deep_enough(&best), deep_enough(&hole)) {
             (true, true) => hole.diameter >= best.diameter,
             (false, false) => below(&hole) <= below(&best),
@@ -296,7 +324,7 @@ fn hole_below(track: &ThreadTrack, holes: &[Drilled], tip_mm: f64) -> Option<Dri
 }
 
 /// How far the tap's tip at this depth stands below a hole's full diameter.
-fn deeper_than(track: &ThreadTrack, hole: &Drilled, tip_mm: f64) -> f64 {
+fn deeper_than(track: &ThreadTrack, hole: &Bore, tip_mm: f64) -> f64 {
     let length = track.tool.as_ref().map_or(0.0, |t| t.worn_length().value());
     track.stroke.sense * (track.stroke.coordinate_mm(tip_mm) - length - hole.bottom_mm)
 }

@@ -15,14 +15,16 @@ use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
 use crate::feature::{Feature, FeatureKind};
 use crate::gear::{self, GearTrack};
-use crate::hole::{Drilled, HoleTrack};
+use crate::hole::HoleTrack;
 use crate::judged::Judged;
 use crate::milling::{Milled, Milling};
 use crate::polygon::{OrderedPolygon, PolygonTrack};
 use crate::standing_polygons::StandingPolygons;
 use crate::stroke::Stroke;
+use crate::taken_back::TakenBack;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
+use crate::workpiece::Workpiece;
 use crate::{Config, Stock};
 use bus::Sample;
 use canon::{
@@ -34,19 +36,21 @@ use units::Time;
 /// Judges a workpiece from recorded motion.
 #[derive(Clone, Debug)]
 pub struct Judge {
-    config: Config,
+    pub(crate) config: Config,
     /// Ordered and not yet judged, in order; the front is being cut once `track` is there.
-    orders: VecDeque<OrderedFeature>,
+    pub(crate) orders: VecDeque<OrderedFeature>,
     track: Option<Track>,
     /// The tool that the ops so far have put into the spindle.
     tool_ordered: Option<u32>,
-    drilled: Vec<Drilled>,
+    /// What was drilled, tapped and milled of the block.
+    pub(crate) work: Workpiece,
+    pub(crate) taken_back: TakenBack,
     polygons: StandingPolygons,
     /// The bar as it has been turned so far.
     bar: Option<TurnedBar>,
     milling: Milling,
     gears: gear::Cuts,
-    features: Vec<Feature>,
+    pub(crate) features: Vec<Feature>,
     removals: Removals,
     /// Where the ops so far have brought the axes.
     at: Position,
@@ -63,7 +67,7 @@ pub struct Judge {
 /// What has been cut of the work, as far as a judge knows: what comes later is judged against it.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
-    drilled: Vec<Drilled>,
+    block: Workpiece,
     polygons: StandingPolygons,
     bar: Option<TurnedBar>,
     milling: Milling,
@@ -72,17 +76,17 @@ pub struct Work {
 
 /// One feature that the program orders.
 #[derive(Clone, Debug)]
-struct OrderedFeature {
-    first: u32,
+pub(crate) struct OrderedFeature {
+    pub(crate) first: u32,
     /// First op that is no longer part of it; `None` while that is not known.
     end: Option<u32>,
     span: Span,
     tool: Option<u32>,
-    what: What,
+    pub(crate) what: What,
 }
 
 #[derive(Clone, Debug)]
-enum What {
+pub(crate) enum What {
     Hole(Hole),
     Tap(Tap),
     Polygon(Box<OrderedPolygon>),
@@ -110,7 +114,8 @@ impl Judge {
             orders: VecDeque::new(),
             track: None,
             tool_ordered: None,
-            drilled: Vec::new(),
+            work: Workpiece::default(),
+            taken_back: TakenBack::default(),
             polygons: StandingPolygons::default(),
             milling: Milling::default(),
             gears: gear::Cuts::default(),
@@ -128,7 +133,7 @@ impl Judge {
     /// The same judge, who knows what was cut before.
     #[must_use]
     pub fn on(mut self, work: Work) -> Self {
-        self.drilled = work.drilled;
+        self.work = work.block.at_rest();
         self.polygons = work.polygons;
         self.milling = work.milling.at_rest();
         self.gears = work.gears;
@@ -153,8 +158,8 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        let Self { drilled, polygons, bar, milling, gears, .. } = self;
-        Work { drilled, polygons, bar, milling, gears }
+        let Self { work: block, polygons, bar, milling, gears, .. } = self;
+        Work { block, polygons, bar, milling, gears }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -222,7 +227,10 @@ impl Judge {
             }
         }
         let (what, end) = match &op.kind {
-            OpKind::Hole(hole) => (What::Hole(*hole), None),
+            OpKind::Hole(hole) => {
+                self.will_drill();
+                (What::Hole(*hole), None)
+            }
             OpKind::Tap(tap) => (What::Tap(*tap), Some(index + 1)),
             OpKind::Cam(order) => match self.selected.see(order) {
                 Some(ordered) => (What::Cam(Box::new(ordered)), None),
@@ -272,8 +280,14 @@ impl Judge {
         while self.orders.front().is_some_and(|order| order.end.is_some_and(|end| op >= end)) {
             self.close();
         }
-        let taken_out = self.milling.sample(sample, &self.config, &self.drilled);
+        let under_way = self.orders.front().filter(|order| op >= order.first);
+        let feature = under_way.filter(|order| order.is_along_its_tool()).map(|order| order.first);
+        self.work.sample(sample, &self.config, feature);
+        let taken_out = self.milling.sample(sample, &self.config, &self.work);
         self.features.extend(taken_out.map(milled));
+        if self.work.has_undone() {
+            self.take_back();
+        }
         let config = &self.config;
         let order = self.orders.front().filter(|order| op >= order.first);
         let tool = sample.feedback.tool.and_then(|number| config.tools.get(number));
@@ -290,9 +304,10 @@ impl Judge {
             None => None,
         };
         let Some(order) = order else { return };
-        let track = self
-            .track
-            .get_or_insert_with(|| Track::new(order, sample.feedback.tool.or(order.tool), config));
+        let (work, milling) = (&self.work, &self.milling);
+        let track = self.track.get_or_insert_with(|| {
+            Track::new(order, sample.feedback.tool.or(order.tool), config, (work, milling))
+        });
         match track {
             Track::Hole { track, .. } => track.sample(sample),
             Track::Thread(track) => track.sample(sample),
@@ -328,6 +343,8 @@ impl Judge {
             self.close();
         }
         self.features.extend(self.milling.close(&self.config).map(milled));
+        self.work.settle();
+        self.take_back();
     }
 
     /// The features judged so far, for a progress display.
@@ -338,6 +355,7 @@ impl Judge {
     /// The features judged so far, which the judge forgets.
     pub fn take_features(&mut self) -> Vec<Feature> {
         self.thrown.clear();
+        self.taken_back.changed.clear();
         std::mem::take(&mut self.features)
     }
 
@@ -354,24 +372,37 @@ impl Judge {
             self.close();
         }
         self.features.extend(self.milling.close(&self.config).map(milled));
+        self.work.settle();
+        self.take_back();
         self.features
     }
 
     /// Judge the front of the queue.
     fn close(&mut self) {
         let Some(order) = self.orders.pop_front() else { return };
-        let track =
-            self.track.take().unwrap_or_else(|| Track::new(&order, order.tool, &self.config));
+        if order.is_along_its_tool() {
+            self.work.end_plunge();
+        }
+        let (work, milling) = (&self.work, &self.milling);
+        let track = self
+            .track
+            .take()
+            .unwrap_or_else(|| Track::new(&order, order.tool, &self.config, (work, milling)));
         let (op, line, now) = (order.first, order.span.line, self.now);
         let config = &self.config;
         let feature = match (track, &order.what) {
             (Track::Thread(track), _) => {
-                let found = track.finish(op, line, now, config, &self.drilled);
+                let mut found = track.finish((op, line), now, config, (work, milling));
+                if let Some(place) = track.place((op, line), &found.kind, config.class) {
+                    self.work.tapped(place).into_iter().for_each(|why| found.fails(why));
+                }
                 Some(found.map(Box::new).map(FeatureKind::Thread))
             }
             (Track::Polygon(track), What::Polygon(ordered)) => {
                 let mut found = track.finish(op, line, ordered, config, now);
+                let before = TakenBack::known(&self.features);
                 self.polygons.add(&mut found, &mut self.features, config.stock_radius);
+                self.taken_back.compare(&before, &self.features);
                 Some(found.map(Box::new).map(FeatureKind::Polygon))
             }
             (Track::Cam(track), What::Cam(ordered)) => {
@@ -381,12 +412,13 @@ impl Judge {
             (Track::Gear(track), What::Gear(ordered)) => {
                 let place = (op, line, order.tool);
                 let (found, earlier) = track.finish(place, ordered, (config, &mut self.gears), now);
-                self.features.retain(|feature| !earlier.absorbed.contains(&feature.op));
+                let before = self.taken_back.absorb(&earlier.absorbed, &mut self.features);
                 for (op, how) in &earlier.destroyed {
                     if let Some(first) = self.features.iter_mut().find(|f| f.op == *op) {
                         first.destroyed(line, how);
                     }
                 }
+                self.taken_back.compare(&before, &self.features);
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {
@@ -395,19 +427,14 @@ impl Judge {
             }
             (Track::Hole { track, tool }, _) => {
                 let with = (tool, tool.and_then(|number| config.tools.get(number)));
-                track.finish(op, line, with, now, config, &self.drilled).map(|(found, drilled)| {
-                    if let Some(new) = drilled {
-                        // the same hole, drilled again by the same tool
-                        self.drilled.retain(|old| !new.stands_for(old));
-                        self.drilled.push(new);
-                    }
-                    found.map(FeatureKind::Hole)
-                })
+                let found = track.finish((op, line), with, now, config, work);
+                found.map(|found| found.map(FeatureKind::Hole))
             }
             // a track is made of what was ordered
             _ => None,
         };
         self.features.extend(feature);
+        self.take_back();
         if let Some(place) = self.thrown.iter().position(|feature| *feature == op) {
             self.thrown.swap_remove(place);
             if let Some(feature) = self.features.last_mut().filter(|f| f.op == op) {
@@ -418,7 +445,12 @@ impl Judge {
 }
 
 impl Track {
-    fn new(order: &OrderedFeature, number: Option<u32>, config: &Config) -> Self {
+    fn new(
+        order: &OrderedFeature,
+        number: Option<u32>,
+        config: &Config,
+        (work, milling): (&Workpiece, &Milling),
+    ) -> Self {
         let tool: Option<&Tool> = number.and_then(|number| config.tools.get(number));
         let stroke = match &order.what {
             What::Hole(hole) => Stroke::of_hole(hole),
@@ -432,7 +464,11 @@ impl Track {
                 return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));
             }
         };
-        let stroke = stroke.in_stock(config.stock.as_ref(), tool, &config.tools);
+        let stock = config.stock.as_ref();
+        let surface = stock
+            .zip(order.under(tool, config))
+            .map(|(stock, (at, under))| work.surface(stock.top().value(), at, under, milling));
+        let stroke = stroke.in_stock((stock, surface), tool, &config.tools);
         match &order.what {
             What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
             What::Hole(_) | What::Cam(_) | What::Turned(_) | What::Polygon(_) | What::Gear(_) => {

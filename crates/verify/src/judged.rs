@@ -28,7 +28,7 @@ pub struct Judged<K> {
 
 impl<K> Judged<K> {
     /// Takes back what was said of it: a later cut, of this line, has changed it.
-    pub(crate) fn destroyed(&mut self, line: u32, how: &str) {
+    pub fn destroyed(&mut self, line: u32, how: &str) {
         let later = format!("destroyed in line {line}: {how}");
         let reason = match &self.verdict {
             Verdict::Pass => format!("good when cut, {later}"),

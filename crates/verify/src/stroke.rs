@@ -19,6 +19,7 @@
 //!
 //! So a wrong H, a forgotten G43 and a zero that was shifted are errors of depth. Without a stock
 //! the op's own surface counts, and nothing can be said of contact.
+use crate::workpiece::Surface;
 use crate::{Contact, Stock};
 use bus::Sample;
 use canon::{Axis, Hole, Position, Tap, Tool, ToolLibrary};
@@ -55,7 +56,10 @@ pub(crate) struct Stroke {
 /// How a stroke lies to the stock.
 #[derive(Clone, Debug)]
 struct InStock {
+    /// Its top is where the material begins here.
     stock: Stock,
+    /// Where that is, if it is below the stock's own top.
+    surface: Option<Surface>,
     /// Of the tool's circle.
     radius_mm: f64,
     /// By how much the program's zero stood above the work's for the tool that was in the spindle.
@@ -110,7 +114,7 @@ impl Stroke {
     /// spindle only.
     pub(crate) fn in_stock(
         mut self,
-        stock: Option<&Stock>,
+        (stock, surface): (Option<&Stock>, Option<Surface>),
         tool: Option<&Tool>,
         tools: &ToolLibrary,
     ) -> Self {
@@ -120,13 +124,18 @@ impl Stroke {
         let [length_mm, radius_mm] =
             tool.map_or([0.0; 2], |t| [t.worn_length().value(), t.diameter.value() / 2.0]);
         let zero = self.zero_in(stock);
+        let surface = surface.filter(|surface| surface.lowered_mm > 0.0);
+        let mut stock = *stock;
+        if let Some(surface) = surface {
+            stock.to[2] = Length::mm(surface.top_mm).max(stock.from[2]);
+        }
         let above_zero_mm = (stock.top() - zero).value();
         let zero_off_mm = self.zero_mm - length_mm - zero.value();
         self.surface_mm = stock.top().value() + length_mm;
         self.programmed_mm = self.zero_mm - self.bottom_mm + above_zero_mm;
         self.touch_mm = TOUCH_MM.min(self.programmed_mm.abs() * 0.1);
         let cause = cause(zero_off_mm + length_mm, tool, tools);
-        self.in_stock = Some(InStock { stock: *stock, radius_mm, zero_off_mm, cause });
+        self.in_stock = Some(InStock { stock, surface, radius_mm, zero_off_mm, cause });
         self
     }
 
@@ -155,6 +164,16 @@ impl Stroke {
                 if self.sense < 0.0 { '-' } else { '+' }
             ),
         })
+    }
+
+    /// Where the material begins, if that is below the stock's top.
+    pub(crate) fn surface(&self) -> Option<Surface> {
+        self.in_stock.as_ref()?.surface
+    }
+
+    /// The stroke is along the spindle, and the stock is known.
+    pub(crate) const fn is_in_stock(&self) -> bool {
+        self.in_stock.is_some()
     }
 
     /// Deepest that the record will go, as far as the op says.
@@ -196,8 +215,7 @@ impl Stroke {
 
     /// Coordinate of the axis plus the tool's deflection.
     pub(crate) fn edge_mm(&self, sample: &Sample) -> f64 {
-        let deflection = sample.truth.as_ref().map_or(0.0, |t| t.tool_deflection.value());
-        axis_mm(sample, self.axis) + deflection
+        edge_of(sample, self.axis)
     }
 
     /// Depth below the surface of such a coordinate.
@@ -252,8 +270,14 @@ fn cause(in_force_mm: f64, tool: Option<&Tool>, tools: &ToolLibrary) -> Option<S
     ))
 }
 
+/// Coordinate of an axis plus the tool's deflection.
+pub(crate) fn edge_of(sample: &Sample, axis: usize) -> f64 {
+    let deflection = sample.truth.as_ref().map_or(0.0, |t| t.tool_deflection.value());
+    axis_mm(sample, axis) + deflection
+}
+
 /// [`Sample::axis`] without copying the whole truth.
-fn axis_mm(sample: &Sample, axis: usize) -> f64 {
+pub(crate) fn axis_mm(sample: &Sample, axis: usize) -> f64 {
     sample.truth.as_ref().map_or(sample.feedback.axes[axis].position, |t| t.axes[axis]).value()
 }
 

@@ -55,8 +55,8 @@ pub struct Thread {
     pub virtual_pitch_diameter: Length,
     /// Minor diameter: that of the drilled hole, or the tap drill's if the program drilled none.
     pub minor_diameter: Length,
-    /// The minor diameter was measured on a hole of this program.
-    pub drilled: bool,
+    /// How it is known that there was a hole to tap.
+    pub hole: KnownHole,
     /// Finest class whose gauges all agree; `None` if not even the coarsest.
     pub class: Option<ThreadClass>,
     /// Class asked.
@@ -93,6 +93,17 @@ pub struct Thread {
     pub recovered: bool,
     /// Sync error and widening over depth, for pictures; empty if nothing was cut.
     pub profile: Vec<ProfilePoint>,
+}
+
+/// How it is known that a hole was there before it was tapped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KnownHole {
+    /// It was drilled, or milled, on this workpiece.
+    Seen,
+    /// The program or its operator states it.
+    Stated,
+    /// It is not known: nothing is drilled on this workpiece, and the hole is taken to be there.
+    Assumed,
 }
 
 impl Thread {

@@ -9,13 +9,17 @@
 //! The helix that counts is the *tap's own*: a block with another lead does not make another
 //! thread, it tears this one. `docs/judging.md` derives the equations and says what the method
 //! cannot see.
+use crate::class::ThreadClass;
 use crate::groove::Groove;
-use crate::hole::{Drilled, times};
+use crate::hole::times;
 use crate::inspection::Inspection;
 use crate::judged::Judged;
+use crate::milling::Milling;
 use crate::stroke::{Stroke, Visit};
-use crate::tapped::Thread;
+use crate::tapped::{KnownHole, Thread};
+use crate::tolerance::Limits;
 use crate::verdict::Verdict;
+use crate::workpiece::{TappedPlace, Under, Workpiece};
 use crate::{Config, Contact};
 use bus::{Sample, State};
 use canon::{Hand, Holder, Tap, TapTool, ThreadSize, Tool, ToolKind};
@@ -23,6 +27,10 @@ use units::{Force, Length, Time, Torque};
 
 /// The spindle that turns the tap.
 const SPINDLE: usize = 0;
+
+/// Why a thread is not judged whose hole was not drilled where the program drills others.
+pub(crate) const UNSEEN: &str = "no hole was drilled here before it was tapped, and the program drills others: drill it \
+     first, or state (PRE-DRILLED) in the program";
 
 /// Follows one thread.
 #[derive(Clone, Debug)]
@@ -147,37 +155,80 @@ impl ThreadTrack {
         self.tool.as_ref().is_some_and(|tool| tool.stand_in)
     }
 
-    fn verdict(&self, inspection: &Inspection<'_>) -> Verdict {
-        match self.tool_number.filter(|_| self.is_assumed()) {
-            Some(number) => Verdict::NotJudged {
+    fn verdict(&self, inspection: &Inspection<'_>, unseen: Option<String>) -> Verdict {
+        if let Some(number) = self.tool_number.filter(|_| self.is_assumed()) {
+            return Verdict::NotJudged {
                 reason: format!(
                     "T{number} is not in the tool table: what it taps is not judged; add it to the table"
                 ),
-            },
-            None => Verdict::unless(&inspection.findings(), self.stroke.not_judged()),
+            };
         }
+        Verdict::unless(&inspection.findings(), self.stroke.not_judged().or(unseen))
+    }
+
+    /// Its hole was milled before it.
+    fn is_bored(&self, milling: &Milling) -> bool {
+        let Some(tool) = &self.tool else { return false };
+        let bore = self.size.tap_drill().value() / 2.0;
+        let tip_mm = self.stroke.coordinate_mm(self.visit.deepest_mm) - tool.worn_length().value();
+        let at = self.visit.position(&self.stroke).map(Length::value);
+        milling.has_bored(at, bore, tip_mm)
+    }
+
+    /// Where it is in the work; `None`: nothing was cut that could be destroyed.
+    pub(crate) fn place(
+        &self,
+        (op, line): (u32, u32),
+        thread: &Thread,
+        class: ThreadClass,
+    ) -> Option<TappedPlace> {
+        self.visit.times_s?;
+        if !self.stroke.is_in_stock() || thread.depth <= Length::ZERO {
+            return None;
+        }
+        let length_mm = self.tool.as_ref()?.worn_length().value();
+        let top_mm = self.stroke.coordinate_mm(0.0) - length_mm;
+        let at_zero = self.edges.theta_rev_at(self.stroke.depth_mm(length_mm));
+        let pitch_mm = self.size.pitch.value();
+        Some(TappedPlace {
+            at: [thread.x.value(), thread.y.value()],
+            ring: ring(&self.size, class),
+            pitch_mm,
+            advance_mm: pitch_mm * self.size.hand.sign(),
+            top_mm,
+            bottom_mm: top_mm - thread.depth.value(),
+            phase_mm: at_zero.map(|rev| rev * pitch_mm * self.size.hand.sign()),
+            play_mm: thread.no_go_margin.value().max(0.0) / 3.0_f64.sqrt(),
+            ops: vec![op],
+            line,
+            ..TappedPlace::default()
+        })
     }
 
     /// Measure, gauge, judge.
     pub(crate) fn finish(
         &self,
-        op: u32,
-        line: u32,
+        (op, line): (u32, u32),
         now: Time,
         config: &Config,
-        holes: &[Drilled],
+        (work, milling): (&Workpiece, &Milling),
     ) -> Judged<Thread> {
-        let inspection = Inspection::new(self, config, holes);
+        let inspection = Inspection::new(self, config, work);
         let [time, duration] = times(&self.visit, now);
+        let mut thread = inspection.thread();
+        if thread.hole == KnownHole::Assumed && self.is_bored(milling) {
+            thread.hole = KnownHole::Seen;
+        }
+        let is_unseen = thread.hole == KnownHole::Assumed && work.is_drilled();
         Judged {
             op,
             line,
             tool: self.tool_number,
             time,
             duration,
-            verdict: self.verdict(&inspection),
+            verdict: self.verdict(&inspection, is_unseen.then(|| UNSEEN.to_owned())),
             contact: if self.is_assumed() { Contact::default() } else { inspection.contact() },
-            kind: inspection.thread(),
+            kind: thread,
         }
     }
 
@@ -259,4 +310,21 @@ fn mismatch(tap: &Tap, number: u32, size: &ThreadSize, ordered: Hand) -> Vec<Str
 fn tap_rev(sample: &Sample) -> f64 {
     let encoder = sample.feedback.spindles[SPINDLE].angle;
     sample.truth.as_ref().map_or(encoder, |t| t.spindles[SPINDLE] + t.tool_turn).value()
+}
+
+/// Radii between which the flanks of a thread are: of its largest bore, and of its size.
+fn ring(size: &ThreadSize, class: ThreadClass) -> [f64; 2] {
+    let limits = Limits::of(size, class.in_family(size.family));
+    let bore = limits.minor_diameter + limits.minor_tolerance;
+    [bore.value() / 2.0, size.nominal.value() / 2.0]
+}
+
+/// What comes down on the work.
+pub(crate) fn under(tap: &Tap, tool: &Tool, class: ThreadClass) -> Under {
+    let (size, _) = what_is_cut(tap, Some(tool.number), Some(tool));
+    Under::Tap {
+        ring: ring(&size, class),
+        pitch_mm: size.pitch.value(),
+        bottom_mm: (tap.bottom - tool.worn_length()).value(),
+    }
 }

@@ -216,7 +216,7 @@ impl Watch {
     /// The stroke in the stock, for the tool that is ordered.
     fn clamped(&self, stroke: Stroke) -> Stroke {
         let tool = self.tool.and_then(|number| self.config.tools.get(number));
-        stroke.in_stock(self.config.stock.as_ref(), tool, &self.config.tools)
+        stroke.in_stock((self.config.stock.as_ref(), None), tool, &self.config.tools)
     }
 
     /// The tap is in a holder that ties it to the spindle.

@@ -375,7 +375,7 @@ fn the_drilled_hole_gives_the_minor_diameter_and_how_deep_a_tap_may_go() {
         [("hole", 2), ("thread", 4)]
     );
     assert!(good.iter().all(|f| f.verdict.is_pass()), "{:?}", good[1].verdict);
-    assert!(thread(&good[1]).drilled);
+    assert_eq!(thread(&good[1]).hole, verify::KnownHole::Seen);
     close(thread(&good[1]).minor_diameter, 5000.0, 1e-9);
 
     // 15 mm to the drill's tip are 13.50 mm of full diameter; the tap wants 14
@@ -384,7 +384,10 @@ fn the_drilled_hole_gives_the_minor_diameter_and_how_deep_a_tap_may_go() {
     assert_eq!(reason, "the tap went 0.50 mm deeper than the hole's full diameter");
 
     let elsewhere = drill_then_tap(15.0, [60.0, 20.0]);
-    assert!(!thread(&elsewhere[1]).drilled && elsewhere[1].verdict.is_pass());
+    assert_eq!(thread(&elsewhere[1]).hole, verify::KnownHole::Assumed);
+    let reason = elsewhere[1].verdict.reason().unwrap();
+    assert!(reason.starts_with("no hole was drilled here before it was tapped"), "{reason}");
+    assert_eq!(elsewhere[1].verdict.name(), "not judged");
 }
 
 fn oversize_m6(oversize_um: f64) -> ToolLibrary {

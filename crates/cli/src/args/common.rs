@@ -28,6 +28,9 @@ pub(crate) struct ProgramArgs {
     /// What to do with tools that the table lacks
     #[arg(long, value_enum, default_value_t = MissingTools::Refuse)]
     pub(crate) missing_tools: MissingTools,
+    /// Holes that the program taps and does not drill are there, as the comment (PRE-DRILLED) says
+    #[arg(long)]
+    pub(crate) pre_drilled: bool,
     /// How taps are driven that no clutch holder holds [default: the machine's]
     #[arg(long, value_enum)]
     pub(crate) tapping: Option<Tapping>,

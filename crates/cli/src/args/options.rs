@@ -25,6 +25,7 @@ impl ProgramArgs {
                 MissingTools::Refuse => interp::MissingTools::Refuse,
                 MissingTools::StandIn => interp::MissingTools::StandIn,
             },
+            pre_drilled: self.pre_drilled,
             tapping: self.tapping.map(|asked| match asked {
                 Tapping::Synchronised => plan::TapMethod::Synchronised,
                 Tapping::Floating => plan::TapMethod::Floating,

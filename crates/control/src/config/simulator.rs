@@ -78,6 +78,18 @@ pub fn simulator_of_part(
     }
 }
 
+/// Another block is clamped than the machine's file states, in the same holes.
+pub fn clamp(work: &mut sim::Stock, block: &verify::Stock) {
+    work.top = block.top();
+    work.thickness = Some(block.thickness());
+    work.sides = Some(sim::Sides {
+        x_from: block.from[0],
+        x_to: block.to[0],
+        y_from: block.from[1],
+        y_to: block.to[1],
+    });
+}
+
 /// What the drives of that machine do by themselves.
 pub fn left_alone(machine: &MachineFile, config: &sim::Config) -> sim::LeftAlone {
     let drives = &machine.drives;
@@ -273,9 +285,8 @@ fn tool(tool: &Tool, seat: &TapSeat, material: StockMaterial) -> sim::Tool {
             pretravel: probe.pretravel,
             lobing: probe.lobing,
         }),
-        ToolKind::EndMill(_) | ToolKind::PolygonCutter(_) | ToolKind::Hob(_) | ToolKind::Other => {
-            sim::ToolKind::Other
-        }
+        ToolKind::EndMill(_) => sim::ToolKind::Mill { diameter: tool.diameter },
+        ToolKind::PolygonCutter(_) | ToolKind::Hob(_) | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.worn_length(), kind }
 }

@@ -131,15 +131,17 @@ impl MilledStock {
     /// The stock; `None`: nothing is milled, or the work turns.
     pub fn found(&self, session: &Session) -> Option<MillStock> {
         let own = machine_stock(session)?;
-        let Some(reach) = self.reach else { return Some(own) };
         let zero = own.block.zero;
+        if let Some(Stated::Block(block)) = self.stated {
+            return Some(placed(&block, zero, StockSource::Comment));
+        }
+        let Some(reach) = self.reach else { return Some(own) };
         match self.stated {
-            Some(Stated::Block(block)) => return Some(placed(&block, zero, StockSource::Comment)),
             Some(Stated::Size(size)) => {
                 let block = laid(size, &self.low.unwrap_or(reach), zero.map(Length::value));
                 return Some(placed(&block, zero, StockSource::Size));
             }
-            None => {}
+            Some(Stated::Block(_)) | None => {}
         }
         if self.fits(&own.block, &reach) {
             return Some(own);
@@ -208,7 +210,7 @@ impl MilledStock {
         milled
     }
 
-    /// What comments state, for planners and for judges of gears: in machine coordinates.
+    /// The block that comments state, for planners and judges: in machine coordinates.
     pub fn stated_in(source: &[u8], session: &Session) -> Option<Stock> {
         let Some(Stated::Block(block)) = stated_by(source) else { return None };
         let own = machine_stock(session)?;

@@ -28,6 +28,8 @@ pub struct ProgramOptions {
     pub inputs: Option<PathBuf>,
     /// What to do with tools that the table lacks.
     pub missing_tools: interp::MissingTools,
+    /// Holes that the program taps and does not drill are there.
+    pub pre_drilled: bool,
     /// How taps are driven that no clutch holder holds; `None` is as the machine's file says.
     pub tapping: Option<plan::TapMethod>,
     /// What to do with a dwell that a clutch holder does not work with.
@@ -73,6 +75,7 @@ impl ProgramOptions {
             parameters: None,
             inputs: None,
             missing_tools: interp::MissingTools::Refuse,
+            pre_drilled: false,
             tapping: None,
             clutch_dwell: plan::DwellCheck::Refuse,
             dialect: None,

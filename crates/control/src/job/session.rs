@@ -37,6 +37,7 @@ const G54: usize = 5221;
 const OFFSETS_APART: usize = 20;
 
 /// Everything that is loaded before a program is read.
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct Session {
     /// The machine.
     pub machine: MachineFile,
@@ -56,6 +57,8 @@ pub struct Session {
     pub parameters: interp::Parameters,
     /// What to do with tools that the table lacks.
     pub missing_tools: interp::MissingTools,
+    /// Holes that the program taps and does not drill are there: it states it, or its operator.
+    pub pre_drilled: bool,
     /// How taps are driven that are not tied to the spindle.
     pub taps: plan::Unsynchronised,
     /// How the program is read.
@@ -127,6 +130,7 @@ impl Session {
                 text,
                 dialect.grammar(),
             )?,
+            pre_drilled: options.pre_drilled || super::stock_comments::states_pre_drilled(text),
             taps: taps(options, &machine),
             machine,
             plant,
@@ -276,6 +280,7 @@ impl Session {
     pub fn judge(&self, material: StockMaterial, zero: &canon::Position) -> verify::Config {
         verify::Config {
             synchronised: self.taps.method == plan::TapMethod::Synchronised,
+            pre_drilled: self.pre_drilled,
             cams: self.cams.library.clone(),
             described_mills: ToolLibrary::new(
                 self.tools.iter().filter(|tool| is_described(tool)).cloned(),

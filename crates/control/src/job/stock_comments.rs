@@ -12,8 +12,11 @@
 //! Numbers are in the program's unit, where none stands behind them (`MM`, `IN`, `"`). A comment
 //! that states a place is taken before one that states only a size.
 use super::described::{comments, unit_of};
+use super::mill_stock::MilledStock;
 use units::MM_PER_INCH;
 
+/// What states that holes are there.
+const PRE_DRILLED: &str = "PRE-DRILLED";
 /// No stock is larger, mm.
 const LARGEST: f64 = 100_000.0;
 
@@ -53,6 +56,15 @@ pub(super) fn stated(text: &str) -> Option<Stated> {
     }
     let between = least.zip(most).and_then(|(a, b)| block(a, b)).map(Stated::Block);
     between.or(size.map(Stated::Size))
+}
+
+/// A comment states that the holes which the program taps are there: `(PRE-DRILLED)`.
+pub(super) fn states_pre_drilled(text: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(&text[..text.len().min(MilledStock::LOOKED_AT)]);
+    comments(&text).any(|comment| {
+        let comment = comment.trim_start();
+        comment.get(..PRE_DRILLED.len()).is_some_and(|word| word.eq_ignore_ascii_case(PRE_DRILLED))
+    })
 }
 
 /// A box between two corners; `None`: it has no volume, or none that fits a machine.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
-use verify::Feature;
+use verify::{Feature, Judge};
 
 /// What the observers have not looked at yet: some seconds of samples; then the run waits for them,
 /// and the servo thread does not.
@@ -42,8 +42,10 @@ pub(crate) struct Beside {
     looks: SyncSender<Look>,
     /// Until it has ended.
     thread: Option<JoinHandle<Option<Box<Observers>>>>,
-    judged: Receiver<(Feature, ToolUses)>,
+    judged: Receiver<JudgedAt>,
     features: Vec<Feature>,
+    /// Places of features whose verdict was changed later, in that order.
+    changed: Vec<usize>,
     /// What each tool had cut when the last of them was judged.
     tool_use: ToolUses,
     breaches: Arc<AtomicUsize>,
@@ -53,6 +55,10 @@ pub(crate) struct Beside {
 
 /// What each tool has cut, by its number.
 type ToolUses = BTreeMap<u32, ToolUse>;
+
+/// A feature at its place in the list, new or changed, or the end of a list that is told anew; what
+/// each tool had cut by then.
+type JudgedAt = (usize, Option<Feature>, ToolUses);
 
 /// What there is to look at.
 enum Look {
@@ -64,8 +70,10 @@ enum Look {
 
 /// What the thread tells while it looks.
 struct NewFeatures {
-    features: Sender<(Feature, ToolUses)>,
+    features: Sender<JudgedAt>,
     count: usize,
+    /// Changes of verdicts that were sent.
+    changes: usize,
     breaches: Arc<AtomicUsize>,
 }
 
@@ -80,8 +88,10 @@ impl Observing {
         let breaches = Arc::new(AtomicUsize::new(0));
         let features = observers.judge.features().to_vec();
         let tool_use = observers.tool_use();
-        let (count, known) = (features.len(), Arc::clone(&breaches));
-        let told = NewFeatures { features: tell, count, breaches: known };
+        let changed = observers.judge.changed_since(0).to_vec();
+        let (count, changes) = (features.len(), changed.len());
+        let known = Arc::clone(&breaches);
+        let told = NewFeatures { features: tell, count, changes, breaches: known };
         let thread = std::thread::Builder::new().name("observers".into());
         let thread = thread
             .spawn(move || look(handed_over.recv().ok(), &looked_at, told))
@@ -94,6 +104,7 @@ impl Observing {
             thread,
             judged,
             features,
+            changed,
             tool_use,
             breaches,
             share: None,
@@ -177,6 +188,15 @@ impl Observing {
         }
     }
 
+    /// Places of features whose verdict was changed after they were judged: those of the changes
+    /// from this one on.
+    pub(crate) fn changed_since(&self, change: usize) -> &[usize] {
+        match self {
+            Self::Here(observers) => observers.judge.changed_since(change),
+            Self::Beside(beside) => beside.changed.get(change..).unwrap_or_default(),
+        }
+    }
+
     /// What each tool had cut when the last feature was judged, or since.
     pub(crate) fn tool_use(&self) -> ToolUses {
         match self {
@@ -226,8 +246,18 @@ impl Beside {
     fn send(&mut self, look: Look) {
         // a thread that has broken down is told of at the end
         let _ = self.looks.send(look);
-        for (feature, tool_use) in self.judged.try_iter() {
-            self.features.push(feature);
+        for (place, feature, tool_use) in self.judged.try_iter() {
+            match (feature, self.features.get_mut(place)) {
+                (Some(feature), Some(known)) => {
+                    *known = feature;
+                    self.changed.push(place);
+                }
+                (Some(feature), None) => self.features.push(feature),
+                (None, _) => {
+                    self.features.clear();
+                    self.changed.push(Judge::REMOVED);
+                }
+            }
             self.tool_use = tool_use;
         }
     }
@@ -255,10 +285,23 @@ fn look(
 impl NewFeatures {
     /// What is new.
     fn tell(&mut self, observers: &Observers) {
-        for feature in observers.judge.features().iter().skip(self.count) {
-            let _ = self.features.send((feature.clone(), observers.tool_use())); // the run may be over
-            self.count += 1;
+        let judged = observers.judge.features();
+        let send = |place: usize| {
+            let feature = judged.get(place).cloned();
+            let _ = self.features.send((place, feature, observers.tool_use())); // the run may be over
+        };
+        let changed = observers.judge.changed_since(self.changes);
+        let (removed, changed): (Vec<usize>, Vec<usize>) =
+            changed.iter().partition(|place| **place == Judge::REMOVED);
+        if !removed.is_empty() {
+            self.count = 0;
+            self.changes += removed.len();
+            removed.into_iter().for_each(send);
         }
+        (self.count..judged.len()).for_each(send);
+        self.count = judged.len();
+        self.changes += changed.len();
+        changed.into_iter().for_each(send);
         self.breaches.store(observers.watch.breaches().len(), Relaxed);
     }
 }

@@ -118,6 +118,7 @@ pub struct Control {
     pub(super) seed: u64,
     drives_were_ready: bool,
     pub(super) told_features: usize,
+    pub(super) told_changes: usize,
 }
 
 impl Control {
@@ -201,6 +202,7 @@ impl Control {
             seed,
             drives_were_ready: false,
             told_features: 0,
+            told_changes: 0,
             base,
         };
         control.take_kept(state);
@@ -455,6 +457,7 @@ impl Control {
             _ => ExecutionEvent::GoOn,
         };
         self.execution_after(event);
+        self.tell_changed();
         let judged = self.under_way.as_ref().map_or(0, |u| u.running.judged_so_far().len());
         if judged > self.told_features
             && let Some(under_way) = &self.under_way

@@ -1,7 +1,7 @@
 //! What was cut from a workpiece: counted, the newest of it kept to be shown.
 use std::collections::VecDeque;
 use store::state::WorkpieceRecord;
-use verify::{Feature, Verdict};
+use verify::{Feature, Undone, Verdict};
 
 /// Features of programs before the last one that are kept to be shown.
 pub const MOST_SHOWN: usize = 500;
@@ -63,6 +63,23 @@ impl WorkpieceLog {
         self.shown.extend(features);
         let more = self.shown.len().saturating_sub(MOST_SHOWN);
         self.shown.drain(..more);
+    }
+
+    /// A feature of a program before was destroyed; `None`: it is no longer kept.
+    pub(super) fn take_back(&mut self, undone: &Undone) -> Option<Feature> {
+        let feature = self.shown.iter_mut().rfind(|feature| feature.op == undone.op)?;
+        let count = match feature.verdict {
+            Verdict::Pass => Some(&mut self.record.good),
+            Verdict::NotJudged { .. } => Some(&mut self.record.not_judged),
+            Verdict::Fail { .. } => None,
+        };
+        if let Some(count) = count {
+            *count = count.saturating_sub(1);
+            self.record.failed += 1;
+        }
+        feature.destroyed(undone.line, &undone.how);
+        self.changes += 1;
+        Some(feature.clone())
     }
 
     /// What programs before the last one have cut.

@@ -174,6 +174,7 @@ impl Control {
         if let Some(blank) = MilledStock::stated_in(&text, &session) {
             workpiece.judge.may_hob(blank);
         }
+        workpiece.judge.holes_are_there(session.pre_drilled);
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());
         if let Some(writer) = writer {

@@ -23,6 +23,8 @@ impl Control {
         if !self.workpiece.judge.is_settled() && is_over && !self.is_tap_in_thread() {
             self.workpiece.judge.settle(self.next_op);
         }
+        self.take_back_features();
+        self.tell_changed();
         let judged = self.workpiece.judge.features();
         let new = judged.get(self.told_features..).unwrap_or_default().to_vec();
         self.told_features = judged.len();

@@ -36,8 +36,47 @@ impl Control {
     }
 
     /// Two lists of features of the same version are the same.
-    pub(super) fn features_version(&self) -> (u64, usize, bool) {
-        (self.cut.changes, self.of_last_program().len(), self.under_way.is_some())
+    pub(super) fn features_version(&self) -> (u64, usize, usize, bool) {
+        let changed = self.verdicts_changed(0).len();
+        (self.cut.changes, self.of_last_program().len(), changed, self.under_way.is_some())
+    }
+
+    /// Places of features of the last program whose verdict was changed after they were judged:
+    /// those of the changes from this one on.
+    pub(super) fn verdicts_changed(&self, change: usize) -> &[usize] {
+        match &self.under_way {
+            Some(under_way) => under_way.running.changed_since(change),
+            None => self.workpiece.judge.changed_since(change),
+        }
+    }
+
+    /// Verdicts that were changed after they were told are told again.
+    pub(super) fn tell_changed(&mut self) {
+        let changed = self.verdicts_changed(self.told_changes);
+        if changed.is_empty() {
+            return;
+        }
+        let told = self.of_last_program().get(..self.told_features).unwrap_or_default();
+        let again: Vec<Feature> =
+            changed.iter().filter_map(|place| told.get(*place)).cloned().collect();
+        let removed = changed.iter().filter(|place| **place == Judge::REMOVED).count();
+        self.told_changes += changed.len();
+        self.told_features = self.told_features.saturating_sub(removed);
+        for feature in again {
+            self.keep_feature(&feature);
+            self.events.notice(format!("a verdict has changed: {}", said_of(&feature)));
+        }
+        self.keep_workpiece_or_say();
+    }
+
+    /// What the last program has destroyed of the programs before is counted so.
+    pub(super) fn take_back_features(&mut self) {
+        for undone in self.workpiece.judge.take_undone() {
+            if let Some(feature) = self.cut.take_back(&undone) {
+                self.keep_feature(&feature);
+                self.events.notice(format!("a verdict has changed: {}", said_of(&feature)));
+            }
+        }
     }
 
     pub(super) fn counted(&self) -> FeatureCount {
@@ -62,7 +101,7 @@ impl Control {
     pub(super) fn put_aside_features(&mut self) {
         let features = self.workpiece.judge.take_features();
         self.cut.keep(features);
-        self.told_features = 0;
+        (self.told_features, self.told_changes) = (0, 0);
     }
 
     /// A program begins: on another workpiece, if the one before has ended or the machine's file
@@ -87,7 +126,7 @@ impl Control {
             tools: config::judged_tools(&self.base.machine, &self.base.tools, self.seed, 1),
             ..self.base.judge(material, &self.work_zero)
         });
-        self.told_features = 0;
+        (self.told_features, self.told_changes) = (0, 0);
         self.executor.machine.renew_work();
     }
 

@@ -143,6 +143,7 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0371", "The machine has no such output."),
     ("M0372", "The machine has no probe."),
     ("M0373", "A cut with no tool in the spindle: T has selected one, and no M6 has brought it."),
+    ("M0374", "A deep hole is drilled without pecks; the depth that the drill bears is said."),
     ("M0401", "Polygon turning needs a work spindle and a tool spindle."),
     ("M0402", "The ratio of polygon turning is not of whole numbers above zero."),
     ("M0403", "The work spindle stands, and the tool spindle shall follow it."),

@@ -54,8 +54,18 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         let sentence = "The program ran to its end; it made nothing that could be judged.".into();
         return Outcome { class: "none", sign: "○", word: "NOTHING TO JUDGE".into(), sentence };
     }
-    let sentence = format!("{judged} The program ran to its end without an alarm.");
-    Outcome { class: "pass", sign: "✓", word: "PASS".into(), sentence }
+    let mut sentence = format!("{judged} The program ran to its end without an alarm.");
+    let assumed = features.iter().filter(|feature| feature.has_assumed_hole()).count();
+    let word = if assumed > 0 {
+        sentence += &format!(
+            " It drills nothing: the holes of {assumed} threads are taken to be drilled before. \
+             --pre-drilled or a comment (PRE-DRILLED) states that they are."
+        );
+        "IF THE HOLES ARE THERE, PASS"
+    } else {
+        "PASS"
+    };
+    Outcome { class: "pass", sign: "✓", word: word.into(), sentence }
 }
 
 /// How the only feature stands.

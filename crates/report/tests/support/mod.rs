@@ -337,7 +337,7 @@ pub fn thread(op: u32, line: u32, x: f64, y: f64, bad: bool) -> Feature {
         pitch_diameter: Length::mm(5.35 + 0.032) + widening * 3f64.sqrt(),
         virtual_pitch_diameter: Length::mm(5.382),
         minor_diameter: Length::mm(5.0),
-        drilled: true,
+        hole: verify::KnownHole::Seen,
         class: (!bad).then_some(ThreadClass::H6),
         class_asked: ThreadClass::H6,
         margin,

@@ -11,6 +11,8 @@
 //! The tool is in spindle 0 and cuts along Z. A tool enters the work from above; one that gets
 //! below the surface in another way (beside the work, or changed down there) meets nothing that is
 //! simulated. A hole is known by its place: what comes down within [`SAME_HOLE`] of it is in it.
+mod milled;
+
 use crate::drilling::{self, Drilling};
 use crate::rng::Rng;
 use crate::scatter::Draws;
@@ -19,6 +21,7 @@ use crate::wear::{TapWear, Worn};
 use crate::work::{Bore, ENTERED_MM, Hole, SAME_HOLE, Stock};
 use crate::{Tap, Tool, ToolKind};
 use bus::ToolBreak;
+use milled::Milled;
 use units::{Angle, Length, Spread};
 
 /// A tip that is deeper than this when it is first seen below the surface has not come from above:
@@ -71,6 +74,7 @@ impl ForceScatter {
 #[derive(Clone, Debug)]
 pub(crate) struct Cutting {
     stock: Stock,
+    milled: Milled,
     magazine: Vec<Tool>,
     broken: Vec<u32>,
     /// What broke the tool in the spindle.
@@ -95,6 +99,7 @@ impl Cutting {
     pub(crate) fn new(stock: Stock, magazine: Vec<Tool>, cut: ForceScatter) -> Self {
         Self {
             stock,
+            milled: Milled::default(),
             magazine,
             broken: Vec::new(),
             broken_by: None,
@@ -123,12 +128,14 @@ impl Cutting {
     /// The work as it was left elsewhere.
     pub(crate) fn take_holes_of(&mut self, other: &Self) {
         self.stock.holes.clone_from(&other.stock.holes);
+        self.milled.clone_from(&other.milled);
     }
 
     /// Another workpiece is clamped, with the holes that it comes with.
     pub(crate) fn renew(&mut self, holes: &[Hole]) {
         self.leave();
         self.stock.holes = holes.to_vec();
+        self.milled = Milled::default();
     }
 
     /// At the start of a period: the tool in the spindle and where it is over the work.
@@ -179,8 +186,16 @@ impl Cutting {
         let Some(tool) = &self.mounted else { return Load::default() };
         let pose = Pose { tip: axis_mm - tool.length.value(), angle, omega };
         let depth = self.stock.top.value() - pose.tip;
+        if let (ToolKind::Mill { diameter }, Engagement::Clear) = (&tool.kind, &self.engagement) {
+            self.milled.cut(self.at, *diameter, depth);
+        }
         match &self.engagement {
-            Engagement::Air if depth > self.enters_mm => self.enter(*tool, &pose, depth),
+            Engagement::Air if depth > self.enters_mm => {
+                let floor = self.milled.floor(self.at, tool.diameter());
+                if depth > self.enters_mm + floor {
+                    self.enter(*tool, &pose, [depth, floor]);
+                }
+            }
             Engagement::Clear if depth <= 0.0 => self.engagement = Engagement::Air,
             Engagement::Drilling(drill) if drill.is_out(&pose) => self.leave(),
             Engagement::Tapping(tap) if tap.is_out(&pose) => self.leave(),
@@ -213,16 +228,17 @@ impl Cutting {
         self.load
     }
 
-    /// The tip goes through the surface.
-    fn enter(&mut self, tool: Tool, pose: &Pose, depth: f64) {
+    /// The tip goes through the surface, or the floor that mills have left of it, so deep below it.
+    fn enter(&mut self, tool: Tool, pose: &Pose, [depth, floor]: [f64; 2]) {
         let scale = self.cut.factor();
         self.entered = self.at;
-        let from_above = depth <= ENTRY_DEPTH_MM && self.stock.is_below(self.at);
+        let from_above = depth - floor <= ENTRY_DEPTH_MM && self.stock.is_below(self.at);
         self.engagement = match tool.kind {
             ToolKind::Drill { diameter, point_angle } if from_above => {
                 let hole = self.hole_here();
                 let stock = &mut self.stock;
-                let drill = Drilling::begin(diameter, point_angle, stock, hole, pose, scale);
+                let drill =
+                    Drilling::begin(diameter, point_angle, (stock, floor), hole, pose, scale);
                 Engagement::Drilling(drill)
             }
             ToolKind::Tap(tap) if from_above => {
@@ -235,7 +251,7 @@ impl Cutting {
                     let scale = scale * dull;
                     Engagement::Tapping(Tapping::begin(
                         &tap,
-                        &self.stock,
+                        (&self.stock, floor),
                         hole,
                         pose,
                         scale,
@@ -247,6 +263,7 @@ impl Cutting {
             | ToolKind::Tap(_)
             | ToolKind::Insert(_)
             | ToolKind::Probe(_)
+            | ToolKind::Mill { .. }
             | ToolKind::Other => Engagement::Clear,
         };
     }
@@ -337,9 +354,11 @@ impl Cutting {
         let tool = self.mounted?;
         match tool.kind {
             ToolKind::Insert(insert) => Some((tool.number, insert, tool.length)),
-            ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Probe(_) | ToolKind::Other => {
-                None
-            }
+            ToolKind::Drill { .. }
+            | ToolKind::Tap(_)
+            | ToolKind::Probe(_)
+            | ToolKind::Mill { .. }
+            | ToolKind::Other => None,
         }
     }
 

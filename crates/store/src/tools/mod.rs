@@ -22,6 +22,7 @@
 //! | `stick_out_mm` | all | from the tip to the holder; of a turning tool, from the point to its shank: else not judged |
 //! | `holder_diameter_mm` | all | else only what is as thick as the tool is judged |
 //! | `shank_diameter_mm` | all | of a boring bar its diameter, of a turning tool the width of its shank: else not judged |
+//! | `depth_without_pecks_mm` | drill | deeper holes are to be drilled in pecks: 4 diameters, unless stated |
 //! | `flute_length_mm` | drill, spot-drill, end-mill | where the flutes end; else not judged |
 //! | `form` | end-mill | flat (also a face mill), bull, ball, conical (chamfer mills, engraving tools), other: not judged; else flat |
 //! | `corner_radius_mm` | end-mill, bull | radius of its corner |

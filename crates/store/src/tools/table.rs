@@ -144,6 +144,11 @@ fn read_body(keys: &mut Keys<'_>, kind: &ToolKind) -> Body {
     let has_flutes =
         matches!(kind, ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } | ToolKind::EndMill(_));
     let flutes = if has_flutes { stated(["flute_length_mm", "flute_length_in"]) } else { None };
+    let depth_without_pecks = if matches!(kind, ToolKind::Drill { .. }) {
+        stated(["depth_without_pecks_mm", "depth_without_pecks_in"])
+    } else {
+        None
+    };
     if let (Some(flutes), Some(out)) = (flutes, stick_out)
         && flutes > out
     {
@@ -151,7 +156,7 @@ fn read_body(keys: &mut Keys<'_>, kind: &ToolKind) -> Body {
         let message = format!("the flutes end within the holder: expected {most} mm at most");
         keys.conflict("flute_length_mm", message);
     }
-    Body { flutes, shank, stick_out, holder }
+    Body { flutes, shank, stick_out, holder, depth_without_pecks }
 }
 
 /// A length that is stated in millimetres, or in inches.

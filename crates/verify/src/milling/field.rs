@@ -15,7 +15,7 @@
 //! as small as D/[`CELLS_ACROSS`] of the smallest mill so far, unless the whole grid would have
 //! more than [`MOST_CELLS`]. Only what is open from above is known: no undercuts.
 use crate::Stock;
-use crate::hole::Drilled;
+use crate::workpiece::Bore;
 use canon::{MillForm, Tool, ToolKind};
 use units::Length;
 
@@ -37,6 +37,22 @@ pub(crate) struct Cutter {
 }
 
 impl Cutter {
+    /// Of this form.
+    #[cfg(test)]
+    pub(crate) const fn with(radius: f64, form: MillForm) -> Self {
+        Self { radius, form }
+    }
+
+    /// Flat at its end.
+    pub(crate) const fn flat(radius: f64) -> Self {
+        Self { radius, form: MillForm::FLAT }
+    }
+
+    /// It makes a chamfer, not a step.
+    pub(crate) const fn is_pointed(&self) -> bool {
+        matches!(self.form, MillForm::Conical { .. } | MillForm::Ball)
+    }
+
     /// Of a tool whose form is known.
     pub(crate) fn of(tool: &Tool) -> Option<Self> {
         let form = match &tool.kind {
@@ -225,11 +241,10 @@ impl Field {
     }
 
     /// A hole that was drilled before the grid was made.
-    pub(crate) fn bore(&mut self, hole: &Drilled) {
+    pub(crate) fn bore(&mut self, hole: &Bore) {
         let [x, y] = hole.at.map(Length::value);
-        let radius = hole.diameter.value() / 2.0;
-        let drill = Cutter { radius, form: MillForm::FLAT };
-        self.meet(&drill, [x, y, hole.bottom_mm], (radius, true), |_| {});
+        let (cutter, tip_mm) = (hole.cutter(), hole.tip_mm());
+        self.meet(&cutter, [x, y, tip_mm], (cutter.radius, true), |_| {});
     }
 
     /// Depths over the block in a picture of at most this many cells a side, rows from small Y to

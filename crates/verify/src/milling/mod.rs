@@ -23,14 +23,15 @@ mod tests;
 pub use milled::{HeightMap, Largest, Milled, MillingPlace, RapidCut};
 pub use stock::{MillStock, StockSource};
 
-use crate::hole::Drilled;
 use crate::judged::Judged;
+use crate::workpiece::Workpiece;
 use crate::{Config, Stock};
 use bus::{Sample, State};
 use canon::{Op, ProgramFrame, Tool, ToolKind};
 use empty::EmptySpindle;
 use engagement::Window;
-use field::{Cutter, Field};
+pub(crate) use field::Cutter;
+use field::Field;
 use found::Found;
 use std::collections::VecDeque;
 use units::{Length, Time};
@@ -126,6 +127,16 @@ impl Milling {
         self.at.as_ref().is_some_and(|at| at.found.is_begun()) || self.empty.is_under_way()
     }
 
+    /// What is left of the block; `None`: no mill has come near.
+    pub(crate) const fn field(&self) -> Option<&Field> {
+        self.field.as_ref()
+    }
+
+    /// Side of a cell, mm; 0: there is no grid.
+    pub(crate) fn cell(&self) -> f64 {
+        self.field.as_ref().map_or(0.0, Field::cell)
+    }
+
     /// What the program orders.
     pub(crate) fn op(&mut self, index: u32, op: &Op) {
         self.empty.op(index, op);
@@ -141,7 +152,7 @@ impl Milling {
         &mut self,
         sample: &Sample,
         config: &Config,
-        drilled: &[Drilled],
+        work: &Workpiece,
     ) -> Option<Judged<Milled>> {
         self.frames.reached(sample.report.op);
         let number = sample.feedback.tool;
@@ -161,7 +172,7 @@ impl Milling {
             return taken;
         };
         match &tool.kind {
-            ToolKind::EndMill(_) => self.follow(sample, tool, config, drilled),
+            ToolKind::EndMill(_) => self.follow(sample, tool, config, work),
             ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } if self.field.is_some() => {
                 self.drill(sample, tool);
             }
@@ -244,7 +255,7 @@ impl Milling {
         }
     }
 
-    fn follow(&mut self, sample: &Sample, tool: &Tool, config: &Config, drilled: &[Drilled]) {
+    fn follow(&mut self, sample: &Sample, tool: &Tool, config: &Config, work: &Workpiece) {
         let Some(now) = self.pose(sample, tool) else {
             self.rests(sample, tool);
             return;
@@ -278,7 +289,7 @@ impl Milling {
             if self.field.is_none() {
                 self.field = Field::new(stock.block, 2.0 * cutter.radius);
                 if let Some(field) = &mut self.field {
-                    for hole in drilled {
+                    for hole in work.bores() {
                         field.bore(hole);
                     }
                 }

@@ -6,6 +6,7 @@ mod properties;
 
 use super::*;
 use crate::verdict::Verdict;
+use crate::workpiece::Workpiece;
 use canon::{CutterMaterial, Mill, MillForm, MillLimits, OpKind, Position, ToolLibrary};
 use std::f64::consts::PI;
 use units::{Angle, Coordinate};
@@ -81,7 +82,11 @@ impl Mover {
         }
         self.sample.feedback.time += Time::s(PERIOD);
         self.sample.feedback.spindles[0].angle += Angle::rev(self.spin * PERIOD);
-        self.features.extend(self.milling.sample(&self.sample, &self.config, &[]));
+        self.features.extend(self.milling.sample(
+            &self.sample,
+            &self.config,
+            &Workpiece::default(),
+        ));
     }
 
     /// Along a curve of a parameter from 0 to 1 and of this length.

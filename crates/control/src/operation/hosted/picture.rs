@@ -36,7 +36,7 @@ pub struct Picture {
     /// The program that is loaded.
     pub program: Option<Arc<LoadedProgram>>,
     /// Of the features: another one means that there are others.
-    version: (u64, usize, bool),
+    version: (u64, usize, usize, bool),
 }
 
 impl Picture {

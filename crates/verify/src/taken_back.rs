@@ -1,0 +1,109 @@
+//! Verdicts that are taken back: a later cut has changed the feature, or shown that no one has seen
+//! its hole.
+//!
+//! ```text
+//!   workpiece ─► destroyed ─┬─► a feature that is there   its verdict is changed
+//!                           ├─► one that is not judged yet  kept until it is
+//!                           └─► one of a program before   kept for who has counted it
+//! ```
+use crate::feature::{Feature, FeatureKind};
+use crate::judge::Judge;
+use crate::thread::UNSEEN;
+use crate::verdict::Verdict;
+use crate::workpiece::Undone;
+
+/// Features of programs before of which it is kept that they were destroyed.
+const MOST_FORGOTTEN: usize = 1000;
+
+/// What was taken back.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TakenBack {
+    /// Places in the list of features that were changed after they were judged, in that order.
+    pub(crate) changed: Vec<usize>,
+    /// Threads in holes that no one saw were looked at, because something is drilled.
+    is_drilled: bool,
+    /// Of features that are not judged yet.
+    to_come: Vec<Undone>,
+    /// Of features that the judge has forgotten.
+    forgotten: Vec<Undone>,
+}
+
+impl TakenBack {
+    /// Verdicts as they are now.
+    pub(crate) fn known(features: &[Feature]) -> Vec<Verdict> {
+        features.iter().map(|feature| feature.verdict.clone()).collect()
+    }
+
+    /// Features of these ops are part of another one that follows; the verdicts that are left.
+    pub(crate) fn absorb(&mut self, ops: &[u32], features: &mut Vec<Feature>) -> Vec<Verdict> {
+        let all = features.len();
+        features.retain(|feature| !ops.contains(&feature.op));
+        self.changed.extend(std::iter::repeat_n(Judge::REMOVED, all - features.len()));
+        Self::known(features)
+    }
+
+    /// Which of them have been changed since.
+    pub(crate) fn compare(&mut self, before: &[Verdict], features: &[Feature]) {
+        let all = before.iter().zip(features).enumerate();
+        let changed = all.filter(|(_, (before, now))| **before != now.verdict);
+        self.changed.extend(changed.map(|(place, _)| place));
+    }
+}
+
+impl Judge {
+    /// What stands in the place of a feature that is no longer in the list: it is part of another
+    /// one, and those behind it have moved up.
+    pub const REMOVED: usize = usize::MAX;
+
+    /// Places in the list of features whose verdict was changed after they were judged: those of
+    /// the changes from this one on, or [`Self::REMOVED`].
+    pub fn changed_since(&self, change: usize) -> &[usize] {
+        self.taken_back.changed.get(change..).unwrap_or_default()
+    }
+
+    /// Features that were taken before ([`Self::take_features`]) and destroyed since.
+    pub fn take_undone(&mut self) -> Vec<Undone> {
+        std::mem::take(&mut self.taken_back.forgotten)
+    }
+
+    /// A program begins whose holes are there already, or not.
+    pub const fn holes_are_there(&mut self, pre_drilled: bool) {
+        self.config.pre_drilled = pre_drilled;
+    }
+
+    /// The program drills: what was tapped without a hole that was seen is not found good.
+    pub(crate) fn will_drill(&mut self) {
+        self.work.will_be_drilled();
+        if std::mem::replace(&mut self.taken_back.is_drilled, true) || self.config.pre_drilled {
+            return;
+        }
+        for (place, feature) in self.features.iter_mut().enumerate() {
+            if feature.has_assumed_hole() && feature.verdict.is_pass() {
+                feature.verdict = Verdict::NotJudged { reason: UNSEEN.to_owned() };
+                self.taken_back.changed.push(place);
+            }
+        }
+    }
+
+    /// What a cut has changed is changed in its verdict.
+    pub(crate) fn take_back(&mut self) {
+        if self.work.is_drilled() {
+            self.will_drill();
+        }
+        let mut undone = std::mem::take(&mut self.taken_back.to_come);
+        undone.extend(self.work.take_undone());
+        for undone in undone {
+            let made = |f: &Feature| {
+                f.op == undone.op && matches!(f.kind, FeatureKind::Hole(_) | FeatureKind::Thread(_))
+            };
+            if let Some(place) = self.features.iter().rposition(made) {
+                self.features[place].destroyed(undone.line, &undone.how);
+                self.taken_back.changed.push(place);
+            } else if self.orders.iter().any(|order| order.first == undone.op) {
+                self.taken_back.to_come.push(undone);
+            } else if self.taken_back.forgotten.len() < MOST_FORGOTTEN {
+                self.taken_back.forgotten.push(undone);
+            }
+        }
+    }
+}
