@@ -41,8 +41,9 @@ pub struct Judge {
     tool_ordered: Option<u32>,
     drilled: Vec<Drilled>,
     polygons: StandingPolygons,
-    /// The bar as it has been turned so far.
+    /// The bar as it has been turned so far, and the threads on it.
     bar: Option<TurnedBar>,
+    threads: turned::Places,
     milling: Milling,
     gears: gear::Cuts,
     features: Vec<Feature>,
@@ -65,6 +66,7 @@ pub struct Work {
     drilled: Vec<Drilled>,
     polygons: StandingPolygons,
     bar: Option<TurnedBar>,
+    threads: turned::Places,
     milling: Milling,
     gears: gear::Cuts,
 }
@@ -111,6 +113,7 @@ impl Judge {
             tool_ordered: None,
             drilled: Vec::new(),
             polygons: StandingPolygons::default(),
+            threads: turned::Places::default(),
             milling: Milling::default(),
             gears: gear::Cuts::default(),
             features: Vec::new(),
@@ -133,6 +136,7 @@ impl Judge {
         self.gears = work.gears;
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
+            self.threads = work.threads.at_rest();
         }
         self
     }
@@ -152,8 +156,9 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        let Self { drilled, polygons, bar, milling, gears, .. } = self;
-        Work { drilled, polygons, bar, milling, gears }
+        self.settle_threads();
+        let Self { drilled, polygons, bar, threads, milling, gears, .. } = self;
+        Work { drilled, polygons, bar, threads, milling, gears }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -271,6 +276,9 @@ impl Judge {
         while self.orders.front().is_some_and(|order| order.end.is_some_and(|end| op >= end)) {
             self.close();
         }
+        if let Some(bar) = &mut self.bar {
+            bar.cut_by(sample.report.line);
+        }
         let taken_out = self.milling.sample(sample, &self.config, &self.drilled);
         self.features.extend(taken_out.map(milled));
         let config = &self.config;
@@ -284,6 +292,10 @@ impl Judge {
             }
             Some(bar) => {
                 bar.sample(sample, tool);
+                if let Some(place) = bar.cut_off(tool) {
+                    self.threads.come_off(place, bar, config);
+                    bar.come_off(place);
+                }
                 None
             }
             None => None,
@@ -327,6 +339,24 @@ impl Judge {
             self.close();
         }
         self.features.extend(self.milling.close(&self.config).map(milled));
+        self.settle_threads();
+    }
+
+    /// Turned threads are judged as they stand.
+    fn settle_threads(&mut self) {
+        for telling in self.threads.settle(self.bar.as_mut(), &self.config) {
+            let (instead, found) = match telling {
+                turned::Telling::New(found) => (None, found),
+                turned::Telling::Instead(op, found) => (Some(op), found),
+            };
+            let found = found.map(Box::new).map(FeatureKind::Turned);
+            let is_it =
+                |f: &Feature| Some(f.op) == instead && matches!(f.kind, FeatureKind::Turned(_));
+            match self.features.iter().rposition(is_it) {
+                Some(listed) => self.features[listed] = found,
+                None => self.features.push(found),
+            }
+        }
     }
 
     /// The features judged so far, for a progress display.
@@ -337,13 +367,16 @@ impl Judge {
     /// The features judged so far, which the judge forgets.
     pub fn take_features(&mut self) -> Vec<Feature> {
         self.thrown.clear();
+        self.threads.taken();
         std::mem::take(&mut self.features)
     }
 
     /// Nothing is ordered that was not judged yet: what is there is all that [`Self::finish`] would
     /// say.
     pub fn is_settled(&self) -> bool {
-        self.orders.is_empty() && !self.milling.is_under_way()
+        self.orders.is_empty()
+            && !self.milling.is_under_way()
+            && self.threads.is_settled(self.bar.as_ref())
     }
 
     /// The features, in the order cut. What was ordered and never cut is there too, failed.
@@ -353,6 +386,10 @@ impl Judge {
             self.close();
         }
         self.features.extend(self.milling.close(&self.config).map(milled));
+        self.settle_threads();
+        if self.bar.is_some() {
+            self.features.sort_by_key(|feature| feature.op);
+        }
         self.features
     }
 
@@ -389,8 +426,9 @@ impl Judge {
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {
-                let found = track.finish(op, line, ordered, (config, self.bar.as_mut()), now);
-                Some(found.map(Box::new).map(FeatureKind::Turned))
+                let work = (config, self.bar.as_mut(), &mut self.threads);
+                let found = track.finish(op, line, ordered, work, now);
+                found.map(|found| found.map(Box::new).map(FeatureKind::Turned))
             }
             (Track::Hole { track, tool }, _) => {
                 let with = (tool, tool.and_then(|number| config.tools.get(number)));
