@@ -496,7 +496,7 @@ fn the_next_program_finds_the_threads_of_the_one_before() {
         Lathe::new().m20().next_program().line(5).turned(TURN, 9.0, [2.0, -30.0]).verdicts();
     assert_eq!((found.len(), found[0].0, found[0].1), (1, 5, "fail"), "{found:?}");
     // left alone, it is not told again
-    assert!(Lathe::new().m20().next_program().line(5).turned(TURN, 9.0, [-40.0, -50.0]).is_good());
+    assert!(Lathe::new().m20().next_program().line(5).turned(TURN, 9.0, [-40.0, -50.0]).all_good());
     assert!(Lathe::new().m20().next_program().features().is_empty());
 }
 

@@ -15,8 +15,6 @@ use canon::{
 use std::fmt::Write;
 use units::{Angle, Length, Stiffness};
 
-/// Flank angle of an insert that cuts threads; any other with a nose turns surfaces.
-
 /// The text of a library; that of an empty one is empty.
 pub fn to_toml(library: &ToolLibrary) -> String {
     let mut text = String::new();

@@ -166,7 +166,9 @@ pub(super) fn cut_out(
     let side = ordered.side.unwrap_or_else(|| bar.side());
     let form = Form::of_thread(ordered.tool, pitch, side);
     if ordered.law.axis() == Axis::Z {
-        crossings.iter().for_each(|at| bar.cut(at, &form, side));
+        for at in crossings {
+            bar.cut(at, &form, side);
+        }
     }
     form
 }

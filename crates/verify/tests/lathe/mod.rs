@@ -288,7 +288,7 @@ impl Lathe {
     }
 
     /// Whether all is good.
-    pub fn is_good(self) -> bool {
+    pub fn all_good(self) -> bool {
         self.features().iter().all(|f| f.verdict == Verdict::Pass)
     }
 }
