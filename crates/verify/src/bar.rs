@@ -13,6 +13,10 @@
 //! The tool passes a section whenever the work has turned to it: work angle = angle of the point
 //! about the axis − spindle angle. Between two samples place and angle are interpolated; in a
 //! section the insert's form is cut out exactly. A drill on the axis bores.
+mod part;
+
+pub(crate) use part::BarPart;
+
 use crate::insert::{Form, Outline, Side};
 use bus::Sample;
 use canon::{Tool, ToolKind};
@@ -93,30 +97,6 @@ pub(crate) struct Watched {
     pub(crate) places: [usize; 2],
     /// The line that has removed something first, and whether that was more than a trace.
     pub(crate) line: Option<(u32, bool)>,
-}
-
-/// Material about the axis between two places, in all sections.
-#[derive(Clone, Debug)]
-pub(crate) struct Stretch {
-    places: [usize; 2],
-    outer: Vec<f64>,
-    inner: Vec<f64>,
-}
-
-impl Stretch {
-    /// First and last place.
-    pub(crate) const fn places(&self) -> [usize; 2] {
-        self.places
-    }
-
-    /// Heights in the first section, by place.
-    pub(crate) fn heights(&self, side: Side) -> Vec<f64> {
-        let length = self.places[1] - self.places[0] + 1;
-        match side {
-            Side::External => self.outer[..length].to_vec(),
-            Side::Internal => self.inner[..length].iter().map(|radius| -radius).collect(),
-        }
-    }
 }
 
 impl TurnedBar {
@@ -362,7 +342,7 @@ impl TurnedBar {
     }
 
     /// What is there between two places.
-    pub(crate) fn stretch(&self, places: [usize; 2]) -> Stretch {
+    pub(crate) fn stretch(&self, places: [usize; 2]) -> BarPart {
         let [low, high] = places;
         let of = |radii: &[f64]| {
             let part = |section: usize| {
@@ -371,11 +351,11 @@ impl TurnedBar {
             };
             (0..SECTIONS).flat_map(part).collect()
         };
-        Stretch { places, outer: of(&self.outer), inner: of(&self.inner) }
+        BarPart { places, outer: of(&self.outer), inner: of(&self.inner) }
     }
 
     /// The same bar, as a stretch of it was before: where it still is as `left` has it.
-    pub(crate) fn with(&self, before: &Stretch, left: &Stretch) -> Self {
+    pub(crate) fn with(&self, before: &BarPart, left: &BarPart) -> Self {
         let mut bar = Self { watched: Vec::new(), ..self.clone() };
         let [low, high] = before.places;
         let length = high - low + 1;
@@ -394,7 +374,7 @@ impl TurnedBar {
     }
 
     /// Where later cuts have taken something off what was left, in any section: by place.
-    pub(crate) fn is_changed(&self, left: &Stretch) -> Vec<bool> {
+    pub(crate) fn is_changed(&self, left: &BarPart) -> Vec<bool> {
         let [low, high] = left.places;
         let length = high - low + 1;
         let changed = |k: usize| {

@@ -44,6 +44,7 @@ mod feature;
 mod figures;
 mod inspection;
 mod law;
+mod lie;
 mod places;
 mod profile;
 mod run_in;
@@ -52,7 +53,7 @@ mod sizes;
 mod verdict;
 
 pub use feature::{LeadOfTurn, TurnedThread};
-pub(crate) use places::{Cut, Places, Telling};
+pub(crate) use places::{Places, Telling, ThreadCut};
 pub use size::TurnedLimits;
 pub use sizes::TurnedSizes;
 
@@ -64,7 +65,7 @@ use bus::Sample;
 use canon::{Axis, Hand, OpKind, Position};
 use figures::{lead_error, leads, start_angle, thinned};
 use inspection::{Contact, inspect};
-use law::{Law, Stretch};
+use law::{Law, RUN_OUT, Stretch};
 use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Time, Torque};
 
 /// Share of the way back to where a tool stood before it was fed in, from which on it is clear of
@@ -75,8 +76,6 @@ const CLEAR: f64 = 0.99;
 const FED_IN_MM: f64 = 0.01;
 /// A tool so far off its ordered way across the thread is being taken off the work, mm.
 const LEAVES_MM: f64 = 0.1;
-/// Turns before the chain's end that are run-out.
-const RUN_OUT: f64 = 1.0;
 /// Passes of the point through sections that are kept of one thread: 24 MB, 80,000 turns.
 const MOST_CROSSINGS: usize = 1_000_000;
 
@@ -349,7 +348,7 @@ impl TurnedTrack {
         bar: &mut TurnedBar,
         places: &mut Places,
         config: &Config,
-    ) -> Cut {
+    ) -> ThreadCut {
         let chain = ordered.passes.last().and_then(|pass| pass.last());
         let whole = chain.map_or(0.0, |last| last.before + last.turns) - law.first().before;
         let tool = self.tool.and_then(|number| config.tools.get(number));
@@ -372,8 +371,9 @@ impl TurnedTrack {
         let span = [lie.span[0].min(low) - reach, lie.span[1].max(high) + reach];
         let at = bar.places_between(span);
         let before = befores.thread.unwrap_or(befores.block).stretch(at);
-        let (ordered, left) = (ordered.clone(), bar.stretch(at));
-        Cut { ordered, whole, hand, tool: self.tool, end, inspected, lie, before, left }
+        let pass = ordered.passes.last().cloned().unwrap_or_default();
+        let left = bar.stretch(at);
+        ThreadCut { pass, whole, hand, tool: self.tool, end, inspected, lie, before, left }
     }
 
     /// Leave out of each pass what its axis needed to come to its speed; the longest of that.

@@ -5,8 +5,8 @@
 //!   passes of the point through sections ─► contact with the bar as it was ─► cut out of it ─► grooves ─► starts, pitch
 //!   bar before, pitch ─► standard size, limits of size                                           grooves ─► diameters, lengths
 //! ```
-use super::law::Law;
-use super::places::{Lie, lead_of, overlap, phase};
+use super::law::{Law, RUN_OUT};
+use super::lie::{Lie, lead_of, overlap, phase};
 use super::profile::{Frame, TOUCH_MM, grooves, starts, touched};
 use super::size::Size;
 use super::sizes::{Against, TurnedSizes, median};
@@ -76,7 +76,7 @@ pub(super) struct Inspected {
     pub(super) expected: Length,
     /// How far behind the end of the last block the insert has taken something off.
     pub(super) overrun: Length,
-    /// Lengths at the ends, by rising Z, in which the bar was turned down below the root before, mm.
+    /// Lengths at the ends, by rising Z, in which the bar was below the root before, mm.
     pub(super) relief: [f64; 2],
     /// Machine Z between which this block has taken something off.
     pub(super) touched: Option<[f64; 2]>,
@@ -105,7 +105,7 @@ impl Ordered<'_> {
         let law = &self.law;
         let length = self.tool.map_or(Length::ZERO, canon::Tool::worn_length);
         let [begins, ends] = law.span().map(|at| (at - length).value());
-        let comes_to_rest = self.whole - super::RUN_OUT;
+        let comes_to_rest = self.whole - RUN_OUT;
         if law.turns() <= comes_to_rest {
             return [begins, ends];
         }
@@ -113,8 +113,8 @@ impl Ordered<'_> {
         [begins, if law.sign() < 0.0 { ends.max(rests) } else { ends.min(rests) }]
     }
 
-    /// Where its groove lies, by where the point has passed; on the side from which it came, if the
-    /// order does not say.
+    /// Where its groove lies, by where the point has passed; on the side from which it came, if
+    /// the order does not say.
     pub(super) fn lie(&self, crossings: &[Crossing], came: Side, depth: f64) -> Lie {
         let side = self.side.unwrap_or(came);
         let lead = lead_of(&self.law, self.hand);

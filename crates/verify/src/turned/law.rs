@@ -12,6 +12,8 @@
 use canon::{Axis, Position, Threading};
 use units::{Angle, Length};
 
+/// Turns before a chain's end that are run-out.
+pub(super) const RUN_OUT: f64 = 1.0;
 /// Turns to each side of a step of the lead that are not judged.
 const STEP: f64 = 1.0;
 /// A step of the lead by less, mm, is none: rounding it takes less than 0.2 µm.

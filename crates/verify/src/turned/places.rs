@@ -12,47 +12,25 @@
 //! A cut within a pitch and a half of a thread's ends, as a chamfer or a relief groove, shortens it
 //! and is judged by what is left; a cut that leaves its diameters within their limits, such as a
 //! crest that is turned down, is none that spoils it.
-use super::OrderedThread;
 use super::feature::TurnedThread;
 use super::inspection::{self, Contact, Inspected, Ordered};
-use super::law::Law;
+use super::law::{Law, Stretch};
+use super::lie::{Lie, Relation};
 use super::verdict::{self, UNCUT_PITCHES};
 use crate::Config;
-use crate::bar::{Stretch, TurnedBar};
-use crate::insert::{Form, Side};
+use crate::bar::{BarPart, TurnedBar};
 use crate::judged::Judged;
 use crate::verdict::Verdict;
-use canon::{Axis, Hand};
+use canon::Hand;
 use units::Length;
 
-/// A groove lies within another if it is off it by less than this share of the pitch.
-const SAME_GROOVE: f64 = 0.25;
-/// A place that is passed nearer than this was cut before, mm.
-const NEAR_MM: f64 = 0.1;
 /// Threads that are remembered at most: the oldest are not looked at again.
 const MOST: usize = 64;
 
-/// Where a groove lies on the bar.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lie {
-    pub(super) side: Side,
-    /// Lead along Z, signed by hand; 0: it is not the same everywhere, or the thread does not run
-    /// along Z.
-    pub(super) lead: f64,
-    pub(super) starts: u32,
-    /// Where its deepest pass lies, as a place along Z at the first section, within a lead.
-    pub(super) phase: f64,
-    /// Machine Z between which it lies, rising.
-    pub(super) span: [f64; 2],
-    pub(super) form: Form,
-    /// How deep it is, mm.
-    pub(super) depth: f64,
-}
-
 /// What a thread's blocks have cut, and what it takes to look at it again.
 #[derive(Clone, Debug)]
-pub(crate) struct Cut {
-    pub(super) ordered: OrderedThread,
+pub(crate) struct ThreadCut {
+    pub(super) pass: Vec<Stretch>,
     pub(super) whole: f64,
     pub(super) hand: Hand,
     pub(super) tool: Option<u32>,
@@ -60,13 +38,13 @@ pub(crate) struct Cut {
     pub(super) inspected: Inspected,
     pub(super) lie: Lie,
     /// The bar before and after, as far as the thread reaches.
-    pub(super) before: Stretch,
-    pub(super) left: Stretch,
+    pub(super) before: BarPart,
+    pub(super) left: BarPart,
 }
 
 /// Whether a thread was told, and under which operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Told {
+enum Listed {
     No,
     As(u32),
     /// By a program before this one.
@@ -74,12 +52,12 @@ enum Told {
 }
 
 #[derive(Clone, Debug)]
-struct Place {
+struct ThreadPlace {
     id: usize,
     /// As its last block has left it.
     when_cut: Judged<TurnedThread>,
-    cut: Cut,
-    told: Told,
+    cut: ThreadCut,
+    told: Listed,
     /// Line that has first taken something off it.
     changed: Option<u32>,
     /// Another thread crosses it: its line.
@@ -94,16 +72,6 @@ struct Place {
     now: Judged<TurnedThread>,
 }
 
-/// What a block's groove is to a thread that is there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Relation {
-    Apart,
-    Same,
-    AnotherStart,
-    /// Off its grooves by this, mm; `None`: another lead or hand.
-    Across(Option<f64>),
-}
-
 /// A thread to be told.
 #[derive(Clone, Debug)]
 pub(crate) enum Telling {
@@ -115,41 +83,8 @@ pub(crate) enum Telling {
 /// The threads on a bar.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Places {
-    all: Vec<Place>,
+    all: Vec<ThreadPlace>,
     next: usize,
-}
-
-impl Lie {
-    fn relation(&self, new: &Self) -> Relation {
-        let [low, high] = [self.span[0].max(new.span[0]), self.span[1].min(new.span[1])];
-        if self.side != new.side || high - low < self.lead.abs().max(0.5) / 2.0 {
-            return Relation::Apart;
-        }
-        let same = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
-        if self.lead == 0.0 || new.lead == 0.0 || !same(self.lead, new.lead) {
-            return Relation::Across(None);
-        }
-        let pitch = self.lead.abs() / f64::from(self.starts);
-        let off = new.phase - self.phase;
-        let off = (off - pitch * (off / pitch).round()).abs();
-        if off < SAME_GROOVE * pitch {
-            return Relation::Same;
-        }
-        // two grooves beside one another leave the crest between them
-        let between = self.form.flanks(self.depth) + new.form.flanks(new.depth);
-        if off >= between * 0.98 { Relation::AnotherStart } else { Relation::Across(Some(off)) }
-    }
-
-    /// It reaches as far as the other one, but for the ends that bar and run-out spoil.
-    fn covers(&self, other: &Self) -> bool {
-        let uncut = UNCUT_PITCHES * self.lead.abs();
-        self.span[0] <= other.span[0] + uncut && self.span[1] >= other.span[1] - uncut
-    }
-
-    /// The insert was in the material, or in a groove that is there.
-    fn touches(&self) -> bool {
-        self.depth > -NEAR_MM
-    }
 }
 
 impl Places {
@@ -161,8 +96,8 @@ impl Places {
 
     /// What was told is listed no more.
     pub(crate) fn taken(&mut self) {
-        for place in self.all.iter_mut().filter(|place| place.told != Told::No) {
-            place.told = Told::Before;
+        for place in self.all.iter_mut().filter(|place| place.told != Listed::No) {
+            place.told = Listed::Before;
         }
     }
 
@@ -195,8 +130,13 @@ impl Places {
     }
 
     /// A block was cut, and what its thread is now.
-    pub(crate) fn add(&mut self, mut found: Judged<TurnedThread>, cut: Cut, bar: &mut TurnedBar) {
-        let mut told = Told::No;
+    pub(crate) fn add(
+        &mut self,
+        mut found: Judged<TurnedThread>,
+        cut: ThreadCut,
+        bar: &mut TurnedBar,
+    ) {
+        let mut told = Listed::No;
         let line = found.line;
         let mut crossed = None;
         for index in (0..self.all.len()).rev() {
@@ -211,7 +151,7 @@ impl Places {
                     bar.unwatch(place.id);
                     found.kind.passes += place.when_cut.kind.passes;
                     found.kind.passes_ordered += place.when_cut.kind.passes;
-                    if place.told != Told::Before {
+                    if place.told != Listed::Before {
                         told = place.told;
                     }
                 }
@@ -244,7 +184,7 @@ impl Places {
         self.next += 1;
         bar.watch(id, cut.left.places());
         let now = found.clone();
-        self.all.push(Place {
+        self.all.push(ThreadPlace {
             id,
             when_cut: found,
             cut,
@@ -257,7 +197,7 @@ impl Places {
             now,
         });
         if self.all.len() > MOST
-            && let Some(oldest) = self.all.iter().position(|place| place.told != Told::No)
+            && let Some(oldest) = self.all.iter().position(|place| place.told != Listed::No)
         {
             bar.unwatch(self.all.remove(oldest).id);
         }
@@ -294,26 +234,26 @@ impl Places {
             let changes = before != place.now.verdict;
             let now = place.now.clone();
             match place.told {
-                Told::No => {
-                    place.told = Told::As(now.op);
+                Listed::No => {
+                    place.told = Listed::As(now.op);
                     telling.push(Telling::New(now));
                 }
-                Told::As(op) if is_new || changes => {
-                    place.told = Told::As(now.op);
+                Listed::As(op) if is_new || changes => {
+                    place.told = Listed::As(now.op);
                     telling.push(Telling::Instead(op, now));
                 }
-                Told::Before if changes => {
+                Listed::Before if changes => {
                     let line = place.changed.or(place.crossed).unwrap_or(now.line);
                     telling.push(Telling::New(Judged { line, ..now }));
                 }
-                Told::As(_) | Told::Before => {}
+                Listed::As(_) | Listed::Before => {}
             }
         }
         telling
     }
 }
 
-impl Place {
+impl ThreadPlace {
     /// Nothing happens to it any more.
     const fn is_done(&self) -> bool {
         self.is_off || self.is_gone
@@ -327,7 +267,7 @@ impl Place {
         let Some(line) = bar.changed_by(self.id) else { return };
         self.changed.get_or_insert(line);
         bar.watch(self.id, self.cut.left.places());
-        let Some(law) = self.cut.ordered.passes.last().and_then(|pass| Law::of(pass)) else {
+        let Some(law) = Law::of(&self.cut.pass) else {
             return;
         };
         let was = &self.when_cut;
@@ -421,38 +361,4 @@ fn left(reason: &str, [low, high]: [f64; 2], changed: &[f64]) -> String {
     let whole = ends.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     let whole = format!("it is whole over {whole:.2} of {:.2} mm", high - low);
     if said.is_empty() { whole } else { format!("{whole}; {}", said.join("; ")) }
-}
-
-/// Where the deepest crossings of a helix lie, as a place at the first section within a lead.
-pub(super) fn phase(
-    crossings: &[crate::bar::Crossing],
-    side: Side,
-    lead: f64,
-    [low, high]: [f64; 2],
-) -> f64 {
-    const ALIKE_MM: f64 = 0.02;
-    let height = |radius: f64| if side == Side::External { radius } else { -radius };
-    let within = || crossings.iter().filter(|at| (low..=high).contains(&at.z));
-    let least = within().map(|at| height(at.radius)).fold(f64::INFINITY, f64::min);
-    let (mut sin, mut cos) = (0.0, 0.0);
-    for at in within().filter(|at| height(at.radius) < least + ALIKE_MM) {
-        let z = at.z - lead * at.section as f64 / crate::bar::SECTIONS as f64;
-        let (s, c) = (std::f64::consts::TAU * z / lead.abs()).sin_cos();
-        (sin, cos) = (sin + s, cos + c);
-    }
-    sin.atan2(cos) / std::f64::consts::TAU * lead.abs()
-}
-
-/// A thread that can be compared with others: straight, along Z, of one lead.
-pub(super) fn lead_of(law: &Law<'_>, hand: Hand) -> f64 {
-    let is_plain = law.axis() == Axis::Z && law.is_straight() && !law.varies();
-    if is_plain { hand.sign() * law.main().lead().abs() } else { 0.0 }
-}
-
-/// Grooves of several starts that are wider than they are apart.
-pub(super) fn overlap(form: &Form, depth: f64, pitch: f64, starts: u32) -> Option<String> {
-    let width = 2.0 * form.flanks(depth);
-    (starts > 1 && depth > 0.0 && width > pitch * 1.02).then(|| {
-        format!("cut across itself: {starts} grooves {width:.3} mm wide lie {pitch:.3} mm apart")
-    })
 }
