@@ -8,9 +8,8 @@
 //! bit for bit.
 use super::mill;
 use canon::{
-    AtLimit, Flute, Hand, HobTool, Holder, Insert, InsertEdges, InsertPoint, PolygonCutter, TapTool,
-    Tool,
-    ToolKind, ToolLibrary, ToolLife,
+    AtLimit, Flute, Hand, HobTool, Holder, Insert, InsertEdges, InsertPoint, PolygonCutter,
+    TapTool, Tool, ToolKind, ToolLibrary, ToolLife,
 };
 use std::fmt::Write;
 use units::{Angle, Length, Stiffness};
