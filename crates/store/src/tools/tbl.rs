@@ -223,11 +223,12 @@ impl Reader {
             kind => kind,
         };
         let stated = Some(diameter).filter(|d| *d > Length::ZERO);
+        let is_insert = matches!(kind, ToolKind::Insert(_)); // a length in its comment is its width
         Some(Tool {
             number,
             pocket,
             length,
-            diameter: stated.or(understood.diameter).unwrap_or(Length::ZERO),
+            diameter: stated.or(understood.diameter.filter(|_| !is_insert)).unwrap_or(Length::ZERO),
             kind,
             description: remark.to_owned(),
             wear: canon::ToolWear::default(),
