@@ -43,8 +43,9 @@ pub use op::{
 pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{
-    Body, CutterMaterial, Flute, HobTool, Holder, Insert, InsertPoint, Mill, MillForm, MillLimits,
-    PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary, TouchProbe,
+    Body, CutterMaterial, Flute, HobTool, Holder, Insert, InsertEdges, InsertOrientation,
+    InsertPoint, Mill, MillForm, MillLimits, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
+    TouchProbe,
 };
 pub use tool_life::{AtLimit, ToolLife, ToolLimit, ToolUse, ToolWear, UseCount};
 pub use units::{Arc, Axis, Plane, Position, Ratio};

@@ -218,23 +218,112 @@ impl HobTool {
 /// An insert of a lathe, as it stands in the plane of the work's axis, its point towards the work.
 ///
 /// ```text
-///     crest_height ──┬─┐        ┌─      full profile: the edge that cuts the thread's crest
-///                    │  ╲ angle╱
-///                    │   ╲    ╱
-///                    ┴    ╲__╱         point: a nose radius, or a flat
+///     threading                            turning                              grooving, parting
+///     crest_height ──┬─┐        ┌─          │  ╲ angle   ╱  trailing edge        │     │
+///                    │  ╲ angle╱            │    ╲    ╱                          │     │
+///                    │   ╲    ╱     approach╰╲     ╱    180° − approach − angle  │     │
+///                    ┴    ╲__╱                 ╰─╯ nose                          └─────┘ width
+///                         point: a nose radius, or a flat         ◄─ chuck
 /// ```
+///
+/// The form belongs to the tool: it is the same whichever way the tool moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Insert {
-    /// Between its flanks: 60° for metric and unified threads.
+    /// Between its flanks or edges: 60° for metric and unified threads.
     pub angle: Angle,
     /// Its point; `None`: the table does not say.
     pub point: Option<InsertPoint>,
     /// From its point to the edge that cuts the crest; `None`: partial profile, which leaves the
     /// crest as it is.
     pub crest_height: Option<Length>,
+    /// Its edges beside the point.
+    pub edges: InsertEdges,
+    /// Where its point lies from the middle of its nose; `None`: the table does not say.
+    pub orientation: Option<InsertOrientation>,
+}
+
+/// The edges of an insert beside its point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InsertEdges {
+    /// Two flanks, symmetric about the point: threads.
+    Profile,
+    /// A corner with a leading and a trailing edge: turning and facing.
+    Corner {
+        /// Between the leading edge and the way along the axis in which it is fed (ISO 3002-1: κr).
+        approach: Angle,
+        /// Length of each edge.
+        length: Length,
+    },
+    /// Square sides: grooving and parting.
+    Square,
+}
+
+/// Where the point of an insert lies from the middle of its nose, by Fanuc's numbers: X+ is away
+/// from the work's axis, Z+ away from the chuck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InsertOrientation(u8);
+
+impl InsertOrientation {
+    /// By its number, 1 to 9.
+    pub const fn new(number: u8) -> Option<Self> {
+        if number >= 1 && number <= 9 { Some(Self(number)) } else { None }
+    }
+
+    /// Its number, 1 to 9.
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+
+    /// −1: towards the chuck; +1: towards the free end; 0: neither.
+    pub const fn along(self) -> i8 {
+        match self.0 {
+            2 | 3 | 7 => -1,
+            1 | 4 | 5 => 1,
+            _ => 0,
+        }
+    }
+
+    /// It points along the work's axis alone, as for a thread in a face.
+    pub const fn is_axial(self) -> bool {
+        matches!(self.0, 5 | 7)
+    }
+
+    /// Coordinates are those of the middle of its nose.
+    pub const fn is_middle(self) -> bool {
+        self.0 == 9
+    }
 }
 
 impl Insert {
+    /// Angle between the leading edge of a turning insert and its feed where it is not stated (ISO
+    /// 5608: L, 95°).
+    pub const APPROACH: Angle = Angle::deg(95.0);
+    /// Length of a turning insert's edges where it is not stated (ISO 1832: size 12).
+    pub const EDGE: Length = Length::mm(12.0);
+
+    /// One for threads.
+    pub const fn threading(
+        angle: Angle,
+        point: Option<InsertPoint>,
+        crest_height: Option<Length>,
+    ) -> Self {
+        Self { angle, point, crest_height, edges: InsertEdges::Profile, orientation: None }
+    }
+
+    /// One that turns, with this angle and nose.
+    pub const fn turning(angle: Angle, nose: Length) -> Self {
+        let edges = InsertEdges::Corner { approach: Self::APPROACH, length: Self::EDGE };
+        let point = Some(InsertPoint::Nose(nose));
+        Self { angle, point, crest_height: None, edges, orientation: None }
+    }
+
+    /// One that cuts grooves of this width.
+    pub const fn grooving(width: Length) -> Self {
+        let point = Some(InsertPoint::Flat(width));
+        let (edges, angle) = (InsertEdges::Square, Angle::ZERO);
+        Self { angle, point, crest_height: None, edges, orientation: None }
+    }
+
     /// Twice its nose radius, which tables of lathes state as its diameter; zero for another point.
     pub fn nose_diameter(&self) -> Length {
         match self.point {

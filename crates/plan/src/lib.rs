@@ -42,7 +42,7 @@
 //! spindle too fast; cam grinding: M0411 no such profile, M0412 nothing
 //! sampled, M0413 not measured, M0414 too fast, M0415 wheel too near; turned threads: M0421 spindle
 //! at rest, M0422 stretch too short, M0423 axis too slow, M0424 lead, M0425 another axis, M0426
-//! run-in too short.
+//! run-in too short, M0427 left hand.
 #![no_std]
 #![allow(clippy::large_types_passed_by_value)] // a path is moved once, into its step
 extern crate alloc;

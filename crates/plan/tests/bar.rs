@@ -3,8 +3,8 @@
 use crate::common;
 use crate::common::{change, line, machine, mm, program, rapid, turn};
 use canon::{
-    Body, Feed, Insert, InsertPoint, LengthUnit, OpKind, Position, ProgramFrame, Threading, Tool,
-    ToolKind, ToolLibrary,
+    Body, Feed, Insert, LengthUnit, OpKind, Position, ProgramFrame, Threading, Tool, ToolKind,
+    ToolLibrary,
 };
 use plan::{Bar, Planner, Start, Stock};
 use units::{Angle, Lead, LeadGrowth, Length};
@@ -20,8 +20,7 @@ const STOCK: Stock = Stock {
 
 fn tools() -> ToolLibrary {
     let mut tools = ToolLibrary::default();
-    let point = Some(InsertPoint::Nose(mm(0.4)));
-    let insert = Insert { angle: Angle::deg(80.0), point, crest_height: None };
+    let insert = Insert::turning(Angle::deg(80.0), mm(0.4));
     let tool = |number, diameter, kind| Tool {
         number,
         pocket: number,

@@ -1,9 +1,9 @@
 //! Turned threads: chains, their corners, and what is refused with the number that works.
 use crate::common;
-use crate::common::{findings, mm, rapid, steps, turn};
+use crate::common::{findings, machine, mm, program, rapid, steps, turn};
 use canon::{Axis, OpKind, Position, Threading};
 use motion::{ThreadStretch, TiedCut, WayOut};
-use plan::StepKind;
+use plan::{Planner, Start, StepKind};
 use proptest::prelude::*;
 use test_support::size;
 use units::{Angle, Lead, LeadGrowth};
@@ -99,6 +99,32 @@ fn a_thread_with_a_spindle_at_rest_is_refused_and_a_short_run_in_is_said() {
     assert!(near.starts_with("M0426 Warning"), "{near}");
     let far = findings([turn(3000.0), rapid(0.0, 0.0, -5.0), thread(0.0, -45.0, 2.0)]);
     assert_eq!(far, "");
+}
+
+#[test]
+fn a_left_hand_thread_is_said_where_the_work_turns_and_nowhere_else() {
+    let found = |rpm: f64, ends: [f64; 2], turning: bool| {
+        let start = Start { position: Position::xyz(0.0, 0.0, 0.0), tool: 0 };
+        let planner =
+            Planner::new(machine(), canon::ToolLibrary::default(), common::OPTIONS, start);
+        let mut planner = if turning { planner.turning_work() } else { planner };
+        let ops = program([turn(rpm), rapid(0.0, 0.0, ends[0]), thread(0.0, ends[1], 2.0)]);
+        for (index, op) in (0..).zip(&ops) {
+            planner.push(index, op, &mut |_| ());
+        }
+        planner.finish(&mut |_| ());
+        let said = planner.take_findings();
+        said.iter().filter(|d| d.code == "M0427").map(|d| d.message.clone()).collect::<Vec<_>>()
+    };
+    let said = "M4 and a feed towards the chuck give a left-hand thread";
+    assert_eq!(found(-1000.0, [-5.0, -45.0], true), [said]);
+    assert_eq!(
+        found(1000.0, [-45.0, -5.0], true),
+        ["M3 and a feed away from the chuck give a left-hand thread"]
+    );
+    assert!(found(1000.0, [-5.0, -45.0], true).is_empty());
+    assert!(found(-1000.0, [-45.0, -5.0], true).is_empty());
+    assert!(found(-1000.0, [-5.0, -45.0], false).is_empty(), "a mill's spindle holds the tool");
 }
 
 fn ways_out(kinds: impl IntoIterator<Item = OpKind>) -> Vec<WayOut> {

@@ -16,9 +16,15 @@
 //! are known: a shaft from outside, a bore from within.
 //!
 //! Not simulated: bending of the bar, an insert that breaks, chips that wind.
+mod face;
+mod insert;
+
+pub use insert::{Edges, Insert};
+
 use crate::work::Hole;
 use core::f64::consts::TAU;
-use units::{Angle, Length};
+use face::{Face, Forces};
+use units::Length;
 
 /// Columns about the axis.
 const COLUMNS: usize = 120;
@@ -33,12 +39,12 @@ const THINNEST_MM: f64 = 0.01;
 /// Slower than this, rad/s, the force falls to zero with the speed: it is friction then, and turns
 /// nothing.
 const SLOW: f64 = 1.0;
+/// Deeper than this under the outside, or under the face, no thread is, mm.
+const MOST_THREAD_MM: f64 = 4.0;
+/// So far before the face an insert shows where it points, mm.
+const FACE_MM: f64 = 12.0;
 /// A tool nearer to a hole's middle than this is in it, mm.
 const ON_AXIS_MM: f64 = 0.1;
-/// Trailing edge of a turning tool: slope (an insert of 80° that leads with 95°) and length, mm.
-const TRAILING: (f64, f64) = (0.087_488_663_525_924, 12.0);
-/// The crest's edge of a full profile reaches so much farther than the flanks there.
-const OVER_THE_CREST: f64 = 1.3;
 
 /// Specific cutting force by the chip's thickness: kc = kc1.1·h^(−m), h in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,70 +95,6 @@ pub struct Bar {
     pub force: Kienzle,
 }
 
-/// An insert, in the plane of the axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Insert {
-    /// Half of the angle between its flanks.
-    pub half_angle: Angle,
-    /// Nose radius.
-    pub nose: Length,
-    /// Width of a flat point.
-    pub flat: Length,
-    /// From its point to the edge that cuts a thread's crest.
-    pub crest_height: Option<Length>,
-    /// It turns: square towards the chuck, with a trailing edge behind. Otherwise a V, as for
-    /// threads.
-    pub turns: bool,
-}
-
-impl Insert {
-    /// How far the edge lies behind the point, and its slope, so far along the axis from it.
-    fn edge(&self, d: f64) -> Option<(f64, f64)> {
-        let nose = self.nose.value();
-        let round = |d: f64| {
-            let down = (nose * nose - d * d).max(0.0).sqrt();
-            (nose - down, d / down.max(1e-9))
-        };
-        if self.turns {
-            let (slope, length) = TRAILING;
-            return match d {
-                d if d < -nose || d > length => None,
-                d if d <= nose * slope => Some(round(d)),
-                d => Some(((d - nose * slope) * slope, slope)),
-            };
-        }
-        let (sin, cos) = (self.half_angle.in_rad().sin(), self.half_angle.in_rad().cos());
-        let tan = sin / cos;
-        let away = d.abs();
-        let below = nose * (1.0 / sin - 1.0) + self.flat.value() / 2.0 / tan;
-        let (rise, slope) = if away <= nose * cos {
-            round(away)
-        } else {
-            let flank = away / tan - below;
-            if flank > 0.0 { (flank, 1.0 / tan) } else { (0.0, 0.0) }
-        };
-        match self.crest_height.map(Length::value) {
-            Some(crest) if away > OVER_THE_CREST * (crest + below) * tan => None,
-            Some(crest) if rise >= crest => Some((crest, 0.0)),
-            _ => Some((rise, slope * d.signum())),
-        }
-    }
-
-    /// How far along the axis the edge reaches, to each side, at most so far behind its point.
-    fn reach(&self, rise: f64) -> f64 {
-        if self.turns {
-            return TRAILING.1;
-        }
-        let (sin, tan) = (self.half_angle.in_rad().sin(), self.half_angle.in_rad().tan());
-        let below = self.nose.value() * (1.0 / sin - 1.0) + self.flat.value() / 2.0 / tan;
-        let least = self.nose.value();
-        match self.crest_height.map(Length::value) {
-            Some(crest) if rise >= crest => OVER_THE_CREST * (crest + below) * tan,
-            _ => ((rise + below) * tan).max(least),
-        }
-    }
-}
-
 /// What the work does to the machine: forces on the tool along X, Y and Z, N; torque against
 /// positive rotation, N·m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -189,6 +131,10 @@ pub(crate) struct Turning {
     outer: Vec<f32>,
     inner: Vec<f32>,
     from_within: bool,
+    /// The face, once an insert has pointed into it.
+    face: Option<Face>,
+    /// The insert points along the axis: as the table states it, or as it went into the material.
+    is_axial: Option<bool>,
     tool: Option<u32>,
     last: Option<Pose>,
 }
@@ -206,6 +152,8 @@ impl Turning {
             outer: Vec::new(),
             inner: Vec::new(),
             from_within: false,
+            face: None,
+            is_axial: None,
             tool: None,
             last: None,
         }
@@ -216,12 +164,13 @@ impl Turning {
         if (self.places, self.bar) == (other.places, other.bar) {
             self.outer.clone_from(&other.outer);
             self.inner.clone_from(&other.inner);
+            self.face.clone_from(&other.face);
         }
     }
 
     /// Another tool: what others have bored on the axis is there for it.
     fn mount(&mut self, tool: u32, top: Length, holes: &[Hole]) {
-        (self.tool, self.last) = (Some(tool), None);
+        (self.tool, self.last, self.is_axial) = (Some(tool), None, None);
         if self.outer.is_empty() {
             let all = COLUMNS * self.places;
             self.outer = vec![self.bar.radius.value() as f32; all];
@@ -266,7 +215,8 @@ impl Turning {
         }
         self.come(&now);
         let before = self.last.replace(now);
-        if radius > self.bar.radius.value() + STEP_MM || at[2] > self.bar.face.value() + TRAILING.1
+        if radius > self.bar.radius.value() + STEP_MM
+            || at[2] > self.bar.face.value() + insert.widest()
         {
             return TurningLoad::default();
         }
@@ -274,12 +224,16 @@ impl Turning {
         else {
             return TurningLoad::default();
         };
+        let is_axial = self.points_along(insert, &before, &now);
         let (low, high) = (before.column.min(now.column), before.column.max(now.column));
         for line in low.floor() as i64 + 1..=high.floor() as i64 {
             let share = (line as f64 - before.column) / (now.column - before.column);
             let radius = before.radius + share * (now.radius - before.radius);
             let z = before.z + share * (now.z - before.z);
-            self.cut(column(line), radius, z, insert);
+            match &mut self.face {
+                Some(face) if is_axial => face.cut(column(line), radius, z, insert),
+                _ => self.cut(column(line), radius, z, insert),
+            }
         }
         let ahead = if now.column >= before.column {
             now.column.floor() as i64 + 1
@@ -290,7 +244,68 @@ impl Turning {
         let turned = now.column - before.column;
         let slope = if turned == 0.0 { 0.0 } else { (now.z - before.z) / turned };
         let there = Pose { z: now.z + slope * (ahead as f64 - now.column), ..now };
-        self.load(column(ahead), &there, insert, omega)
+        let forces = match &self.face {
+            Some(face) if is_axial => {
+                let slope = (now.radius - before.radius) / if turned == 0.0 { 1.0 } else { turned };
+                let radius = now.radius + slope * (ahead as f64 - now.column);
+                face.forces(column(ahead), (radius, now.z), insert, &self.bar.force)
+            }
+            _ => self.forces(column(ahead), &there, insert),
+        };
+        self.load(forces, &there, omega)
+    }
+
+    /// The insert points along the axis, into the face: as the table states it. A V of which it
+    /// states nothing points the way in which it goes into the material: before the face and deeper
+    /// under the outside than a thread's depth, or across it just under the face, that is along the
+    /// axis.
+    fn points_along(&mut self, insert: &Insert, before: &Pose, now: &Pose) -> bool {
+        let is_axial = if insert.edges != Edges::V {
+            false
+        } else if let Some(stated) = insert.is_axial {
+            stated
+        } else {
+            let Some(depths) = self.depths(now) else {
+                self.is_axial = None;
+                return false;
+            };
+            let [outside, inside, face] = depths;
+            let across = (now.radius - before.radius).abs() > (now.z - before.z).abs();
+            let deep = outside.min(inside) > MOST_THREAD_MM;
+            if face < 0.0 && !deep {
+                self.is_axial = None;
+                return false;
+            }
+            *self.is_axial.get_or_insert(face < MOST_THREAD_MM && (across || deep))
+        };
+        if is_axial && self.face.is_none() {
+            let top = |column: usize, radius: f64| {
+                let at = column * self.places..(column + 1) * self.places;
+                let pairs = self.outer[at.clone()].iter().zip(&self.inner[at]);
+                let is_there = |(outer, inner): (&f32, &f32)| {
+                    (f64::from(*inner)..f64::from(*outer)).contains(&radius)
+                };
+                let last = pairs.map(is_there).rposition(|is| is);
+                last.map_or(self.bar.rear.value(), |place| self.z(place) + self.step / 2.0)
+            };
+            self.face = Some(Face::new(self.bar.radius.value(), top));
+        }
+        is_axial
+    }
+
+    /// How deep a point is below outside, bore and face; `None`: it is neither in the material nor
+    /// just before its face.
+    fn depths(&self, at: &Pose) -> Option<[f64; 3]> {
+        let place = (at.z - self.bar.rear.value()) / self.step;
+        let face = self.bar.face.value() - at.z;
+        if place < 0.0 || face < -FACE_MM {
+            return None;
+        }
+        let place = (place as usize).min(self.places - 1);
+        let index = column(at.column.floor() as i64) * self.places + place;
+        let (outer, inner) = (f64::from(self.outer[index]), f64::from(self.inner[index]));
+        let solid = if inner > 0.0 { at.radius - inner } else { f64::INFINITY };
+        (at.radius < outer && at.radius > inner).then_some([outer - at.radius, solid, face])
     }
 
     /// From which side a point that is clear comes.
@@ -340,8 +355,9 @@ impl Turning {
         }
     }
 
-    /// The chip between the edge and a column's surface, and its force.
-    fn load(&self, column: usize, at: &Pose, insert: &Insert, omega: f64) -> TurningLoad {
+    /// The chip between the edge and a column's surface, and its forces: along the cut, away from
+    /// the material across the axis, along it.
+    fn forces(&self, column: usize, at: &Pose, insert: &Insert) -> Forces {
         let (mut main, mut radial, mut axial) = (0.0, 0.0, 0.0);
         for place in self.places_near(at.radius, at.z, insert) {
             let Some((rise, slope)) = insert.edge(self.z(place) - at.z) else { continue };
@@ -361,9 +377,13 @@ impl Turning {
             radial += ACROSS * force * across;
             axial -= ACROSS * force * across * slope;
         }
+        [main, if self.from_within { -radial } else { radial }, axial]
+    }
+
+    /// What these forces do to the machine.
+    fn load(&self, forces: Forces, at: &Pose, omega: f64) -> TurningLoad {
         let moving = self.scale * (omega.abs() / SLOW).min(1.0);
-        let [main, radial, axial] = [main, radial, axial].map(|force| force * moving);
-        let outward = if self.from_within { -radial } else { radial };
+        let [main, outward, axial] = forces.map(|force| force * moving);
         let along = main * omega.signum(); // the work drags the point along with it
         let (sin, cos) = (at.about * TAU).sin_cos();
         TurningLoad {
@@ -377,6 +397,7 @@ impl Turning {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use units::Angle;
 
     fn bar(bore: f64) -> Bar {
         Bar {
@@ -389,13 +410,16 @@ mod tests {
         }
     }
 
-    const fn v(nose: f64) -> Insert {
+    fn v(nose: f64) -> Insert {
         Insert {
             half_angle: Angle::deg(30.0),
             nose: Length::mm(nose),
             flat: Length::ZERO,
             crest_height: None,
-            turns: false,
+            edges: Edges::V,
+            along: None,
+            is_middle: false,
+            is_axial: None,
         }
     }
 
@@ -480,10 +504,93 @@ mod tests {
 
     #[test]
     fn turning_costs_feed_times_depth() {
-        let insert = Insert { nose: Length::mm(0.4), turns: true, ..v(0.0) };
+        let insert = Insert { nose: Length::mm(0.4), edges: Edges::corner(80.0), ..v(0.0) };
         let load = pass(&mut fresh(0.0), &insert, 9.0, 0.2);
         // A = 0.2·1 mm² (less the corner's), h about 0.2 mm: 2220·0.2^-0.14 = 2781 N/mm²
         assert!((load.main / 556.0 - 1.0).abs() < 0.2, "{load:?}");
         assert!(load.force[2] > 0.0, "against the feed: {load:?}");
+    }
+
+    #[test]
+    fn a_thread_in_the_face_from_its_middle_outwards_costs_as_much() {
+        let mut turning = fresh(0.0);
+        let (step, omega) = (500.0 / 60.0 * 250e-6, 500.0 / 60.0 * TAU);
+        let mut turn = 0.0;
+        for k in 0..2000 {
+            turn += step;
+            let at = [2.0, 0.0, 2.0 - 2.3 * f64::from(k) / 2000.0];
+            turning.step((1, &v(0.0)), at, (turn, omega), (Length::ZERO, &[]));
+        }
+        let mut most = 0.0_f64;
+        for k in 0..(6.0 / 1.5 / step) as u32 {
+            turn += step;
+            let at = [2.0 + 1.5 * step * f64::from(k), 0.0, -0.3];
+            let load = turning.step((1, &v(0.0)), at, (turn, omega), (Length::ZERO, &[]));
+            most = most.max(load.main);
+        }
+        assert!((100.0..250.0).contains(&most), "{most} N");
+    }
+
+    /// A spiral in the face from `from` to `to`, 0.3 mm deep, 1.5 mm a turn; the largest force.
+    fn spiral(turning: &mut Turning, insert: &Insert, from: f64, to: f64) -> TurningLoad {
+        let step = 500.0 / 60.0 * 250e-6;
+        let omega = 500.0 / 60.0 * TAU;
+        let mut most = TurningLoad::default();
+        let turns = (from - to).abs() / 1.5;
+        for k in 0..(turns / step) as u32 {
+            let turn = f64::from(k) * step;
+            let at = [from + (to - from) * turn / turns, 0.0, -0.3];
+            let load = turning.step((1, insert), at, (turn, omega), (Length::ZERO, &[]));
+            if load.main > most.main {
+                most = load;
+            }
+        }
+        most
+    }
+
+    #[test]
+    fn a_thread_in_the_face_costs_its_depth_below_the_face_and_pushes_the_tool_off_it() {
+        let along = pass(&mut fresh(0.0), &v(0.0), 9.7, 1.5);
+        for is_axial in [None, Some(true)] {
+            let insert = Insert { is_axial, ..v(0.0) };
+            let load = spiral(&mut fresh(0.0), &insert, 11.0, 3.0);
+            assert!((load.main / along.main - 1.0).abs() < 0.1, "{load:?} {along:?}");
+            assert!(load.force[2] > 0.2 * load.main && load.force[0].abs() < 0.1 * load.main);
+        }
+        // the same chip along a thread that is stated to point to the axis: 15 kN
+        let insert = Insert { is_axial: Some(false), ..v(0.0) };
+        assert!(spiral(&mut fresh(0.0), &insert, 11.0, 3.0).main > 5_000.0);
+    }
+
+    #[test]
+    fn a_spring_pass_in_the_face_costs_nothing() {
+        let mut turning = fresh(0.0);
+        spiral(&mut turning, &v(0.1), 11.0, 3.0);
+        turning.last = None;
+        assert!(spiral(&mut turning, &v(0.1), 11.0, 4.5).main < 1.0);
+    }
+
+    #[test]
+    fn a_tool_that_leaves_a_shoulder_or_a_chamfer_costs_nothing() {
+        let insert = Insert { nose: Length::mm(0.4), edges: Edges::corner(80.0), ..v(0.0) };
+        let (turns, omega) = (1000.0 / 60.0 * 250e-6, 1000.0 / 60.0 * TAU);
+        // straight out, along a slant, back along the bar: the way of a rapid in a period
+        for out in [[0.02, 0.0], [0.02, 0.02], [0.0, 0.02]] {
+            let mut turning = fresh(0.0);
+            let (mut at, mut turn) = ([9.0, 0.0, 2.0], 0.0);
+            let mut go = |at: &mut [f64; 3], by: [f64; 2], count: u32| {
+                let mut most = 0.0_f64;
+                for _ in 0..count {
+                    (at[0], at[2], turn) = (at[0] + by[0], at[2] + by[1], turn + turns);
+                    let load = turning.step((1, &insert), *at, (turn, omega), (Length::ZERO, &[]));
+                    most = most.max(load.main);
+                }
+                most
+            };
+            let cut = go(&mut at, [0.0, -0.1 * turns], (7.0 / 0.1 / turns) as u32);
+            go(&mut at, [0.1 * turns, -0.1 * turns], (0.5 / 0.1 / turns) as u32);
+            let left = go(&mut at, out, 200);
+            assert!(cut > 100.0 && left < 0.5 * cut, "{left} N after {cut} N, by {out:?}");
+        }
     }
 }

@@ -13,10 +13,15 @@
 //! The tool passes a section whenever the work has turned to it: work angle = angle of the point
 //! about the axis − spindle angle. Between two samples place and angle are interpolated; in a
 //! section the insert's form is cut out exactly. A drill on the axis bores.
-use crate::insert::{Form, Side};
+mod part;
+
+pub(crate) use part::BarPart;
+
+use crate::insert::{Form, Outline, Side};
 use bus::Sample;
-use canon::{InsertPoint, Tool, ToolKind};
+use canon::{Tool, ToolKind};
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 use units::Length;
 
 /// Sections about the axis.
@@ -25,15 +30,12 @@ pub(crate) const SECTIONS: usize = 12;
 const STEP_MM: f64 = 0.01;
 /// Places along the axis at most.
 const MOST_PLACES: usize = 20_000;
-/// The trailing edge of a turning tool: its slope (an insert of 80° that leads with 95°), and its
-/// length, mm (ISO 1832: size 12).
-const TRAILING_SLOPE: f64 = 0.087_488_663_525_924;
-const TRAILING_MM: f64 = 12.0;
-/// A way along Z in a period that is a feed, mm: 0.2 mm a minute.
-const FEED_MM: f64 = 1e-6;
-/// A turning tool's nose where the table does not state one, mm (estimate: the usual one for
-/// finishing).
-const USUAL_NOSE_MM: f64 = 0.4;
+/// Less than this is no cut, mm.
+const TRACE_MM: f64 = 0.005;
+/// A wall, or a pip about the axis, of this thickness breaks off, mm (estimate).
+const THROUGH_MM: f64 = 0.3;
+/// No thread is deeper, mm.
+const MOST_THREAD_MM: f64 = 4.0;
 /// A tool nearer to the axis than this is on it, mm.
 const ON_AXIS_MM: f64 = 0.05;
 
@@ -80,21 +82,21 @@ pub(crate) struct TurnedBar {
     inner: Vec<f64>,
     last: Option<Pose>,
     side: Side,
-    /// −1 while the tool goes towards the chuck, and until it goes the other way; +1 then.
-    feed: f64,
+    /// Line of the program that cuts.
+    line: u32,
+    watched: Vec<Watched>,
+    /// From this place on nothing is left.
+    front: usize,
 }
 
-/// Nose radius of a tool that turns, mm; `None` of one that does not.
-fn turning_nose(tool: Option<&Tool>) -> Option<f64> {
-    match tool.map(|tool| &tool.kind) {
-        Some(ToolKind::Insert(insert)) => match insert.point {
-            Some(InsertPoint::Nose(radius)) => Some(radius.value()),
-            Some(InsertPoint::Flat(_)) => Some(0.0),
-            None => Some(USUAL_NOSE_MM),
-        },
-        Some(ToolKind::Other) => Some(USUAL_NOSE_MM),
-        _ => None,
-    }
+/// Places along the axis in which it is noted who takes something off.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Watched {
+    /// For whom.
+    pub(crate) of: usize,
+    pub(crate) places: [usize; 2],
+    /// The line that has removed something first, and whether that was more than a trace.
+    pub(crate) line: Option<(u32, bool)>,
 }
 
 impl TurnedBar {
@@ -110,13 +112,15 @@ impl TurnedBar {
             inner: vec![bar.bore.value(); SECTIONS * places],
             last: None,
             side: Side::External,
-            feed: -1.0,
+            line: 0,
+            watched: Vec::new(),
+            front: places,
         }
     }
 
     /// The same bar, before another tool comes near.
     pub(crate) fn at_rest(self) -> Self {
-        Self { last: None, side: Side::External, feed: -1.0, ..self }
+        Self { last: None, side: Side::External, ..self }
     }
 
     pub(crate) const fn stock(&self) -> &Bar {
@@ -133,6 +137,13 @@ impl TurnedBar {
         self.bar.rear.value() + (place as f64 + 0.5) * self.step
     }
 
+    /// The places between two machine Z, as far as the bar reaches.
+    pub(crate) fn places_between(&self, [low, high]: [f64; 2]) -> [usize; 2] {
+        let place =
+            |z: f64| ((z - self.bar.rear.value()) / self.step).clamp(0.0, self.places as f64 - 1.0);
+        [low, high].map(|z| place(z) as usize)
+    }
+
     /// The place at a machine Z, if the bar reaches there.
     pub(crate) fn place(&self, z: f64) -> Option<usize> {
         let place = (z - self.bar.rear.value()) / self.step;
@@ -143,11 +154,17 @@ impl TurnedBar {
     /// inner one with its sign changed, so that more is always more material.
     pub(crate) fn heights(&self, section: usize, side: Side) -> impl Iterator<Item = f64> + '_ {
         let range = section * self.places..(section + 1) * self.places;
-        let (radii, sign) = match side {
-            Side::External => (&self.outer[range], 1.0),
-            Side::Internal => (&self.inner[range], -1.0),
+        let nothing = match side {
+            Side::External => 0.0,
+            Side::Internal => -self.bar.radius.value(),
         };
-        radii.iter().map(move |radius| sign * radius)
+        self.outer[range.clone()].iter().zip(&self.inner[range]).map(move |(outer, inner)| {
+            match side {
+                _ if outer <= inner => nothing,
+                Side::External => *outer,
+                Side::Internal => -*inner,
+            }
+        })
     }
 
     /// How deep the point of a tool is in the material, mm; negative: it is clear of it by so much.
@@ -220,9 +237,6 @@ impl TurnedBar {
             return Vec::new();
         };
         self.find_side(&now);
-        if (now.z - before.z).abs() > FEED_MM {
-            self.feed = (now.z - before.z).signum();
-        }
         let (from, to) = (before.turn * SECTIONS as f64, now.turn * SECTIONS as f64);
         // a point that passes behind the axis, or a record with a gap, says nothing of the way
         // between
@@ -270,38 +284,179 @@ impl TurnedBar {
         if crossings.is_empty() || self.last.is_none_or(|at| at.radius > self.bar.radius.value()) {
             return;
         }
-        let Some(nose) = turning_nose(tool) else { return };
+        let Some(outline) = Outline::of(tool) else { return };
         let side = self.side;
         for at in &crossings {
-            self.turn(at, nose, side);
+            // an insert for threads so deep under the surface came in over the face, and points
+            // along the axis
+            if !matches!(outline, Outline::Profile(_)) || !self.is_deep(at) {
+                self.turn(at, &outline, side);
+            }
         }
     }
 
-    /// Cut with a turning tool: its nose, square towards the way of the feed, and a trailing edge
-    /// behind.
-    fn turn(&mut self, at: &Crossing, nose: f64, side: Side) {
-        let trails = -self.feed;
-        let place = |z: f64| ((z - self.bar.rear.value()) / self.step - 0.5).max(0.0);
-        let [a, b] = [at.z - trails * nose, at.z + trails * TRAILING_MM];
-        let (low, high) = (a.min(b), a.max(b));
+    /// The point is deeper under bar and bore than any thread, or before the face there.
+    fn is_deep(&self, at: &Crossing) -> bool {
+        let place = self.place(at.z).unwrap_or(self.places - 1);
+        let index = at.section * self.places + place;
+        let bore = self.inner[index];
+        at.radius < self.outer[index] - MOST_THREAD_MM
+            && (bore <= 0.0 || at.radius > bore + MOST_THREAD_MM)
+    }
+
+    /// From now on this line of the program cuts.
+    pub(crate) const fn cut_by(&mut self, line: u32) {
+        self.line = line;
+    }
+
+    /// Note from now on who takes something off between two places.
+    pub(crate) fn watch(&mut self, of: usize, places: [usize; 2]) {
+        self.unwatch(of);
+        self.watched.push(Watched { of, places, line: None });
+    }
+
+    /// Note what another bar notes.
+    pub(crate) fn watch_as(&mut self, other: &Self) {
+        self.watched.clone_from(&other.watched);
+    }
+
+    /// Note it no more.
+    pub(crate) fn unwatch(&mut self, of: usize) {
+        self.watched.retain(|watched| watched.of != of);
+    }
+
+    /// The line that has taken something off since.
+    pub(crate) fn changed_by(&self, of: usize) -> Option<u32> {
+        let watched = self.watched.iter().find(|watched| watched.of == of)?;
+        watched.line.map(|(line, _)| line)
+    }
+
+    fn note(&mut self, place: usize, removed: f64) {
+        let (line, much) = (self.line, removed > TRACE_MM);
+        for watched in &mut self.watched {
+            let [low, high] = watched.places;
+            if (low..=high).contains(&place) && !watched.line.is_some_and(|(_, was)| was) {
+                watched.line = Some((line, much));
+            }
+        }
+    }
+
+    /// What is there between two places.
+    pub(crate) fn stretch(&self, places: [usize; 2]) -> BarPart {
+        let [low, high] = places;
+        let of = |radii: &[f64]| {
+            let part = |section: usize| {
+                let first = section * self.places;
+                radii[first + low..=first + high].iter().copied()
+            };
+            (0..SECTIONS).flat_map(part).collect()
+        };
+        BarPart { places, outer: of(&self.outer), inner: of(&self.inner) }
+    }
+
+    /// The same bar, as a stretch of it was before: where it still is as `left` has it.
+    pub(crate) fn with(&self, before: &BarPart, left: &BarPart) -> Self {
+        let mut bar = Self { watched: Vec::new(), ..self.clone() };
+        let [low, high] = before.places;
+        let length = high - low + 1;
+        for section in 0..SECTIONS {
+            for k in 0..length {
+                let (at, of) = (section * self.places + low + k, section * length + k);
+                if (bar.outer[at] - left.outer[of]).abs() < TRACE_MM {
+                    bar.outer[at] = before.outer[of];
+                }
+                if (bar.inner[at] - left.inner[of]).abs() < TRACE_MM {
+                    bar.inner[at] = before.inner[of];
+                }
+            }
+        }
+        bar
+    }
+
+    /// Where later cuts have taken something off what was left, in any section: by place.
+    pub(crate) fn is_changed(&self, left: &BarPart) -> Vec<bool> {
+        let [low, high] = left.places;
+        let length = high - low + 1;
+        let changed = |k: usize| {
+            (0..SECTIONS).any(|section| {
+                let (at, of) = (section * self.places + low + k, section * length + k);
+                left.outer[of] - self.outer[at] > TRACE_MM
+                    || self.inner[at] - left.inner[of] > TRACE_MM
+            })
+        };
+        (0..length).map(changed).collect()
+    }
+
+    /// The tool has just cut through to the axis, or into the bore: the place where it did.
+    pub(crate) fn cut_off(&self, tool: Option<&Tool>) -> Option<usize> {
+        let at = self.last.filter(|at| at.radius <= self.bar.bore.value() + THROUGH_MM)?;
+        let [from, to] = Outline::of(tool)?.reach(self.bar.radius.value());
+        let wall = |place: usize| {
+            let thick = |section| {
+                let index = section * self.places + place;
+                self.outer[index] - self.inner[index]
+            };
+            (0..SECTIONS).map(thick).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let is_through = |place: &usize| wall(*place) <= THROUGH_MM;
+        let place = self.between(at.z + from, at.z + to)?.find(is_through)?;
+        (place + 1..self.front).any(|place| !is_through(&place)).then_some(place)
+    }
+
+    /// What lies before a place has come off.
+    pub(crate) fn come_off(&mut self, place: usize) {
+        self.front = self.front.min(place + 1);
+        for section in 0..SECTIONS {
+            let first = section * self.places;
+            self.outer[first + place..first + self.places].fill(0.0);
+        }
+    }
+
+    /// Cut what a tool has beside its point out of a section.
+    fn turn(&mut self, at: &Crossing, outline: &Outline, side: Side) {
+        let room = match side {
+            Side::External => self.bar.radius.value() - at.radius,
+            Side::Internal => at.radius - self.bar.bore.value(),
+        };
+        let [from, to] = outline.reach(room);
+        let Some(places) = self.between(at.z + from, at.z + to) else { return };
+        for place in places {
+            if let Some(rise) = outline.rise(self.z(place) - at.z) {
+                self.cut_to(at.section, place, [at.radius, rise], side);
+            }
+        }
+    }
+
+    /// The places whose middle lies between two Z.
+    fn between(&self, low: f64, high: f64) -> Option<RangeInclusive<usize>> {
         if high < self.bar.rear.value() {
-            return;
+            return None;
         }
+        let place = |z: f64| ((z - self.bar.rear.value()) / self.step - 0.5).max(0.0);
         let last = (place(high).floor() as usize).min(self.places - 1);
-        for place in place(low).ceil() as usize..=last {
-            let behind = (self.z(place) - at.z) * trails;
-            let round = nose - (nose * nose - behind * behind).max(0.0).sqrt();
-            // on the trailing side the nose goes over into an edge that rises little
-            let tangent = nose * TRAILING_SLOPE;
-            let edge = if behind > tangent { (behind - tangent) * TRAILING_SLOPE } else { round };
-            self.cut_to(at.section * self.places + place, at.radius, edge, side);
-        }
+        Some(place(low).ceil() as usize..=last)
     }
 
-    fn cut_to(&mut self, index: usize, radius: f64, rise: f64, side: Side) {
-        match side {
-            Side::External => self.outer[index] = self.outer[index].min(radius + rise),
-            Side::Internal => self.inner[index] = self.inner[index].max(radius - rise),
+    fn cut_to(&mut self, section: usize, place: usize, [radius, rise]: [f64; 2], side: Side) {
+        let index = section * self.places + place;
+        let removed = match side {
+            Side::External => {
+                let removed = self.outer[index] - (radius + rise).max(0.0);
+                if removed > 0.0 {
+                    self.outer[index] -= removed;
+                }
+                removed
+            }
+            Side::Internal => {
+                let removed = radius - rise - self.inner[index];
+                if removed > 0.0 {
+                    self.inner[index] += removed;
+                }
+                removed
+            }
+        };
+        if removed > 0.0 && !self.watched.is_empty() {
+            self.note(place, removed);
         }
     }
 
@@ -315,16 +470,10 @@ impl TurnedBar {
             return;
         }
         let reach = form.reach(room);
-        let place = |z: f64| ((z - self.bar.rear.value()) / self.step - 0.5).max(0.0);
-        let first = place(at.z - reach).ceil() as usize;
-        let last = (place(at.z + reach).floor() as usize).min(self.places - 1);
-        if at.z + reach < self.bar.rear.value() {
-            return;
-        }
-        for place in first..=last {
+        let Some(places) = self.between(at.z - reach, at.z + reach) else { return };
+        for place in places {
             let rise = form.rise((self.z(place) - at.z).abs());
-            let index = at.section * self.places + place;
-            self.cut_to(index, at.radius, rise, side);
+            self.cut_to(at.section, place, [at.radius, rise], side);
         }
     }
 
@@ -339,8 +488,7 @@ impl TurnedBar {
                 break;
             }
             for section in 0..SECTIONS {
-                let inner = &mut self.inner[section * self.places + place];
-                *inner = inner.max(bored);
+                self.cut_to(section, place, [bored, 0.0], Side::Internal);
             }
         }
     }
@@ -375,8 +523,7 @@ mod tests {
     }
 
     fn turning() -> Tool {
-        let point = Some(InsertPoint::Nose(Length::mm(0.4)));
-        tool(ToolKind::Insert(Insert { angle: Angle::deg(80.0), point, crest_height: None }), 0.8)
+        tool(ToolKind::Insert(Insert::turning(Angle::deg(80.0), Length::mm(0.4))), 0.8)
     }
 
     /// The tip goes straight from place to place (X and Z), 0.1 mm a turn, 60 samples a turn.

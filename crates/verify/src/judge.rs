@@ -46,8 +46,9 @@ pub struct Judge {
     pub(crate) work: Workpiece,
     pub(crate) taken_back: TakenBack,
     polygons: StandingPolygons,
-    /// The bar as it has been turned so far.
-    bar: Option<TurnedBar>,
+    /// The bar as it has been turned so far, and the threads on it.
+    pub(crate) bar: Option<TurnedBar>,
+    pub(crate) threads: turned::Places,
     milling: Milling,
     gears: gear::Cuts,
     pub(crate) features: Vec<Feature>,
@@ -70,6 +71,7 @@ pub struct Work {
     block: Workpiece,
     polygons: StandingPolygons,
     bar: Option<TurnedBar>,
+    threads: turned::Places,
     milling: Milling,
     gears: gear::Cuts,
 }
@@ -117,6 +119,7 @@ impl Judge {
             work: Workpiece::default(),
             taken_back: TakenBack::default(),
             polygons: StandingPolygons::default(),
+            threads: turned::Places::default(),
             milling: Milling::default(),
             gears: gear::Cuts::default(),
             features: Vec::new(),
@@ -139,6 +142,7 @@ impl Judge {
         self.gears = work.gears;
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
+            self.threads = work.threads.at_rest();
         }
         self
     }
@@ -158,8 +162,9 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        let Self { work: block, polygons, bar, milling, gears, .. } = self;
-        Work { block, polygons, bar, milling, gears }
+        self.settle_threads();
+        let Self { work: block, polygons, bar, threads, milling, gears, .. } = self;
+        Work { block, polygons, bar, threads, milling, gears }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -283,6 +288,9 @@ impl Judge {
         let under_way = self.orders.front().filter(|order| op >= order.first);
         let feature = under_way.filter(|order| order.is_along_its_tool()).map(|order| order.first);
         self.work.sample(sample, &self.config, feature);
+        if let Some(bar) = &mut self.bar {
+            bar.cut_by(sample.report.line);
+        }
         let taken_out = self.milling.sample(sample, &self.config, &self.work);
         self.features.extend(taken_out.map(milled));
         if self.work.has_undone() {
@@ -299,6 +307,10 @@ impl Judge {
             }
             Some(bar) => {
                 bar.sample(sample, tool);
+                if let Some(place) = bar.cut_off(tool) {
+                    self.threads.come_off(place, bar, config);
+                    bar.come_off(place);
+                }
                 None
             }
             None => None,
@@ -345,6 +357,7 @@ impl Judge {
         self.features.extend(self.milling.close(&self.config).map(milled));
         self.work.settle();
         self.take_back();
+        self.settle_threads();
     }
 
     /// The features judged so far, for a progress display.
@@ -356,13 +369,16 @@ impl Judge {
     pub fn take_features(&mut self) -> Vec<Feature> {
         self.thrown.clear();
         self.taken_back.changed.clear();
+        self.threads.taken();
         std::mem::take(&mut self.features)
     }
 
     /// Nothing is ordered that was not judged yet: what is there is all that [`Self::finish`] would
     /// say.
     pub fn is_settled(&self) -> bool {
-        self.orders.is_empty() && !self.milling.is_under_way()
+        self.orders.is_empty()
+            && !self.milling.is_under_way()
+            && self.threads.is_settled(self.bar.as_ref())
     }
 
     /// The features, in the order cut. What was ordered and never cut is there too, failed.
@@ -374,6 +390,10 @@ impl Judge {
         self.features.extend(self.milling.close(&self.config).map(milled));
         self.work.settle();
         self.take_back();
+        self.settle_threads();
+        if self.bar.is_some() {
+            self.features.sort_by_key(|feature| feature.op);
+        }
         self.features
     }
 
@@ -422,8 +442,9 @@ impl Judge {
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {
-                let found = track.finish(op, line, ordered, (config, self.bar.as_mut()), now);
-                Some(found.map(Box::new).map(FeatureKind::Turned))
+                let work = (config, self.bar.as_mut(), &mut self.threads);
+                let found = track.finish(op, line, ordered, work, now);
+                found.map(|found| found.map(Box::new).map(FeatureKind::Turned))
             }
             (Track::Hole { track, tool }, _) => {
                 let with = (tool, tool.and_then(|number| config.tools.get(number)));

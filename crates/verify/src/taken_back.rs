@@ -9,6 +9,7 @@
 use crate::feature::{Feature, FeatureKind};
 use crate::judge::Judge;
 use crate::thread::UNSEEN;
+use crate::turned;
 use crate::verdict::Verdict;
 use crate::workpiece::Undone;
 
@@ -103,6 +104,26 @@ impl Judge {
                 self.taken_back.to_come.push(undone);
             } else if self.taken_back.forgotten.len() < MOST_FORGOTTEN {
                 self.taken_back.forgotten.push(undone);
+            }
+        }
+    }
+
+    /// Turned threads are judged as they stand.
+    pub(crate) fn settle_threads(&mut self) {
+        for telling in self.threads.settle(self.bar.as_mut(), &self.config) {
+            let (instead, found) = match telling {
+                turned::Telling::New(found) => (None, found),
+                turned::Telling::Instead(op, found) => (Some(op), found),
+            };
+            let found = found.map(Box::new).map(FeatureKind::Turned);
+            let is_it =
+                |f: &Feature| Some(f.op) == instead && matches!(f.kind, FeatureKind::Turned(_));
+            match self.features.iter().rposition(is_it) {
+                Some(listed) => {
+                    self.features[listed] = found;
+                    self.taken_back.changed.push(listed);
+                }
+                None => self.features.push(found),
             }
         }
     }

@@ -44,6 +44,8 @@ mod feature;
 mod figures;
 mod inspection;
 mod law;
+mod lie;
+mod places;
 mod profile;
 mod run_in;
 mod size;
@@ -51,6 +53,7 @@ mod sizes;
 mod verdict;
 
 pub use feature::{LeadOfTurn, TurnedThread};
+pub(crate) use places::{Places, Telling, ThreadCut};
 pub use size::TurnedLimits;
 pub use sizes::TurnedSizes;
 
@@ -61,8 +64,8 @@ use crate::judged::Judged;
 use bus::Sample;
 use canon::{Axis, Hand, OpKind, Position};
 use figures::{lead_error, leads, start_angle, thinned};
-use inspection::{Contact, Inspected, inspect};
-use law::{Law, Stretch};
+use inspection::{Contact, inspect};
+use law::{Law, RUN_OUT, Stretch};
 use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Time, Torque};
 
 /// Share of the way back to where a tool stood before it was fed in, from which on it is clear of
@@ -73,8 +76,6 @@ const CLEAR: f64 = 0.99;
 const FED_IN_MM: f64 = 0.01;
 /// A tool so far off its ordered way across the thread is being taken off the work, mm.
 const LEAVES_MM: f64 = 0.1;
-/// Turns before the chain's end that are run-out.
-const RUN_OUT: f64 = 1.0;
 /// Passes of the point through sections that are kept of one thread: 24 MB, 80,000 turns.
 const MOST_CROSSINGS: usize = 1_000_000;
 
@@ -261,6 +262,11 @@ impl TurnedTrack {
         if depth < 0.0 {
             return;
         }
+        // the material of a face begins at the bar's outside, which the block does not say
+        let is_in_a_face = law.axis() != Axis::Z;
+        if is_in_a_face && turning.is_some_and(|(bar, _)| bar.is_beside(Some(Side::External))) {
+            return;
+        }
         // a spindle that comes to rest in the work swings back a little: the pass goes on as it
         // began
         let sense = *pass.sense.get_or_insert(turned.signum());
@@ -324,28 +330,50 @@ impl TurnedTrack {
         }
     }
 
-    /// What the passes have left of the bar.
-    fn inspect(
-        &self,
-        ordered: &OrderedThread,
-        law: Law<'_>,
-        hand: Hand,
-        bar: &mut TurnedBar,
-        config: &Config,
-    ) -> Inspected {
-        // by the pass that cut most of the thread
+    /// What the point met in the pass that cut most of the thread.
+    fn contact(&self) -> Contact {
         let most = |a: &Contact, b: &Contact| {
             (a.share(), a.deepest)
                 .partial_cmp(&(b.share(), b.deepest))
                 .unwrap_or(std::cmp::Ordering::Equal)
         };
-        let contact = self.passes.iter().map(|pass| pass.contact).max_by(most).unwrap_or_default();
+        self.passes.iter().map(|pass| pass.contact).max_by(most).unwrap_or_default()
+    }
+
+    /// What the passes have left of the bar; with what it takes to look at it again.
+    fn inspect(
+        &self,
+        ordered: &OrderedThread,
+        (law, hand): (Law<'_>, Hand),
+        bar: &mut TurnedBar,
+        places: &mut Places,
+        config: &Config,
+    ) -> ThreadCut {
         let chain = ordered.passes.last().and_then(|pass| pass.last());
         let whole = chain.map_or(0.0, |last| last.before + last.turns) - law.first().before;
         let tool = self.tool.and_then(|number| config.tools.get(number));
         let end = chain.map_or(law.span()[1], |last| last.order.to.along(law.axis()).of_linear());
         let of = inspection::Ordered { law, whole, hand, tool, end, side: self.side };
-        inspect(&of, &self.crossings, contact, bar, config)
+        places.look(bar, config);
+        let mut contact = self.contact();
+        let mut lie = of.lie(&self.crossings, bar.side(), contact.deepest);
+        let block = bar.clone();
+        let thread = places.before(&lie, bar);
+        if let Some((_, met)) = thread.as_ref().filter(|(_, met)| met.share() > contact.share()) {
+            contact = *met;
+        }
+        let befores = inspection::Befores { block, thread: thread.map(|(before, _)| before) };
+        let inspected = inspect(&of, &self.crossings, contact, bar, &befores, config);
+        let [low, high] = inspected.touched.unwrap_or(lie.span);
+        let reach = lie.lead.abs();
+        (lie.depth, lie.starts, lie.form) =
+            (inspected.contact.deepest, inspected.starts, inspected.form);
+        let span = [lie.span[0].min(low) - reach, lie.span[1].max(high) + reach];
+        let at = bar.places_between(span);
+        let before = befores.thread.unwrap_or(befores.block).stretch(at);
+        let pass = ordered.passes.last().cloned().unwrap_or_default();
+        let left = bar.stretch(at);
+        ThreadCut { pass, whole, hand, tool: self.tool, end, inspected, lie, before, left }
     }
 
     /// Leave out of each pass what its axis needed to come to its speed; the longest of that.
@@ -362,14 +390,15 @@ impl TurnedTrack {
         Length::mm(longest)
     }
 
+    /// Judges a thread; one on a bar goes among its threads, to be told when nothing more is cut.
     pub(crate) fn finish(
         mut self,
         op: u32,
         line: u32,
         ordered: &OrderedThread,
-        (config, bar): (&Config, Option<&mut TurnedBar>),
+        (config, bar, places): (&Config, Option<&mut TurnedBar>, &mut Places),
         now: Time,
-    ) -> Judged<TurnedThread> {
+    ) -> Option<Judged<TurnedThread>> {
         let law = ordered.passes.last().and_then(|pass| Law::of(pass));
         let run_in = law.filter(|_| bar.is_none()).map(|law| self.leave_run_in_out(&law));
         let slope = law.map_or(0.0, |law| law.main().lead());
@@ -398,10 +427,13 @@ impl TurnedTrack {
         let (axis, [surface, end]) =
             law.map_or(none, |law| (law.axis(), law.span().map(|at| tip(at, law.axis()))));
         let hand = if slope * self.sense > 0.0 { Hand::Left } else { Hand::Right };
-        let inspected = law
-            .zip(bar)
-            .filter(|_| !self.too_many)
-            .map(|(law, bar)| self.inspect(ordered, law, hand, bar, config));
+        let is_along = |law: &Law<'_>| law.axis() == Axis::Z && !self.too_many;
+        let cut = law.filter(is_along).zip(bar).map(|(law, bar)| {
+            bar.cut_by(line);
+            let cut = self.inspect(ordered, (law, hand), bar, places, config);
+            (cut, bar)
+        });
+        let inspected = cut.as_ref().map(|(cut, _)| &cut.inspected);
         let found = TurnedThread {
             lead: Lead::mm_per_rev(slope.abs()),
             growth: LeadGrowth::mm_per_rev2(
@@ -429,15 +461,15 @@ impl TurnedTrack {
             force_max: self.force,
             torque_max: self.torque,
             run_in: run_in.unwrap_or(Length::ZERO),
-            ..TurnedThread::of_bar(inspected.as_ref(), law.as_ref())
+            ..TurnedThread::of_bar(inspected, law.as_ref())
         };
-        Judged {
+        let judged = Judged {
             op,
             line,
             tool: self.tool,
             time: self.began.unwrap_or(now),
             duration: self.began.map_or(Time::ZERO, |began| self.last - began),
-            verdict: verdict::of(&found, law.as_ref(), inspected.as_ref(), config),
+            verdict: verdict::of(&found, law.as_ref(), inspected, config),
             contact: crate::Contact {
                 reach: found.groove_depth.map(|depth| depth.max(Length::ZERO)),
                 torque: found.torque_max,
@@ -445,6 +477,13 @@ impl TurnedTrack {
                 torque_expected: None,
             },
             kind: found,
+        };
+        match cut {
+            Some((cut, bar)) => {
+                places.add(judged, cut, bar);
+                None
+            }
+            None => Some(judged),
         }
     }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, dead_code, unreachable_pub)] // tests may panic, and what they share is not used by each
 
 mod common;
+mod lathe;
 
 mod contact;
 mod gear;
@@ -10,3 +11,4 @@ mod polygon;
 mod summary;
 mod thread;
 mod turned;
+mod turned_work;

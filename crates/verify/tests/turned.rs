@@ -48,11 +48,11 @@ impl Default for Case {
             shift: [0.0; 2],
             deeper: 0.0,
             thicker: 0.0,
-            insert: Insert {
-                angle: Angle::deg(60.0),
-                point: Some(InsertPoint::Nose(Length::mm(0.1))),
-                crest_height: None,
-            },
+            insert: Insert::threading(
+                Angle::deg(60.0),
+                Some(InsertPoint::Nose(Length::mm(0.1))),
+                None,
+            ),
         }
     }
 }

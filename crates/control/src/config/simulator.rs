@@ -369,18 +369,29 @@ fn turning_force(machine: &MachineFile, tapping: f64) -> sim::Kienzle {
 
 /// An insert; of one whose point the table does not state a sharp one is simulated.
 fn insert(form: &canon::Insert) -> sim::Insert {
-    const THREADS: Angle = Angle::deg(60.5); // what turns has more between its edges
     let (nose, flat) = match form.point {
         Some(canon::InsertPoint::Nose(radius)) => (radius, Length::ZERO),
         Some(canon::InsertPoint::Flat(width)) => (Length::ZERO, width),
         None => (Length::ZERO, Length::ZERO),
     };
+    let edges = match form.edges {
+        canon::InsertEdges::Profile => sim::Edges::V,
+        canon::InsertEdges::Square => sim::Edges::Square,
+        canon::InsertEdges::Corner { approach, length } => {
+            let trailing = Angle::deg(180.0) - approach - form.angle;
+            sim::Edges::Corner { approach, trailing, length }
+        }
+    };
+    let stands = form.orientation;
     sim::Insert {
-        half_angle: form.angle * 0.5,
+        half_angle: if form.angle > Angle::ZERO { form.angle * 0.5 } else { Angle::deg(45.0) },
         nose,
         flat,
         crest_height: form.crest_height,
-        turns: form.angle > THREADS,
+        edges,
+        along: stands.map(canon::InsertOrientation::along),
+        is_middle: stands.is_some_and(|stands| stands.is_middle() || stands.is_axial()),
+        is_axial: stands.map(canon::InsertOrientation::is_axial),
     }
 }
 

@@ -172,6 +172,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "M0426",
         "The run-in ends in the material: the first turns of the thread will be wrong; how much farther away to start is said.",
     ),
+    (
+        "M0427",
+        "The spindle's sense and the way of the feed give a left-hand thread, which few programs mean; the other sense gives a right-hand one.",
+    ),
     ("M0431", "Hobbing needs a hob's spindle and a work spindle."),
     ("M0432", "The hob stands, and the work shall follow it."),
     ("M0433", "The work would turn faster with the hob than it can; the speed that works is said."),

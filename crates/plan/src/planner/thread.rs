@@ -110,6 +110,7 @@ impl Planner {
         let spin = self.spindles.get(SPINDLE).map_or(Spin::ZERO, |s| s.ordered.abs());
         let Some(corners) = self.corners(&chain, &straight, spin) else { return };
         self.judge_run_in(first, &straight[0], corners[0], spin);
+        self.judge_hand(first, &straight);
         let last = chain.len() - 1;
         self.outbox.release([], &self.limits, emit);
         if let Some(way_out) = self.way_out(first, &straight) {
@@ -246,6 +247,27 @@ impl Planner {
             return None;
         }
         Some(corners)
+    }
+
+    /// A left-hand thread on a machine that turns its work is said: few programs mean one.
+    fn judge_hand(&mut self, first: &Waiting, straight: &[Straight]) {
+        let axis = Axis::Z.index();
+        if !self.turns_work || first.order.axis != Axis::Z {
+            return;
+        }
+        let Some(main) = straight.iter().max_by(|p, q| p.turns().total_cmp(&q.turns())) else {
+            return;
+        };
+        let backwards = self.spindles.get(SPINDLE).is_some_and(|s| s.ordered < Spin::ZERO);
+        let to_chuck = main.to[axis] < main.from[axis];
+        if backwards != to_chuck {
+            return;
+        }
+        let (turns, way) = if backwards { ("M4", "towards") } else { ("M3", "away from") };
+        let other = if backwards { "M3" } else { "M4" };
+        let text = format!("{turns} and a feed {way} the chuck give a left-hand thread");
+        let help = format!("{other} gives a right-hand one");
+        self.findings.add(Diagnostic::warning("M0427", first.span, text).with_help(help));
     }
 
     /// The tool should be on its helix where the material begins.

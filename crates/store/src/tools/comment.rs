@@ -13,7 +13,7 @@
 //! | "probe" | touch probe, as good as ideal: its pretravel is calibrated |
 //! | none of these, or several, or "chuck" | other |
 use super::usual_tap;
-use canon::{Flute, Hand, Insert, InsertPoint, PolygonCutter, ThreadSize, ToolKind, TouchProbe};
+use canon::{Flute, Hand, Insert, InsertEdges, PolygonCutter, ThreadSize, ToolKind, TouchProbe};
 use units::{Angle, Length};
 
 /// A tool as its comment names it.
@@ -78,21 +78,27 @@ pub(super) fn understand(comment: &str) -> Understood {
     }
     let thread = has(&["threading"]) || has(&["thread"]) && has(&["insert", "tool", "bar"]);
     if thread && !has(&["tap", "drill", "mill", "endmill", "end-mill", "thread-mill", "forming"]) {
-        understood.kind = ToolKind::Insert(Insert {
-            angle: Angle::deg(degrees(&words).unwrap_or(60.0)),
-            point: None,
+        understood.kind = ToolKind::Insert(Insert::threading(
+            Angle::deg(degrees(&words).unwrap_or(60.0)),
+            None,
             // "full profile 0.92 mm": from the point to the edge that cuts the crest
-            crest_height: followed("full", "profile").then(|| millimetres(&words)).flatten(),
-        });
+            followed("full", "profile").then(|| millimetres(&words)).flatten(),
+        ));
         return understood;
     }
     if has(&["turning"]) && has(&["insert", "tool"]) {
         const NOSE: Length = Length::mm(0.4);
-        understood.kind = ToolKind::Insert(Insert {
-            angle: Angle::deg(degrees(&words).unwrap_or(80.0)),
-            point: Some(InsertPoint::Nose(NOSE)),
-            crest_height: None,
-        });
+        let angle = Angle::deg(degrees(&words).unwrap_or(80.0));
+        let approach = Insert::APPROACH.min(Angle::deg(175.0) - angle);
+        let edges = InsertEdges::Corner { approach, length: Insert::EDGE };
+        understood.kind = ToolKind::Insert(Insert { edges, ..Insert::turning(angle, NOSE) });
+        return understood;
+    }
+    if has(&["grooving", "parting"])
+        && has(&["insert", "tool"])
+        && let Some(width) = millimetres(&words)
+    {
+        understood.kind = ToolKind::Insert(Insert::grooving(width));
         return understood;
     }
     let tap_drill = followed("tap", "drill") || has(&["tap-drill"]);

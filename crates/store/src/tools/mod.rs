@@ -15,7 +15,7 @@
 //! | `pocket` | all | else the number |
 //! | `length_mm` | all | gauge line to tip, G43's H; every key in `_mm` may be written in inches, as `length_in` |
 //! | `diameter_mm` | all | taps: else the thread's nominal diameter |
-//! | `kind` | all | drill, spot-drill, end-mill, tap, polygon-cutter, hob, other |
+//! | `kind` | all | drill, spot-drill, end-mill, tap, polygon-cutter, hob, threading-insert, turning-insert, grooving-insert, probe, other |
 //! | `description` | all | else empty |
 //! | `wear_length_mm`, `wear_radius_mm` | all | what use has added, else 0: G43 and G41 take geometry and wear together |
 //! | `life` | all | `{ uses = 12, limit_uses = 500, time_s = 80, limit_time_s = 3600, cut_mm = 900, limit_cut_mm = 1e6, at_limit = "refuse" }`; each may be left out, and `at_limit` is else "remark" |
@@ -32,6 +32,10 @@
 //! | `max_chip_mm`, `max_depth_mm`, `max_deflection_mm` | end-mill | thickness of a tooth's chip, axial depth of the cut, deflection of the tip: else not judged |
 //! | `tip_radius_mm` | polygon-cutter | from the spindle's axis to an insert's tip |
 //! | `inserts`, or `insert_angles_deg` | polygon-cutter | how many, equally spaced; or where, `[0, 90]` |
+//! | `flank_angle_deg`, `nose_radius_mm` or `flat_mm`, `crest_height_mm` | threading-insert | 60; by the thread's standard; partial profile |
+//! | `point_angle_deg`, `nose_radius_mm`, `approach_angle_deg`, `edge_mm` | turning-insert | 80, 0.4, 95, 12 |
+//! | `width_mm` | grooving-insert | |
+//! | `orientation` | inserts | where the point lies from the nose, 1 to 9 by Fanuc's numbers |
 //! | `nose_radius_mm` | polygon-cutter | else 0.8 |
 //! | `module_mm`, or `diametral_pitch` | hob | of its normal section |
 //! | `starts`, `hand` | hob | else 1, right |

@@ -5,8 +5,9 @@ use crate::{
     machine::n_per_um,
 };
 use canon::{
-    AtLimit, Body, Flute, Hand, HobTool, Holder, Insert, InsertPoint, PolygonCutter, TapTool,
-    ThreadSize, Tool, ToolKind, ToolLibrary, ToolLife, ToolLimit, ToolUse, ToolWear, TouchProbe,
+    AtLimit, Body, Flute, Hand, HobTool, Holder, Insert, InsertEdges, InsertOrientation,
+    InsertPoint, PolygonCutter, TapTool, ThreadSize, Tool, ToolKind, ToolLibrary, ToolLife,
+    ToolLimit, ToolUse, ToolWear, TouchProbe,
 };
 use diag::{Diagnostic, Span};
 use std::ops::RangeInclusive;
@@ -22,6 +23,7 @@ enum Kind {
     Hob,
     ThreadingInsert,
     TurningInsert,
+    GroovingInsert,
     Probe,
     Other,
 }
@@ -53,6 +55,7 @@ fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
         ("hob", Kind::Hob),
         ("threading-insert", Kind::ThreadingInsert),
         ("turning-insert", Kind::TurningInsert),
+        ("grooving-insert", Kind::GroovingInsert),
         ("probe", Kind::Probe),
         ("other", Kind::Other),
     ];
@@ -72,6 +75,7 @@ fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
         Kind::Hob => (ToolKind::Hob(read_hob(keys)), None),
         Kind::ThreadingInsert => (ToolKind::Insert(read_threading_insert(keys)), None),
         Kind::TurningInsert => (ToolKind::Insert(read_turning_insert(keys)), None),
+        Kind::GroovingInsert => (ToolKind::Insert(read_grooving_insert(keys)), None),
         Kind::Probe => (ToolKind::Probe(read_probe(keys)), None),
         Kind::Other => (ToolKind::Other, None),
     };
@@ -197,14 +201,38 @@ fn read_threading_insert(keys: &mut Keys<'_>) -> Insert {
     let crest_height = keys.optional("crest_height_mm", 0.01..=50.0).map(Length::mm);
     let nose = nose.map(|radius| InsertPoint::Nose(Length::mm(radius)));
     let flat = flat.map(|width| InsertPoint::Flat(Length::mm(width)));
-    Insert { angle, point: nose.or(flat), crest_height }
+    let orientation = read_orientation(keys);
+    Insert { orientation, ..Insert::threading(angle, nose.or(flat), crest_height) }
 }
 
-/// 80° between its edges and a nose of 0.4 mm unless stated.
+/// 80° between its edges, a nose of 0.4 mm and an approach of 95° unless stated.
 fn read_turning_insert(keys: &mut Keys<'_>) -> Insert {
     let angle = Angle::deg(keys.optional("point_angle_deg", 10.0..=120.0).unwrap_or(80.0));
     let nose = keys.optional("nose_radius_mm", 0.0..=100.0).unwrap_or(0.4);
-    Insert { angle, point: Some(InsertPoint::Nose(Length::mm(nose))), crest_height: None }
+    let approach = keys.optional("approach_angle_deg", 30.0..=120.0).map(Angle::deg);
+    let approach = approach.unwrap_or(Insert::APPROACH.min(Angle::deg(175.0) - angle));
+    if approach + angle > Angle::deg(179.0) {
+        let most = 179.0 - angle.in_deg();
+        keys.conflict(
+            "approach_angle_deg",
+            format!("no trailing edge is left behind the point: expected {most:.0} or less"),
+        );
+    }
+    let length = keys.optional("edge_mm", 0.1..=100.0).map_or(Insert::EDGE, Length::mm);
+    let edges = InsertEdges::Corner { approach, length };
+    let orientation = read_orientation(keys);
+    Insert { edges, orientation, ..Insert::turning(angle, Length::mm(nose)) }
+}
+
+/// Its width is stated; the point is its corner towards the chuck unless stated.
+fn read_grooving_insert(keys: &mut Keys<'_>) -> Insert {
+    let width = length(keys, ["width_mm", "width_in"], 0.1..=50.0);
+    Insert { orientation: read_orientation(keys), ..Insert::grooving(width) }
+}
+
+fn read_orientation(keys: &mut Keys<'_>) -> Option<InsertOrientation> {
+    let number = keys.optional_whole("orientation", 1..=9)?;
+    InsertOrientation::new(u8::try_from(number).ok()?)
 }
 
 fn point_angle(keys: &mut Keys<'_>, usual_deg: f64) -> Angle {

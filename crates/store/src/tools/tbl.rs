@@ -25,7 +25,7 @@
 //! | S0508 | a table in inches that is read in millimetres (warning) |
 use super::{LONGEST, MOST_TOOLS, ToolTable, comment, without_doubles};
 use crate::text::{Lines, in_order};
-use canon::{Insert, InsertPoint, PolygonCutter, Tool, ToolKind};
+use canon::{Insert, InsertEdges, InsertPoint, PolygonCutter, Tool, ToolKind};
 use diag::{Diagnostic, Span};
 use std::ops::Range;
 use units::{Length, MM_PER_INCH};
@@ -212,18 +212,23 @@ impl Reader {
                 ToolKind::PolygonCutter(PolygonCutter { radius: diameter / 2.0, ..cutter })
             }
             // of a lathe's tool D is twice its nose radius
-            ToolKind::Insert(insert) if diameter > Length::ZERO => ToolKind::Insert(Insert {
-                point: Some(InsertPoint::Nose(diameter / 2.0)),
-                ..insert
-            }),
+            ToolKind::Insert(insert)
+                if diameter > Length::ZERO && insert.edges != InsertEdges::Square =>
+            {
+                ToolKind::Insert(Insert {
+                    point: Some(InsertPoint::Nose(diameter / 2.0)),
+                    ..insert
+                })
+            }
             kind => kind,
         };
         let stated = Some(diameter).filter(|d| *d > Length::ZERO);
+        let is_insert = matches!(kind, ToolKind::Insert(_)); // a length in its comment is its width
         Some(Tool {
             number,
             pocket,
             length,
-            diameter: stated.or(understood.diameter).unwrap_or(Length::ZERO),
+            diameter: stated.or(understood.diameter.filter(|_| !is_insert)).unwrap_or(Length::ZERO),
             kind,
             description: remark.to_owned(),
             wear: canon::ToolWear::default(),

@@ -8,14 +8,11 @@
 //! bit for bit.
 use super::mill;
 use canon::{
-    AtLimit, Flute, Hand, HobTool, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool,
-    ToolKind, ToolLibrary, ToolLife,
+    AtLimit, Flute, Hand, HobTool, Holder, Insert, InsertEdges, InsertPoint, PolygonCutter,
+    TapTool, Tool, ToolKind, ToolLibrary, ToolLife,
 };
 use std::fmt::Write;
 use units::{Angle, Length, Stiffness};
-
-/// Flank angle of an insert that cuts threads; any other with a nose turns surfaces.
-const THREADING: f64 = 60.0;
 
 /// The text of a library; that of an empty one is empty.
 pub fn to_toml(library: &ToolLibrary) -> String {
@@ -212,17 +209,26 @@ fn write_hob(text: &mut String, hob: &HobTool) {
 }
 
 fn write_insert(text: &mut String, insert: &Insert) {
-    let threads = insert.angle == Angle::deg(THREADING) || insert.crest_height.is_some();
-    match insert.point {
-        Some(InsertPoint::Nose(radius)) if !threads => {
+    match insert.edges {
+        InsertEdges::Corner { approach, length } => {
             line(text, "kind", &quoted("turning-insert"));
             line(text, "point_angle_deg", &degrees(insert.angle));
-            mm(text, "nose_radius_mm", radius);
+            if let Some(InsertPoint::Nose(radius)) = insert.point {
+                mm(text, "nose_radius_mm", radius);
+            }
+            line(text, "approach_angle_deg", &degrees(approach));
+            mm(text, "edge_mm", length);
         }
-        point => {
+        InsertEdges::Square => {
+            line(text, "kind", &quoted("grooving-insert"));
+            if let Some(InsertPoint::Flat(width)) = insert.point {
+                mm(text, "width_mm", width);
+            }
+        }
+        InsertEdges::Profile => {
             line(text, "kind", &quoted("threading-insert"));
             line(text, "flank_angle_deg", &degrees(insert.angle));
-            match point {
+            match insert.point {
                 Some(InsertPoint::Nose(radius)) => mm(text, "nose_radius_mm", radius),
                 Some(InsertPoint::Flat(width)) => mm(text, "flat_mm", width),
                 None => {}
@@ -231,5 +237,8 @@ fn write_insert(text: &mut String, insert: &Insert) {
                 mm(text, "crest_height_mm", height);
             }
         }
+    }
+    if let Some(orientation) = insert.orientation {
+        line(text, "orientation", &orientation.number().to_string());
     }
 }

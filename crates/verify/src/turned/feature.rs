@@ -162,9 +162,10 @@ impl TurnedThread {
         format!("lead {lead} mm {changes} {} mm a turn", growth.abs())
     }
 
-    /// Such as "M20x1.5-6g"; empty without a standard size.
+    /// Such as "M20x1.5-6g", "M20x1.5-6g-LH"; empty without a standard size.
     pub fn class_and_size(&self) -> String {
-        self.size.as_ref().map_or_else(String::new, |size| format!("{size}-{}", self.class))
+        let hand = if self.hand == Hand::Left { "-LH" } else { "" };
+        self.size.as_ref().map_or_else(String::new, |size| format!("{size}-{}{hand}", self.class))
     }
 
     /// Distances of the pitch diameters from their limits: the virtual one from Go, the simple one

@@ -12,10 +12,14 @@
 use canon::{Axis, Position, Threading};
 use units::{Angle, Length};
 
+/// Turns before a chain's end that are run-out.
+pub(super) const RUN_OUT: f64 = 1.0;
 /// Turns to each side of a step of the lead that are not judged.
 const STEP: f64 = 1.0;
 /// A step of the lead by less, mm, is none: rounding it takes less than 0.2 µm.
 const SAME_LEAD: f64 = 1e-3;
+/// A thread is at least this share of its chain's way along the axis.
+const MOST_OF_A_CHAIN: f64 = 0.5;
 /// Cosine of the angle between ways that are one line: apart by 1e-5.
 const SAME_WAY: f64 = 1.0 - 5e-11;
 
@@ -105,9 +109,9 @@ impl Stretch {
     }
 }
 
-/// Stretches one after another that are one thread.
+/// Stretches one after another that are one thread; true: most of their chain goes elsewhere.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Law<'a>(&'a [Stretch]);
+pub(super) struct Law<'a>(&'a [Stretch], bool);
 
 impl<'a> Law<'a> {
     /// The longest stretch of a pass, and what goes on from it in the same direction, before and
@@ -118,7 +122,9 @@ impl<'a> Law<'a> {
         let same = |k: usize| pass[k].goes_on_as(&pass[longest]);
         let first = (0..longest).rev().take_while(|k| same(*k)).last().unwrap_or(longest);
         let last = (longest + 1..pass.len()).take_while(|k| same(*k)).last().unwrap_or(longest);
-        Some(Self(&pass[first..=last]))
+        let way = |stretches: &[Stretch]| stretches.iter().map(|s| s.way().abs()).sum::<f64>();
+        let law = &pass[first..=last];
+        Some(Self(law, way(law) < MOST_OF_A_CHAIN * way(pass)))
     }
 
     pub(super) fn first(&self) -> &'a Stretch {
@@ -234,6 +240,14 @@ impl<'a> Law<'a> {
     /// work.
     pub(super) fn is_open(&self) -> bool {
         self.passed().is_some()
+    }
+
+    /// Why nothing is known of the form that a chain of blocks has; `None`: it is a helix or a
+    /// spiral.
+    pub(super) fn has_no_geometry(&self) -> Option<String> {
+        self.1.then(|| {
+            "not judged: the blocks of its chain go on in different directions, and no form is known of what they turn together".into()
+        })
     }
 
     /// Its ends are as far from the axis as one another.

@@ -29,6 +29,8 @@ pub(super) struct Frame {
     pub(super) lead: f64,
     /// Of half the insert's angle.
     pub(super) half_tan: f64,
+    /// Height below which a groove lies; `None`: half of what is there.
+    pub(super) middle: Option<f64>,
 }
 
 /// A groove in one section.
@@ -55,6 +57,7 @@ struct Section {
     first: usize,
     before: Vec<f64>,
     heights: Vec<f64>,
+    middle: Option<f64>,
 }
 
 impl Section {
@@ -67,7 +70,7 @@ impl Section {
         let within = |bar: &TurnedBar| -> Vec<f64> {
             bar.heights(section, frame.side).skip(first).take(last - first).collect()
         };
-        Self { first, before: within(before), heights: within(after) }
+        Self { first, before: within(before), heights: within(after), middle: frame.middle }
     }
 
     fn is_touched(&self, at: usize) -> bool {
@@ -81,7 +84,7 @@ impl Section {
         for at in touched {
             (root, crest) = (root.min(self.heights[at]), crest.max(self.before[at]));
         }
-        let middle = f64::midpoint(root, crest);
+        let middle = self.middle.unwrap_or_else(|| f64::midpoint(root, crest));
         let (mut roots, mut begun) = (Vec::new(), None);
         for at in 0..=self.heights.len() {
             let inside =

@@ -12,7 +12,7 @@ use units::Length;
 
 /// Ordered length that may be left uncut or not be full, in pitches: the threads that bar's end and
 /// run-out cut.
-const UNCUT_PITCHES: f64 = 1.5;
+pub(super) const UNCUT_PITCHES: f64 = 1.5;
 /// Turns that a full thread needs to be measured: one, and one at each end that is left out.
 const FEWEST_TURNS: f64 = 3.0;
 /// The diameter of a limit is met to this: the sections' grid.
@@ -29,7 +29,12 @@ pub(super) fn of(
     config: &Config,
 ) -> Verdict {
     let complete = found.passes >= found.passes_ordered;
-    let contact = inspected.and_then(|bar| contact(found, bar));
+    if let Some(reason) = law.and_then(Law::has_no_geometry) {
+        return Verdict::NotJudged { reason };
+    }
+    let contact = inspected
+        .filter(|_| law.is_some_and(|law| law.axis() == Axis::Z))
+        .and_then(|bar| contact(found, bar));
     let mut findings: Vec<String> = contact.iter().cloned().collect();
     if !complete {
         findings.push(format!(
@@ -42,6 +47,7 @@ pub(super) fn of(
         && contact.is_none()
         && let Some(bar) = inspected
     {
+        findings.extend(bar.overlap.clone());
         findings.extend(place(found, bar));
         findings.extend(form(found, bar));
     }
@@ -59,6 +65,9 @@ pub(super) fn of(
 /// Why its sizes are not judged; `None`: they are.
 pub(super) fn not_judged(law: Option<&Law<'_>>, inspected: Option<&Inspected>) -> Option<String> {
     let Some(law) = law else { return Some("nothing was ordered".into()) };
+    if law.axis() != Axis::Z {
+        return Some("not judged: a thread in a face has no limits of size".into());
+    }
     let Some(bar) = inspected else {
         return Some("not judged: the stock of the machine file is no bar about the spindle's axis (x and y from −r to r), or the record is too long".into());
     };
@@ -66,9 +75,6 @@ pub(super) fn not_judged(law: Option<&Law<'_>>, inspected: Option<&Inspected>) -
     let pitch = lead / f64::from(bar.starts);
     if law.varies() {
         return Some("sizes not judged: no standard has limits for a lead that is not the same everywhere; contact, lead and infeed are judged".into());
-    }
-    if law.axis() != Axis::Z {
-        return Some("not judged: a thread in a face has no limits of size".into());
     }
     if !law.is_straight() {
         return Some("not judged: a taper; limits are known of straight threads".into());
@@ -103,7 +109,9 @@ fn contact(found: &TurnedThread, bar: &Inspected) -> Option<String> {
             format!("not cut: the insert never was where the {what} of ⌀{before:.3} mm is")
         });
     }
-    let uncut = (1.0 - bar.contact.share()) * bar.expected.value();
+    // in a relief groove it is in the air by intent
+    let relief = bar.relief[0] + bar.relief[1];
+    let uncut = (1.0 - bar.contact.share()) * (bar.expected.value() + relief) - relief;
     (uncut > UNCUT_PITCHES * found.lead.value()).then(|| {
         format!(
             "not cut in {uncut:.2} of {:.2} mm: there the insert was in the air",
@@ -160,10 +168,10 @@ fn place(found: &TurnedThread, bar: &Inspected) -> Option<String> {
 
 /// Diameters, flanks and lengths against the limits.
 fn form(found: &TurnedThread, bar: &Inspected) -> Vec<String> {
-    let (Some(sizes), Some(limits), Some(name)) = (&found.sizes, &found.limits, &found.size) else {
+    let (Some(sizes), Some(limits)) = (&found.sizes, &found.limits) else {
         return Vec::new();
     };
-    let name = format!("{name}-{}", found.class);
+    let name = found.class_and_size();
     let mut findings = Vec::new();
     findings.extend(pitch_diameter(sizes, limits, &name, bar.side));
     let others = [("major", sizes.major, limits.major), ("minor", sizes.minor, limits.minor)];

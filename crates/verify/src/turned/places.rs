@@ -1,0 +1,364 @@
+//! Threads as places on the bar: what several blocks have cut of one thread is one thread, and each
+//! is looked at again when something was taken off it.
+//!
+//! ```text
+//!   block cut ─► the groove of a thread that is there?  same hand, lead and phase ─► one thread, measured from the bar before the first
+//!                                                        between its grooves        ─► another start of it
+//!                                                        across them                ─► both are spoilt
+//!   anything else cut ─► the bar notes line and places ─► at the end each place is measured as it stands
+//!   cut through       ─► what lies in front has come off, as a piece of its own: its threads stay as they were
+//! ```
+//!
+//! A cut within a pitch and a half of a thread's ends, as a chamfer or a relief groove, shortens it
+//! and is judged by what is left; a cut that leaves its diameters within their limits, such as a
+//! crest that is turned down, is none that spoils it.
+use super::feature::TurnedThread;
+use super::inspection::{self, Contact, Inspected, Ordered};
+use super::law::{Law, Stretch};
+use super::lie::{Lie, Relation};
+use super::verdict::{self, UNCUT_PITCHES};
+use crate::Config;
+use crate::bar::{BarPart, TurnedBar};
+use crate::judged::Judged;
+use crate::verdict::Verdict;
+use canon::Hand;
+use units::Length;
+
+/// Threads that are remembered at most: the oldest are not looked at again.
+const MOST: usize = 64;
+
+/// What a thread's blocks have cut, and what it takes to look at it again.
+#[derive(Clone, Debug)]
+pub(crate) struct ThreadCut {
+    pub(super) pass: Vec<Stretch>,
+    pub(super) whole: f64,
+    pub(super) hand: Hand,
+    pub(super) tool: Option<u32>,
+    pub(super) end: Length,
+    pub(super) inspected: Inspected,
+    pub(super) lie: Lie,
+    /// The bar before and after, as far as the thread reaches.
+    pub(super) before: BarPart,
+    pub(super) left: BarPart,
+}
+
+/// Whether a thread was told, and under which operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Listed {
+    No,
+    As(u32),
+    /// By a program before this one.
+    Before,
+}
+
+#[derive(Clone, Debug)]
+struct ThreadPlace {
+    id: usize,
+    /// As its last block has left it.
+    when_cut: Judged<TurnedThread>,
+    cut: ThreadCut,
+    told: Listed,
+    /// Line that has first taken something off it.
+    changed: Option<u32>,
+    /// Another thread crosses it: its line.
+    crossed: Option<u32>,
+    /// It has come off with a part: nothing happens to it any more.
+    is_off: bool,
+    /// Nothing is left of it.
+    is_gone: bool,
+    /// It was looked at as it stands.
+    is_settled: bool,
+    /// As it stands.
+    now: Judged<TurnedThread>,
+}
+
+/// A thread to be told.
+#[derive(Clone, Debug)]
+pub(crate) enum Telling {
+    New(Judged<TurnedThread>),
+    /// In place of what was told under this operation.
+    Instead(u32, Judged<TurnedThread>),
+}
+
+/// The threads on a bar.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Places {
+    all: Vec<ThreadPlace>,
+    next: usize,
+}
+
+impl Places {
+    /// As the next program finds them.
+    pub(crate) fn at_rest(mut self) -> Self {
+        self.taken();
+        self
+    }
+
+    /// What was told is listed no more.
+    pub(crate) fn taken(&mut self) {
+        for place in self.all.iter_mut().filter(|place| place.told != Listed::No) {
+            place.told = Listed::Before;
+        }
+    }
+
+    /// All that is known was told.
+    pub(crate) fn is_settled(&self, bar: Option<&TurnedBar>) -> bool {
+        self.all.iter().all(|place| {
+            place.is_settled
+                && (place.is_off || bar.is_none_or(|b| b.changed_by(place.id).is_none()))
+        })
+    }
+
+    /// The bar before a groove that lies where threads were cut before: without these, as far as
+    /// nothing else has changed them since; and what the insert met in them.
+    pub(super) fn before(&self, new: &Lie, bar: &TurnedBar) -> Option<(TurnedBar, Contact)> {
+        let mut whole: Option<(TurnedBar, Contact)> = None;
+        for place in self.all.iter().rev().filter(|place| new.touches() && !place.is_done()) {
+            if matches!(place.cut.lie.relation(new), Relation::Same | Relation::AnotherStart) {
+                let contact = place.cut.inspected.contact;
+                let (from, met) = whole.as_ref().map_or((bar, contact), |(bar, met)| (bar, *met));
+                let with = from.with(&place.cut.before, &place.cut.left);
+                whole = Some((with, if met.share() > contact.share() { met } else { contact }));
+            }
+        }
+        whole
+    }
+
+    /// Look at all as they stand.
+    pub(super) fn look(&mut self, bar: &mut TurnedBar, config: &Config) {
+        self.all.iter_mut().for_each(|place| place.look(bar, config));
+    }
+
+    /// A block was cut, and what its thread is now.
+    pub(crate) fn add(
+        &mut self,
+        mut found: Judged<TurnedThread>,
+        cut: ThreadCut,
+        bar: &mut TurnedBar,
+    ) {
+        let mut told = Listed::No;
+        let line = found.line;
+        let mut crossed = None;
+        for index in (0..self.all.len()).rev() {
+            let place = &mut self.all[index];
+            if place.is_done() || !cut.lie.touches() {
+                continue;
+            }
+            match place.cut.lie.relation(&cut.lie) {
+                Relation::Apart => {}
+                Relation::Same | Relation::AnotherStart if cut.lie.covers(&place.cut.lie) => {
+                    let place = self.all.remove(index);
+                    bar.unwatch(place.id);
+                    found.kind.passes += place.when_cut.kind.passes;
+                    found.kind.passes_ordered += place.when_cut.kind.passes;
+                    if place.told != Listed::Before {
+                        told = place.told;
+                    }
+                }
+                Relation::Same | Relation::AnotherStart => place.is_settled = false,
+                Relation::Across(_) if bar.changed_by(place.id).is_none() => {}
+                Relation::Across(off) => {
+                    place.crossed = Some(line);
+                    place.is_settled = false;
+                    let by = off
+                        .map_or_else(String::new, |off| format!(", {off:.3} mm beside its groove"));
+                    let of_line = place.when_cut.line;
+                    crossed = Some((
+                        format!("cut across the thread of line {of_line}{by}"),
+                        place.when_cut.kind.size.is_some(),
+                    ));
+                }
+            }
+        }
+        if let Some((how, has_limits)) = crossed {
+            found.verdict = match &found.verdict {
+                Verdict::Fail { reason } => Verdict::Fail { reason: format!("{how}; {reason}") },
+                // of crossing grooves no limits are known
+                Verdict::NotJudged { reason } if !has_limits => {
+                    Verdict::NotJudged { reason: format!("{reason}; {how}") }
+                }
+                Verdict::Pass | Verdict::NotJudged { .. } => Verdict::Fail { reason: how },
+            };
+        }
+        let id = self.next;
+        self.next += 1;
+        bar.watch(id, cut.left.places());
+        let now = found.clone();
+        self.all.push(ThreadPlace {
+            id,
+            when_cut: found,
+            cut,
+            told,
+            changed: None,
+            crossed: None,
+            is_off: false,
+            is_gone: false,
+            is_settled: false,
+            now,
+        });
+        if self.all.len() > MOST
+            && let Some(oldest) = self.all.iter().position(|place| place.told != Listed::No)
+        {
+            bar.unwatch(self.all.remove(oldest).id);
+        }
+    }
+
+    /// The bar is cut through at a place: what is in front comes off.
+    pub(crate) fn come_off(&mut self, through: usize, bar: &mut TurnedBar, config: &Config) {
+        for place in self.all.iter_mut().filter(|place| !place.is_off) {
+            let [low, high] = place.cut.left.places();
+            if high <= through {
+                continue;
+            }
+            place.look(bar, config);
+            let is_cut_in_two =
+                bar.z(low) < bar.z(through) && place.cut.lie.span[0] < bar.z(through);
+            let is_in_front = place.cut.lie.span[0] >= bar.z(through);
+            if is_in_front || is_cut_in_two {
+                place.is_off = true;
+                bar.unwatch(place.id);
+            }
+        }
+    }
+
+    /// Look at each as it stands, and tell what is new.
+    pub(crate) fn settle(&mut self, bar: Option<&mut TurnedBar>, config: &Config) -> Vec<Telling> {
+        let mut telling = Vec::new();
+        let Some(bar) = bar else { return telling };
+        for place in &mut self.all {
+            let before = place.now.verdict.clone();
+            if !place.is_off {
+                place.look(bar, config);
+            }
+            let is_new = !std::mem::replace(&mut place.is_settled, true);
+            let changes = before != place.now.verdict;
+            let now = place.now.clone();
+            match place.told {
+                Listed::No => {
+                    place.told = Listed::As(now.op);
+                    telling.push(Telling::New(now));
+                }
+                Listed::As(op) if is_new || changes => {
+                    place.told = Listed::As(now.op);
+                    telling.push(Telling::Instead(op, now));
+                }
+                Listed::Before if changes => {
+                    let line = place.changed.or(place.crossed).unwrap_or(now.line);
+                    telling.push(Telling::New(Judged { line, ..now }));
+                }
+                Listed::As(_) | Listed::Before => {}
+            }
+        }
+        telling
+    }
+}
+
+impl ThreadPlace {
+    /// Nothing happens to it any more.
+    const fn is_done(&self) -> bool {
+        self.is_off || self.is_gone
+    }
+
+    /// Measure it as it stands, if something was taken off it.
+    fn look(&mut self, bar: &mut TurnedBar, config: &Config) {
+        if self.is_done() {
+            return;
+        }
+        let Some(line) = bar.changed_by(self.id) else { return };
+        self.changed.get_or_insert(line);
+        bar.watch(self.id, self.cut.left.places());
+        let Some(law) = Law::of(&self.cut.pass) else {
+            return;
+        };
+        let was = &self.when_cut;
+        let of = Ordered {
+            law,
+            whole: self.cut.whole,
+            hand: self.cut.hand,
+            tool: self.cut.tool.and_then(|number| config.tools.get(number)),
+            end: self.cut.end,
+            side: Some(self.cut.lie.side),
+        };
+        let before = bar.with(&self.cut.before, &self.cut.left);
+        let changed = bar.is_changed(&self.cut.left);
+        let [first, _] = self.cut.left.places();
+        let places: Vec<f64> =
+            (0..).zip(&changed).filter(|(_, is)| **is).map(|(k, _)| bar.z(first + k)).collect();
+        if places.is_empty() {
+            return;
+        }
+        let inspected = inspection::again(&of, &self.cut.inspected, [&before, bar], &places);
+        let mut kind = was.kind.clone();
+        kind.sizes.clone_from(&inspected.sizes);
+        kind.section.clone_from(&inspected.section);
+        let lost = self.lost(&before, bar);
+        let verdict = match (&was.kind.sizes, &inspected.sizes) {
+            (Some(_), None) => Verdict::Fail { reason: "nothing is left of it".into() },
+            (None, _) if lost > 0.0 => {
+                Verdict::Fail { reason: format!("{:.0} % of its crests are gone", 100.0 * lost) }
+            }
+            (None, _) => was.verdict.clone(),
+            (Some(_), Some(_)) => verdict::of(&kind, Some(&law), Some(&inspected), config),
+        };
+        self.now = Judged { kind, ..was.clone() };
+        self.is_gone = matches!((&was.kind.sizes, &inspected.sizes), (Some(_), None)) || lost > 0.0;
+        let by = self.crossed.or(self.changed).unwrap_or(line);
+        let was_bad = matches!(was.verdict, Verdict::Fail { .. });
+        match (verdict, self.crossed) {
+            // of crossing grooves no limits are known
+            (_, Some(by)) if was.kind.size.is_none() => {
+                let reason = format!(
+                    "crossed by the thread of line {by}: what is left of it is not measured"
+                );
+                if !was_bad {
+                    self.now.verdict = Verdict::NotJudged { reason };
+                }
+            }
+            (Verdict::Fail { reason }, None) if was_bad && !self.is_gone => {
+                self.now.verdict = Verdict::Fail { reason };
+            }
+            (Verdict::Fail { reason }, _) => {
+                self.now.destroyed(by, &left(&reason, self.cut.lie.span, &places));
+            }
+            (_, Some(by)) => self.now.destroyed(by, "another thread was cut across it"),
+            (verdict, None) => self.now.verdict = verdict,
+        }
+    }
+
+    /// Share of the crests that fell below half of their height over the root.
+    fn lost(&self, before: &TurnedBar, now: &TurnedBar) -> f64 {
+        let side = self.cut.lie.side;
+        let depth = self.cut.inspected.contact.deepest;
+        if !(depth.is_finite() && depth > 0.0) {
+            return 0.0;
+        }
+        let [low, high] = self.cut.left.places();
+        let within = |place: &usize| {
+            (self.cut.lie.span[0]..=self.cut.lie.span[1]).contains(&now.z(*place))
+                && (low..=high).contains(place)
+        };
+        let heights = |bar: &TurnedBar| bar.heights(0, side).collect::<Vec<_>>();
+        let (was, is) = (heights(before), heights(now));
+        let left = self.cut.left.heights(side);
+        let places: Vec<usize> = (low..=high).filter(within).collect();
+        let half = |place: usize| was[place] - depth / 2.0;
+        let crests: Vec<usize> =
+            places.into_iter().filter(|place| left[place - low] > half(*place)).collect();
+        let lost = crests.iter().filter(|place| is[**place] < half(**place)).count();
+        let share = lost as f64 / crests.len().max(1) as f64;
+        let allowed =
+            UNCUT_PITCHES * self.cut.lie.lead.abs() / (self.cut.lie.span[1] - self.cut.lie.span[0]);
+        if share > allowed { share } else { 0.0 }
+    }
+}
+
+/// What is wrong, and how much is left. A groove or an edge that is gone has no pitch diameter.
+fn left(reason: &str, [low, high]: [f64; 2], changed: &[f64]) -> String {
+    let said: Vec<&str> =
+        reason.split("; ").filter(|part| !part.starts_with("pitch diameter")).collect();
+    let ends = [low].into_iter().chain(changed.iter().copied()).chain([high]);
+    let ends: Vec<f64> = ends.filter(|z| (low..=high).contains(z)).collect();
+    let whole = ends.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let whole = format!("it is whole over {whole:.2} of {:.2} mm", high - low);
+    if said.is_empty() { whole } else { format!("{whole}; {}", said.join("; ")) }
+}
