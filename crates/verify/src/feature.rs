@@ -108,3 +108,8 @@ impl FeatureKind {
     /// Of these, those that have a sync error.
     pub const SYNCHRONISED: [&str; 2] = [Self::NAMES[1], Self::NAMES[4]];
 }
+
+/// What a mill has done, as a feature.
+pub(crate) fn milled(found: Judged<crate::Milled>) -> Feature {
+    found.map(Box::new).map(FeatureKind::Milled)
+}

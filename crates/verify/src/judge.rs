@@ -13,11 +13,10 @@
 use crate::bar::TurnedBar;
 use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
-use crate::feature::{Feature, FeatureKind};
+use crate::feature::{Feature, FeatureKind, milled};
 use crate::gear::{self, GearTrack};
 use crate::hole::HoleTrack;
-use crate::judged::Judged;
-use crate::milling::{Milled, Milling};
+use crate::milling::Milling;
 use crate::polygon::{OrderedPolygon, PolygonTrack};
 use crate::standing_polygons::StandingPolygons;
 use crate::stroke::Stroke;
@@ -434,9 +433,10 @@ impl Judge {
                 let (found, earlier) = track.finish(place, ordered, (config, &mut self.gears), now);
                 let before = self.taken_back.absorb(&earlier.absorbed, &mut self.features);
                 for (op, how) in &earlier.destroyed {
-                    if let Some(first) = self.features.iter_mut().find(|f| f.op == *op) {
-                        first.destroyed(line, how);
-                    }
+                    let Some(first) = self.features.iter_mut().find(|f| f.op == *op) else {
+                        continue;
+                    };
+                    first.destroyed(line, how);
                 }
                 self.taken_back.compare(&before, &self.features);
                 Some(found.map(Box::new).map(FeatureKind::Gear))
@@ -497,9 +497,4 @@ impl Track {
             }
         }
     }
-}
-
-/// What a mill has done, as a feature.
-fn milled(found: Judged<Milled>) -> Feature {
-    found.map(Box::new).map(FeatureKind::Milled)
 }
