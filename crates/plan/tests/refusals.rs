@@ -32,6 +32,27 @@ fn a_sound_hole_and_tap_pass_without_a_word() {
 }
 
 #[test]
+fn a_deep_hole_without_pecks_is_remarked_upon_in_the_programs_unit() {
+    let found = |depth: f64, bears: Option<f64>, pecks: &[f64]| {
+        let mut tools = common::tools();
+        let mut drill = tools.get(1).unwrap().clone();
+        drill.body.depth_without_pecks = bears.map(mm);
+        tools.insert(drill);
+        let feeds = pecks.iter().chain([&depth]).map(|z| line(10.0, 10.0, -130.0 - z, 300.0));
+        let begin = [change(1), turn(2000.0), rapid(10.0, 10.0, -128.0), hole(10.0, 10.0, -depth)];
+        let start = plan::Start { position: Position::default(), tool: 0 };
+        let planner = plan::Planner::new(common::machine(), tools, common::OPTIONS, start);
+        findings_of(planner, begin.into_iter().chain(feeds))
+    };
+    // 4·D is 20 mm
+    assert!(found(20.5, None, &[]).contains("a hole of 20.5 mm is drilled in one stroke"));
+    assert_eq!(found(19.5, None, &[]), "");
+    assert_eq!(found(30.0, None, &[8.0, 16.0, 24.0]), "");
+    assert_eq!(found(30.0, Some(40.0), &[]), "");
+    assert!(found(19.5, Some(15.0), &[]).contains("down to 15 mm"));
+}
+
+#[test]
 fn a_coordinate_beyond_the_travel() {
     assert_snapshot!(findings([rapid(312.4, 0.0, 0.0), rapid(0.0, -200.5, 1.0)]), @r"
     M0301 Error line 1: X would go to 312.4 mm (machine coordinate), 62.4 mm beyond its travel of -250 to 250 mm: X250 is the nearest that works

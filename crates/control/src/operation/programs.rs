@@ -273,7 +273,9 @@ impl Control {
         let mut ended = under_way.running.end();
         self.workpiece = ended.workpiece();
         self.next_op = ended.next_operation();
-        if !has_ended {
+        if has_ended {
+            self.workpiece.judge.settle(self.next_op);
+        } else {
             self.workpiece.judge.give_up(report.op);
         }
         let left = ended.left().or(given_up);

@@ -9,8 +9,10 @@
 //! table states another depth: a drill with cooling channels bears more. A hole that another drill
 //! has opened as deep before is not meant.
 use super::Planner;
+use super::refuse::wild;
+use crate::words::length;
 use alloc::format;
-use canon::{Axis, Hole, Position, Tool, ToolKind, number};
+use canon::{Axis, Hole, Position, Tool, ToolKind};
 use diag::{Diagnostic, Span};
 use units::Length;
 
@@ -38,7 +40,7 @@ fn most(tool: &Tool) -> Option<Length> {
 impl Planner {
     /// A hole begins.
     pub(super) fn hole_begins(&mut self, hole: &Hole, span: Span) {
-        let tool = self.tools.get(self.tool);
+        let tool = self.tools.get(self.tool).filter(|_| wild(&hole.at).is_none());
         self.stroke = tool.and_then(|tool| {
             let depth = (hole.surface - hole.bottom).abs();
             let most = most(tool).filter(|most| depth > *most)?;
@@ -62,10 +64,10 @@ impl Planner {
             return;
         }
         let text = format!(
-            "a hole of {} mm is drilled in one stroke, and this drill clears its chips down to {} mm: \
+            "a hole of {} is drilled in one stroke, and this drill clears its chips down to {}: \
              drill it in pecks (G83, G73)",
-            number(stroke.depth.value()),
-            number(stroke.most.value()),
+            length(&self.frame, stroke.depth.value()),
+            length(&self.frame, stroke.most.value()),
         );
         let finding = Diagnostic::note("M0374", stroke.span, text)
             .with_help("state depth_without_pecks_mm in the tool table if the drill bears more");

@@ -75,9 +75,11 @@ pub const OPTIONS: Options = Options {
     },
 };
 
+/// A drill that needs no pecks.
 pub fn drill(number: u32, diameter: f64, length: f64) -> Tool {
     let kind = ToolKind::Drill { point_angle: Angle::deg(118.0) };
-    tool(number, diameter, length, kind)
+    let body = canon::Body { depth_without_pecks: Some(mm(100.0)), ..canon::Body::default() };
+    Tool { body, ..tool(number, diameter, length, kind) }
 }
 
 pub fn tap_tool(number: u32, designation: &str, diameter: f64, lead: f64) -> Tool {
