@@ -13,8 +13,8 @@
 //! | one that is tied to a spindle | v·1 s, the longest stop of a spindle, + 0.5 mm |
 //! | an infeed axis, which takes a tool off the work | the same, and as far as it goes clear |
 //!
-//! An axis whose own drive is gone coasts, unless it hangs and its brake holds it: no control can
-//! stop it.
+//! An axis whose own drive is gone coasts, or its brake stops it: no control can. A spindle without
+//! a drive coasts longer than is recorded.
 //!
 //! T is 15 ms: what is bridged, free and then stopped by its drive; a is the acceleration of the
 //! axis' own stops in the machine's file.
@@ -380,6 +380,9 @@ fn distances(
         let follows = if activity.infeed.is_some() { speed.max(THREAD_MM_PER_S) } else { speed };
         let stops =
             if tied { follows * TIED_S } else { speed * GOES_ON_S + speed * speed / (2.0 * accel) };
+        // beside a spindle that coasts it goes out of the work, or as far as there is room
+        let coasts = fault == "drive-fault spindle";
+        let stops = if tied && coasts { stops.max(R_MM + DEEP_MM) } else { stops };
         let clear = if activity.infeed == Some(axis) { CLEAR_MM } else { 0.0 };
         let hangs = control.weight.value() != 0.0;
         // a cut goes on pressing while the spindle comes to rest
@@ -390,9 +393,9 @@ fn distances(
         };
         let margin = if speed == 0.0 && !tied { stood } else { MARGIN_MM };
         let most = stops + clear + margin;
-        // one without a drive, a brake or a weight coasts as far as its friction lets it
+        // one without a drive goes as far as its friction, or its brake, lets it
         let letter = units::Axis::ALL[axis].letter();
-        if fault.starts_with(&format!("drive-fault {letter}")) && !hangs {
+        if fault.starts_with(&format!("drive-fault {letter}")) {
             continue;
         }
         let went = stop.iter().map(|s| (place(s, axis) - first).abs()).fold(0.0, f64::max);
@@ -429,7 +432,7 @@ fn distances(
         }
     }
     let spin = stop[stop.len() - 1].truth.unwrap().spins.map(|spin| spin.value().abs());
-    if spin.iter().any(|spin| *spin > 0.1) {
+    if spin.iter().any(|spin| *spin > 0.1) && fault != "drive-fault spindle" {
         wrong.push(format!("a spindle turns in the end: {spin:?} rev/s"));
     }
     wrong
