@@ -106,7 +106,7 @@ class Flanks:
         return np.stack([radius * np.sin(turned), radius * np.cos(turned), np.broadcast_to(heights, turned.shape)])
 
     def span(self, teeth: int) -> float:
-        """Least distance of two planes about so many teeth, over their tilt."""
+        """Least distance of two planes about that many teeth, over their tilt."""
         pitch = 2 * math.pi / self.gear.teeth
         heights = np.linspace(-12 * self.gear.hob.module, 12 * self.gear.hob.module, HEIGHTS)
         right = self.points(teeth * pitch / 2 - self.half_gap, heights)

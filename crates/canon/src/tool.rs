@@ -254,7 +254,7 @@ pub enum InsertEdges {
         /// Length of each edge.
         length: Length,
     },
-    /// Square sides: grooving and parting.
+    /// Sides at a right angle to the edge: grooving and parting.
     Square,
 }
 
@@ -301,7 +301,7 @@ impl Insert {
     /// Length of a turning insert's edges where it is not stated (ISO 1832: size 12).
     pub const EDGE: Length = Length::mm(12.0);
 
-    /// One for threads.
+    /// An insert that cuts threads, pointed as its flat or nose says.
     pub const fn threading(
         angle: Angle,
         point: Option<InsertPoint>,

@@ -420,9 +420,12 @@ fn a_link_of_no_length_with_k0_does_nothing() {
     let links = kinds.iter().filter(|kind| matches!(kind, OpKind::Threading(_)));
     assert_eq!(links.count(), 1);
     let setup = setup(Dialect::LinuxCnc);
-    let mut ops = Ops::new(b"G21 G90 G18\nS100 M3\nG0 X10 Z2\nG33 X10 Z1 K0\nM2\n", &setup);
-    ops.by_ref().for_each(drop);
-    assert!(ops.diagnostics().iter().any(|found| found.code == "I0426"), "that goes somewhere");
+    for (link, code) in [("G33 X10 Z1 K0", "I0426"), ("G33 K0", "I0423")] {
+        let text = format!("G21 G90 G18\nS100 M3\nG0 X10 Z2\n{link}\nM2\n");
+        let mut ops = Ops::new(text.as_bytes(), &setup);
+        ops.by_ref().for_each(drop);
+        assert!(ops.diagnostics().iter().any(|found| found.code == code), "{link}");
+    }
 }
 
 /// Grbl 1.1, `gcode.c`: G53 is absolute whatever the distance mode is.

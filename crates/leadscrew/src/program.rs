@@ -190,8 +190,7 @@ impl Job {
             axis.start = start.along(Axis::ALL[*index]);
         }
         simulated.tool = self.session.tool();
-        let stated = MilledStock::stated_in(&self.program.text, &self.session);
-        if let (Some(work), Some(block)) = (&mut simulated.stock, stated) {
+        if let (Some(work), Some(block)) = (&mut simulated.stock, self.stated_block()) {
             config::clamp(work, &block);
         }
         simulated
@@ -200,12 +199,16 @@ impl Job {
     /// What the workpiece is judged by.
     pub(crate) fn judge(&self) -> verify::Config {
         let config = self.session.judge(self.material, &self.session.work_zero());
-        let stated = MilledStock::stated_in(&self.program.text, &self.session);
-        let config = verify::Config { stock: stated.or(config.stock), ..config };
+        let gear_blank = self.stated_block();
+        let config = verify::Config { stock: gear_blank.or(config.stock), gear_blank, ..config };
         let Some(proved) = &self.proved else { return config };
         let milled = MilledStock::of(&self.program.text, &self.session, proved.operations.all());
-        let gear_blank = MilledStock::stated_in(&self.program.text, &self.session);
-        verify::Config { mill_stock: milled.found(&self.session), gear_blank, ..config }
+        verify::Config { mill_stock: milled.found(&self.session), ..config }
+    }
+
+    /// The block that the program's comments state, machine coordinates.
+    pub(crate) fn stated_block(&self) -> Option<verify::Stock> {
+        MilledStock::stated_in(&self.program.text, &self.session)
     }
 
     /// The tools that the judge takes, as they really are on the simulated machine of this seed.

@@ -62,10 +62,15 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
 /// Of the whole run, as its exit code says it.
 /// Where the set-up has the workpiece.
 fn frame(job: &Job) -> Clamping {
-    let stock = &job.session.machine.setup.stock;
+    let zero = job.session.work_zero().linear;
+    let own = &job.session.machine.setup.stock;
+    let from_zero = |corner: [units::Length; 3]| [0, 1, 2].map(|axis| corner[axis] - zero[axis]);
+    let corners = job
+        .stated_block()
+        .map_or([own.from, own.to], |block| [block.from, block.to].map(from_zero));
     Clamping {
-        zero_mm: job.session.work_zero().linear.map(Measured::mm),
-        stock_mm: [stock.from, stock.to].map(|corner| corner.map(Measured::mm)),
+        zero_mm: zero.map(Measured::mm),
+        stock_mm: corners.map(|corner| corner.map(Measured::mm)),
     }
 }
 

@@ -393,9 +393,11 @@ fn distances(
         };
         let margin = if speed == 0.0 && !tied { stood } else { MARGIN_MM };
         let most = stops + clear + margin;
-        // one without a drive goes as far as its friction, or its brake, lets it
+        // one without a drive goes as far as its friction, or its brake, lets it; one that hangs
+        // and stood is held
         let letter = units::Axis::ALL[axis].letter();
-        if fault.starts_with(&format!("drive-fault {letter}")) {
+        let is_held = hangs && speed == 0.0;
+        if fault.starts_with(&format!("drive-fault {letter}")) && !is_held {
             continue;
         }
         let went = stop.iter().map(|s| (place(s, axis) - first).abs()).fold(0.0, f64::max);

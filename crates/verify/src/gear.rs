@@ -113,7 +113,7 @@ struct Generator {
     pitch_diameter: f64,
     transverse_rad: f64,
     tool_length: f64,
-    /// Of the hob.
+    /// From the hob's axis to its crest, mm.
     radius: f64,
     blank_radius: Option<f64>,
     /// Lower and upper face of the blank.

@@ -7,9 +7,15 @@
 //!
 //! ```text
 //!   canon::Op ────► which hole, where, how deep ─┐
-//!                                                ├─► Judge ─► Feature { Hole | Thread, Verdict }
-//!   bus::Sample ──► where the edges really were ─┘
+//!                                                ├─► Judge ─► Feature { Hole | Thread | …, Verdict }
+//!   bus::Sample ──► where the edges really were ─┘    │ ▲
+//!                                                     ▼ │ destroyed in line N, cut again
+//!                                     what is there: block, bar, polygons, gears
 //! ```
+//!
+//! A verdict is about the part that comes off the machine: what is there is remembered
+//! (`workpiece` of a block, `bar` and `turned::places` of a bar, `standing_polygons`,
+//! `gear::again`), and a later cut takes a verdict back (`taken_back`).
 mod bar;
 mod cam;
 mod chips;

@@ -20,6 +20,8 @@ const SAME_NORMAL: f64 = 0.005;
 const SAME_DISTANCE: f64 = 2e-3;
 /// What is left at the end of a polygon by one that is as long, mm: a lay of the feed.
 const LAST_LAY: f64 = 0.3;
+/// Polygons that are remembered on one workpiece.
+const MOST: usize = 64;
 /// Share of a corner's distance that is left at least where no standard says it.
 const LEAST_CORNER: f64 = 0.97;
 
@@ -36,7 +38,7 @@ struct Standing {
     op: u32,
     line: u32,
     name: String,
-    /// Lowest and highest.
+    /// Z of its lower and its upper end, mm.
     heights: [f64; 2],
     /// From the lowest up, with their heights; one at least.
     sections: Vec<(f64, Vec<Face>)>,
@@ -138,10 +140,13 @@ impl StandingPolygons {
             };
             found.fails(format!("line {} has cut its corners: {left}", earlier.line));
             if let (Some(left), Some(first)) = (earlier.left_by(&later, reach), first) {
-                first.destroyed(later.line, &format!("{} over it, {left}", later.name));
+                first.destroyed(later.line, &format!("{} was cut over it: {left}", later.name));
             }
             true
         });
+        if self.0.len() == MOST {
+            self.0.remove(0);
+        }
         self.0.push(later);
     }
 }
@@ -180,7 +185,11 @@ fn blunt(own: &[Face], others: &[Face], reach: f64) -> Option<String> {
         }
     }
     worst.map(|[left, least]| {
-        format!("{:.2} mm across corners, {:.2} mm at least (ISO 4759-1)", 2.0 * left, 2.0 * least)
+        format!(
+            "{:.2} mm across corners are left, {:.2} mm at least (ISO 4759-1)",
+            2.0 * left,
+            2.0 * least
+        )
     })
 }
 

@@ -110,10 +110,10 @@ impl Judge {
 
     /// Turned threads are judged as they stand.
     pub(crate) fn settle_threads(&mut self) {
-        for telling in self.threads.settle(self.bar.as_mut(), &self.config) {
-            let (instead, found) = match telling {
-                turned::Telling::New(found) => (None, found),
-                turned::Telling::Instead(op, found) => (Some(op), found),
+        for change in self.threads.settle(self.bar.as_mut(), &self.config) {
+            let (instead, found) = match change {
+                turned::ListChange::New(found) => (None, found),
+                turned::ListChange::Instead(op, found) => (Some(op), found),
             };
             let found = found.map(Box::new).map(FeatureKind::Turned);
             let is_it =

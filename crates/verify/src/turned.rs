@@ -53,7 +53,7 @@ mod sizes;
 mod verdict;
 
 pub use feature::{LeadOfTurn, TurnedThread};
-pub(crate) use places::{Places, Telling, ThreadCut};
+pub(crate) use places::{ListChange, Places, ThreadCut};
 pub use size::TurnedLimits;
 pub use sizes::TurnedSizes;
 
@@ -390,7 +390,7 @@ impl TurnedTrack {
         Length::mm(longest)
     }
 
-    /// Judges a thread; one on a bar goes among its threads, to be told when nothing more is cut.
+    /// Judges a thread; one on a bar goes among the bar's threads, and is listed at the end.
     pub(crate) fn finish(
         mut self,
         op: u32,

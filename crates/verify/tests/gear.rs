@@ -540,7 +540,7 @@ fn blanks() -> Vec<Attack> {
     ]
 }
 
-/// Motions and drawings.
+/// Attacks by the motion, and by what the drawing asks.
 fn motions() -> Vec<Attack> {
     let mm = |value: f64| Some(Length::mm(value));
     let with = |hob: Hob| Cut { hob, ..CUT };

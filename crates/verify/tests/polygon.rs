@@ -93,8 +93,7 @@ impl Cut {
         }
     }
 
-    /// Orders and cuts it, in so many periods, with the operations from this number on; the line is
-    /// that of G51.2.
+    /// Orders it from the operation `first` on, and cuts it in `steps` periods.
     fn cut(&self, judge: &mut Judge, first: u32, steps: u32) {
         let op = |line, kind| Op { span: Span { line, ..Span::default() }, kind };
         let polygon = canon::Polygon {
@@ -212,7 +211,7 @@ impl Cut {
 /// Periods of a cut, 2.2 mm long.
 const STEPS: u32 = 12_000;
 
-/// What is left of cuts over one another with the cutter of the first, each of so many periods.
+/// What is left of cuts over one another with the cutter of the first, each with its periods.
 fn over(cuts: &[(&Cut, u32)]) -> Vec<Feature> {
     let first = cuts[0].0;
     let mut judge = Judge::new(Config {

@@ -56,7 +56,7 @@ pub(crate) struct Beside {
 /// What each tool has cut, by its number.
 type ToolUses = BTreeMap<u32, ToolUse>;
 
-/// A feature at its place in the list, new or changed, or the end of a list that is told anew; what
+/// A feature at its place in the list, new or changed, or the end of a list that is sent anew; what
 /// each tool had cut by then.
 type JudgedAt = (usize, Option<Feature>, ToolUses);
 

@@ -50,7 +50,7 @@ impl Control {
         }
     }
 
-    /// Verdicts that were changed after they were told are told again.
+    /// Reports the verdicts that have changed since they were reported.
     pub(super) fn tell_changed(&mut self) {
         let changed = self.verdicts_changed(self.told_changes);
         if changed.is_empty() {

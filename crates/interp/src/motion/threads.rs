@@ -20,7 +20,11 @@ pub(crate) fn thread<S: Sink>(
     settings: &Settings,
     out: &mut Out<'_, S>,
 ) -> Outcome {
-    if words.get(b'K') == Some(0.0) && target::destination(words, modes, false)? == modes.at {
+    let names_axes = words.any(crate::codes::AXES);
+    if names_axes
+        && words.get(b'K') == Some(0.0)
+        && target::destination(words, modes, false)? == modes.at
+    {
         return Ok(()); // a link of no length, as loops begin with
     }
     let (lead, _) = synchronised(words, modes, "G33")?;

@@ -17,7 +17,7 @@ const OVER_THE_CREST: f64 = 1.3;
 pub struct Insert {
     /// Half of the angle between its flanks.
     pub half_angle: Angle,
-    /// Nose radius.
+    /// Radius that rounds the point.
     pub nose: Length,
     /// Width of a flat point.
     pub flat: Length,
@@ -48,7 +48,7 @@ pub enum Edges {
         /// Of each edge.
         length: Length,
     },
-    /// Square sides.
+    /// Sides at a right angle to the edge.
     Square,
 }
 

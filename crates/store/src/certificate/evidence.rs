@@ -48,7 +48,8 @@ pub struct Tolerances {
 pub struct Clamping {
     /// Zero of the work (G54): machine coordinates X, Y, Z.
     pub zero_mm: [Measured; 3],
-    /// The machine's stock from that zero: its least coordinates, and its largest.
+    /// Stock from that zero, of the program's comment or of the machine's file: its least
+    /// coordinates, and its largest.
     pub stock_mm: [[Measured; 3]; 2],
 }
 

@@ -60,9 +60,9 @@ pub struct ToothSize {
     pub shift: Measured,
     /// Teeth that the span is taken over.
     pub spanned: u32,
-    /// Span over them.
+    /// Base tangent length over `spanned` teeth, `W_k`.
     pub span_mm: Measured,
-    /// Least span allowed.
+    /// Lower limit of the span.
     pub span_least_mm: Measured,
     /// Greatest span allowed.
     pub span_most_mm: Measured,

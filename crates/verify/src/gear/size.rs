@@ -27,9 +27,9 @@ pub struct ToothSize {
     pub shift: f64,
     /// Teeth that the span is taken over.
     pub spanned: u32,
-    /// Span over them.
+    /// Base tangent length over `spanned` teeth, `W_k`.
     pub span: Length,
-    /// Span without allowances.
+    /// `W_k` of the drawing's nominal tooth.
     pub span_asked: Length,
     /// Least and greatest span allowed.
     pub span_allowed: [Length; 2],
@@ -66,7 +66,7 @@ pub(super) struct Rack {
 }
 
 impl Rack {
-    /// The tooth that it generates at a distance of the axes, on a work of so many teeth.
+    /// The tooth that it generates at this distance of the axes.
     fn tooth(&self, hob: &Hob, distance_mm: f64) -> Tooth {
         let unshifted = Tooth {
             module_mm: self.tool.module.value(),

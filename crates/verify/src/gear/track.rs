@@ -16,7 +16,7 @@ use core::f64::consts::PI;
 use std::collections::VecDeque;
 use units::Time;
 
-/// Looks a thread.
+/// Samples of the motion while the hob turns by one of its threads.
 const SLICES: f64 = 8.0;
 /// Looks that form a tooth: a thread before its middle and a thread after.
 const LOOKS: usize = 17;

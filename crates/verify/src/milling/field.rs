@@ -37,7 +37,6 @@ pub(crate) struct Cutter {
 }
 
 impl Cutter {
-    /// Of this form.
     #[cfg(test)]
     pub(crate) const fn with(radius: f64, form: MillForm) -> Self {
         Self { radius, form }

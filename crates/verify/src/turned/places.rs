@@ -42,7 +42,7 @@ pub(crate) struct ThreadCut {
     pub(super) left: BarPart,
 }
 
-/// Whether a thread was told, and under which operation.
+/// Whether the features have a thread, and under which operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Listed {
     No,
@@ -57,7 +57,7 @@ struct ThreadPlace {
     /// As its last block has left it.
     when_cut: Judged<TurnedThread>,
     cut: ThreadCut,
-    told: Listed,
+    listed: Listed,
     /// Line that has first taken something off it.
     changed: Option<u32>,
     /// Another thread crosses it: its line.
@@ -72,11 +72,11 @@ struct ThreadPlace {
     now: Judged<TurnedThread>,
 }
 
-/// A thread to be told.
+/// A thread that the features lack, or have otherwise than it stands.
 #[derive(Clone, Debug)]
-pub(crate) enum Telling {
+pub(crate) enum ListChange {
     New(Judged<TurnedThread>),
-    /// In place of what was told under this operation.
+    /// In place of the feature of this operation.
     Instead(u32, Judged<TurnedThread>),
 }
 
@@ -94,14 +94,14 @@ impl Places {
         self
     }
 
-    /// What was told is listed no more.
+    /// The features were taken: they have none of these threads any more.
     pub(crate) fn taken(&mut self) {
-        for place in self.all.iter_mut().filter(|place| place.told != Listed::No) {
-            place.told = Listed::Before;
+        for place in self.all.iter_mut().filter(|place| place.listed != Listed::No) {
+            place.listed = Listed::Before;
         }
     }
 
-    /// All that is known was told.
+    /// True where the features have every thread as it stands.
     pub(crate) fn is_settled(&self, bar: Option<&TurnedBar>) -> bool {
         self.all.iter().all(|place| {
             place.is_settled
@@ -136,7 +136,7 @@ impl Places {
         cut: ThreadCut,
         bar: &mut TurnedBar,
     ) {
-        let mut told = Listed::No;
+        let mut listed = Listed::No;
         let line = found.line;
         let mut crossed = None;
         for index in (0..self.all.len()).rev() {
@@ -151,8 +151,8 @@ impl Places {
                     bar.unwatch(place.id);
                     found.kind.passes += place.when_cut.kind.passes;
                     found.kind.passes_ordered += place.when_cut.kind.passes;
-                    if place.told != Listed::Before {
-                        told = place.told;
+                    if place.listed != Listed::Before {
+                        listed = place.listed;
                     }
                 }
                 Relation::Same | Relation::AnotherStart => place.is_settled = false,
@@ -188,7 +188,7 @@ impl Places {
             id,
             when_cut: found,
             cut,
-            told,
+            listed,
             changed: None,
             crossed: None,
             is_off: false,
@@ -197,7 +197,7 @@ impl Places {
             now,
         });
         if self.all.len() > MOST
-            && let Some(oldest) = self.all.iter().position(|place| place.told != Listed::No)
+            && let Some(oldest) = self.all.iter().position(|place| place.listed != Listed::No)
         {
             bar.unwatch(self.all.remove(oldest).id);
         }
@@ -222,9 +222,13 @@ impl Places {
     }
 
     /// Look at each as it stands, and tell what is new.
-    pub(crate) fn settle(&mut self, bar: Option<&mut TurnedBar>, config: &Config) -> Vec<Telling> {
-        let mut telling = Vec::new();
-        let Some(bar) = bar else { return telling };
+    pub(crate) fn settle(
+        &mut self,
+        bar: Option<&mut TurnedBar>,
+        config: &Config,
+    ) -> Vec<ListChange> {
+        let mut new = Vec::new();
+        let Some(bar) = bar else { return new };
         for place in &mut self.all {
             let before = place.now.verdict.clone();
             if !place.is_off {
@@ -233,23 +237,23 @@ impl Places {
             let is_new = !std::mem::replace(&mut place.is_settled, true);
             let changes = before != place.now.verdict;
             let now = place.now.clone();
-            match place.told {
+            match place.listed {
                 Listed::No => {
-                    place.told = Listed::As(now.op);
-                    telling.push(Telling::New(now));
+                    place.listed = Listed::As(now.op);
+                    new.push(ListChange::New(now));
                 }
                 Listed::As(op) if is_new || changes => {
-                    place.told = Listed::As(now.op);
-                    telling.push(Telling::Instead(op, now));
+                    place.listed = Listed::As(now.op);
+                    new.push(ListChange::Instead(op, now));
                 }
                 Listed::Before if changes => {
                     let line = place.changed.or(place.crossed).unwrap_or(now.line);
-                    telling.push(Telling::New(Judged { line, ..now }));
+                    new.push(ListChange::New(Judged { line, ..now }));
                 }
                 Listed::As(_) | Listed::Before => {}
             }
         }
-        telling
+        new
     }
 }
 

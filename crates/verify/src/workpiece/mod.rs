@@ -29,7 +29,7 @@ use cut::{ToolCut, apart};
 use places::{NOISE_MM, same_side};
 use units::Length;
 
-/// A countersink or a chamfer may take so many pitches of a thread's mouth.
+/// Pitches of a thread's mouth that a countersink or a chamfer may take.
 const MOUTH_PITCHES: f64 = 2.0;
 /// A flat tool may take so much of a thread, mm: the tolerance of its depth.
 const SCRAPE_MM: f64 = 0.1;

@@ -13,7 +13,7 @@ pub(super) const NOISE_MM: f64 = 0.01;
 pub(crate) struct Bore {
     /// Across the tool.
     pub(crate) at: [Length; 2],
-    /// Of the tool.
+    /// Diameter of the tool that made it.
     pub(crate) diameter: Length,
     /// Coordinate of the *tip* to which the diameter is full.
     pub(crate) bottom_mm: f64,

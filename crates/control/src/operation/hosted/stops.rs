@@ -45,25 +45,66 @@ pub(super) const fn kind(request: &Request) -> Option<LaneStop> {
     }
 }
 
-/// Whether a stop is meant for what a request begins.
-const fn concerns(stop: LaneStop, request: &Request) -> bool {
-    let by_program = matches!(
-        request,
-        Request::Start | Request::ManualDataInput(_) | Request::Resume | Request::Confirm
-    );
-    let by_hand = matches!(
-        request,
-        Request::Home(_) | Request::Jog(..) | Request::TurnSpindle(..) | Request::OrientSpindle(..)
-    );
-    let takes_out = matches!(request, Request::Retract | Request::Recover);
-    let switches_on = matches!(request, Request::Power(true) | Request::EmergencyStop(false));
-    match stop {
-        LaneStop::EmergencyStop | LaneStop::NotTaken => {
-            by_program || by_hand || takes_out || switches_on
+/// What a request sets going.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Begins {
+    Nothing,
+    /// A program, or blocks that are typed.
+    Program,
+    /// What is moved by hand.
+    Manual,
+    /// The way of an engaged tool out of its thread.
+    Retract,
+    /// Drives that may be switched on.
+    Drives,
+}
+
+/// What a request sets going; a new request has to say it.
+const fn begins(request: &Request) -> Begins {
+    match request {
+        Request::Start | Request::ManualDataInput(_) | Request::Resume | Request::Confirm => {
+            Begins::Program
         }
-        LaneStop::Stop => by_program || by_hand || takes_out,
-        LaneStop::FeedHold => by_program,
-        LaneStop::JogStop => by_hand,
+        Request::Home(_)
+        | Request::Jog(..)
+        | Request::TurnSpindle(..)
+        | Request::OrientSpindle(..) => Begins::Manual,
+        Request::Retract | Request::Recover => Begins::Retract,
+        Request::Power(true) | Request::EmergencyStop(false) => Begins::Drives,
+        Request::Power(false)
+        | Request::EmergencyStop(true)
+        | Request::JogStop
+        | Request::Load(_)
+        | Request::Search(..)
+        | Request::FeedHold
+        | Request::Stop
+        | Request::ToolIsFree
+        | Request::BeginWorkpiece(_)
+        | Request::EndWorkpiece
+        | Request::AcknowledgeState
+        | Request::Reset
+        | Request::SingleBlock(_)
+        | Request::OptionalStop(_)
+        | Request::BlockSkip(..)
+        | Request::FeedOverride(_)
+        | Request::RapidOverride(_)
+        | Request::SpindleOverride(_)
+        | Request::TouchOff(..)
+        | Request::SetWorkOffset(..)
+        | Request::EditTool(..)
+        | Request::RenewTool(_)
+        | Request::LimitTool(..) => Begins::Nothing,
+    }
+}
+
+/// Whether a stop is meant for what a request sets going.
+const fn concerns(stop: LaneStop, request: &Request) -> bool {
+    match (stop, begins(request)) {
+        (_, Begins::Nothing) => false,
+        (LaneStop::EmergencyStop | LaneStop::NotTaken, _) => true,
+        (LaneStop::Stop, begun) => !matches!(begun, Begins::Drives),
+        (LaneStop::FeedHold, begun) => matches!(begun, Begins::Program),
+        (LaneStop::JogStop, begun) => matches!(begun, Begins::Manual),
     }
 }
 

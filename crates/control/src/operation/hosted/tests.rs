@@ -252,7 +252,7 @@ fn overtaken(client: &Client, waiting: Request, stop: Request) -> RequestAnswer 
     let busy = std::thread::Builder::new().spawn(move || {
         busy.with(move |_| {
             entered.send(()).expect("it is awaited");
-            may_go.recv().expect("it is told");
+            may_go.recv().expect("the test goes on");
         })
     });
     let busy = busy.expect("a thread");
