@@ -4,8 +4,8 @@
 hal-kill.py LEADSCREW MACHINE SAMPLES COUNT SEED
 
 `tools/hal kill [COUNT]` runs it within a HAL session. Each round a control taps, and is stopped within the hole: by an abort, by
-SIGKILL of the control, or by unloading the component, in turn. Then a control takes the machine over: it takes the tool out, or says
-why it does not. It knows nothing of Leadscrew but its pins, its scripts and what it prints; how far the tool was off its helix is
+SIGKILL of the control, by unloading the component, or by a feed hold that is gone on from, in turn. Then a control takes the machine
+over: it takes the tool out, or says why it does not. It knows nothing of Leadscrew but its pins, its scripts and what it prints; how far the tool was off its helix is
 taken from what halsampler has recorded in HAL, from the first thread in the work until it is out, or stands.
 
 It fails if a tool left its helix by more than 20 um in the work, if one that stands in the work is neither taken out nor refused with a
@@ -26,7 +26,7 @@ LEAD = 1.0  # mm a turn
 SURFACE = -194.75  # machine Z of the work's surface for the tip
 OFF = 20e-3  # mm
 NOT_BEGUN = "no tap began\n"  # a computer that is busy has lost the connection before
-WAYS = ["abort", "kill", "unload"]
+WAYS = ["abort", "kill", "unload", "hold"]
 # what record.hal and mill.hal wire of the component: loaded again, it has new pins
 WIRES = [
     ("x-fb", "x.pos-fb"), ("y-fb", "y.pos-fb"), ("z-fb", "z.pos-fb"), ("angle", "spindle.0.revs"),
@@ -138,22 +138,26 @@ def off_helix(rows):
 def stopped(mill, way, after):
     """A tap that is stopped so, that long after it began; what its control has said."""
     script = f"{BEGIN}load {mill.program}\nstart\n"
+    in_work = f"{script}wait tool in work within 60 s\nwait {0.4 + after:.3f} s\n"
     if way == "abort":
-        script += f"wait tool in work within 60 s\nwait {0.4 + after:.3f} s\nstop\nwait held within 20 s\n"
-        control = mill.control(script + "wait 2 s\nretract\nwait tool out within 60 s\nwait standstill within 60 s\npower off\n")
+        ends = "wait 2 s\nretract\nwait tool out within 60 s\nwait standstill within 60 s\npower off\n"
+        control = mill.control(in_work + "stop\nwait held within 20 s\n" + ends)
+    elif way == "hold":
+        ends = "wait 1 s\nresume\nwait completed within 60 s\nwait standstill within 20 s\npower off\n"
+        control = mill.control(in_work + "hold\nwait held within 20 s\n" + ends)
     else:
         control = mill.control(script + "wait completed within 20 s\n")
     if not until(lambda: signal_of("z-fb") < SURFACE - LEAD, 60):
         control.kill()
         return NOT_BEGUN + control.communicate()[0]
-    if way != "abort":
+    if way == "kill":
         time.sleep(after)
-        if way == "kill":
-            control.send_signal(signal.SIGKILL)
-        else:
-            hal("unloadrt", "leadscrew")
-            comes_to_rest()
-            control.send_signal(signal.SIGTERM)  # it has no machine any more
+        control.send_signal(signal.SIGKILL)
+    elif way == "unload":
+        time.sleep(after)
+        hal("unloadrt", "leadscrew")
+        comes_to_rest()
+        control.send_signal(signal.SIGTERM)  # it has no machine any more
     try:
         return control.communicate(timeout=180)[0]
     except subprocess.TimeoutExpired:
@@ -186,6 +190,8 @@ def one(mill, way, after):
         mill.load_again()
     if "the tap is out of its hole" in said:
         return error, depth, "retracted", "", said
+    if way == "hold" and "PROGRAM_COMPLETED" in said:
+        return error, depth, "gone on with", "", said
     found = mill.led("recover\nwait tool out within 120 s\npower off\n")
     error = max(error, off_helix(mill.taken()) or 0.0)
     is_out = signal_of("z-fb") > SURFACE
@@ -208,7 +214,10 @@ def main():
         mill = Mill(leadscrew, machine, samples, folder)
         for number in range(count):
             way = WAYS[number % len(WAYS)]
-            error, depth, what, why, said = one(mill, way, chance.uniform(0.0, 2.2))
+            for _ in range(3):
+                error, depth, what, why, said = one(mill, way, chance.uniform(0.0, 2.2))
+                if what != "not begun":
+                    break
             where = f"{depth:6.3f} mm deep" if depth > LEAD else "out of its hole"
             print(f"{number + 1:3} {way:6}: {where}, {error * 1e3:.1f} um off the helix at most, {what}{why and ': ' + why}", flush=True)
             tally[way, what] = tally.get((way, what), 0) + 1

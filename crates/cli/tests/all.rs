@@ -30,6 +30,7 @@ mod lsp;
 mod lsp_writing;
 mod milled_alike;
 mod moving;
+mod paces;
 mod polygon;
 mod polygon_claims;
 mod polygon_refused;

@@ -4,10 +4,12 @@ use control::job::ProgramOptions;
 use control::operation::hosted::{Client, HostOptions, Hosted, Picture, RefusalKind};
 use control::operation::{Jog, Request};
 use control::{Control, ControlOptions, RealTimeOptions};
+use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
+use test_support::size;
 use units::Coordinate;
 
 /// Machine time passes so much faster than on the wall.
@@ -170,17 +172,19 @@ fn periods_until_it_acts(
     disk: &SlowDisk,
     stop: Request,
     real_time: bool,
+    clients: usize,
 ) -> usize {
     let begins = x(&client.latest());
+    let way = if begins > -250.0 { -60.0 } else { 60.0 };
     let moves = match stop {
-        Request::JogStop => Request::Jog(Axis::X, Jog::Increment(Coordinate::new(-60.0))),
-        _ => Request::ManualDataInput("G21 G91 G1 F1200 X-60".into()),
+        Request::JogStop => Request::Jog(Axis::X, Jog::Increment(Coordinate::new(way))),
+        _ => Request::ManualDataInput(format!("G21 G91 G1 F1200 X{way}")),
     };
     // what was stopped before has to stand
     until(client, "a move is accepted", |_| client.request(moves.clone()).is_ok());
     until(client, "it moves", |picture| (x(picture) - begins).abs() > 3.0);
     disk.is_slow(true);
-    let flood = Flood::of(client, 20);
+    let flood = Flood::of(client, clients);
     let asks = client.clone();
     let count = client.with(move |control| {
         // what its encoder reads, period by period: setpoints of the servo thread may be newer
@@ -225,18 +229,56 @@ fn a_stop_acts_within_three_periods_while_the_queue_is_full_and_the_disk_hangs()
     for stop in STOPS {
         // an axis that is jogged lets go of its speed with the jerk of its feed: a micrometre later
         let most = if stop == Request::JogStop { 15 } else { 3 };
-        let count = periods_until_it_acts(&client, &disk, stop.clone(), false);
+        let count = periods_until_it_acts(&client, &disk, stop.clone(), false, 20);
         assert!(count <= most, "{stop:?}: {count} periods");
+    }
+}
+
+/// A thread that writes logs of 64 MB, and puts each on the disk, until the answer is dropped.
+struct Logs(Arc<AtomicBool>, Option<std::thread::JoinHandle<u64>>);
+
+impl Logs {
+    fn begin() -> Self {
+        let is_over = Arc::<AtomicBool>::default();
+        let ends = Arc::clone(&is_over);
+        let write = move || {
+            let (folder, part) = (tempfile::tempdir().unwrap(), vec![b'.'; 1 << 20]);
+            let mut mb = 0;
+            while !ends.load(Ordering::Relaxed) {
+                let mut file = std::fs::File::create(folder.path().join("log")).unwrap();
+                for _ in 0..64 {
+                    file.write_all(&part).unwrap();
+                    mb += 1;
+                }
+                file.sync_all().unwrap();
+            }
+            mb
+        };
+        Self(is_over, Some(std::thread::spawn(write)))
+    }
+
+    /// MB that were written.
+    fn end(mut self) -> u64 {
+        self.0.store(true, Ordering::Relaxed);
+        self.1.take().unwrap().join().unwrap()
     }
 }
 
 /// 3 periods and 5 ms, as the encoder shows it: 5 µm behind where the axis would have been.
 #[test]
-fn in_real_time_a_stop_acts_within_milliseconds_while_the_control_does_something_else() {
+fn in_real_time_a_stop_acts_within_milliseconds_whatever_the_control_and_others_do() {
     let (_state, _hosted, client, disk) = homed(true);
     let _let_go = LetGo(disk.clone());
+    let (rounds, logs): (usize, _) = (size::of(1, 50), Logs::begin());
     for stop in STOPS {
-        let count = periods_until_it_acts(&client, &disk, stop.clone(), true);
-        assert!(count <= 23, "{stop:?}: {count} periods");
+        let once = || periods_until_it_acts(&client, &disk, stop.clone(), true, 100);
+        // a chain that is open is closed by a person: once
+        let count = if stop == Request::EmergencyStop(true) { 1 } else { rounds };
+        let mut counts: Vec<_> = (0..count).map(|_| once()).collect();
+        counts.sort_unstable();
+        let late = counts[(count * 99).div_ceil(100) - 1];
+        println!("{stop:?}: {late} periods of {count} ({} at most)", counts[count - 1]);
+        assert!(late <= 23, "{stop:?}: {counts:?} periods");
     }
+    println!("{} MB of logs were written meanwhile", logs.end());
 }

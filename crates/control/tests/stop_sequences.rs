@@ -12,7 +12,7 @@ use units::Time;
 const COMES_TO_REST: Time = Time::s(30.0);
 
 /// What is cut: a machine, a program, and the line in which the tool is tied to a spindle.
-const CUTS: [(&str, &str, &str, u32); 6] = [
+const CUTS: [(&str, &str, &str, u32); 9] = [
     (
         "tap",
         "tapping-center",
@@ -43,8 +43,28 @@ const CUTS: [(&str, &str, &str, u32); 6] = [
         "G21 G90 G94 G54\nT1 M6\nG43 H1\nS1000 M3\nG0 X0 Y0 Z30\nG1 F1200 X100\nX0\nM30\n",
         6,
     ),
+    (
+        "gear",
+        "gear-hobber",
+        "(GEAR WIDTH 20)\nG21 G90 G94 G17\nT23 M6\nG43 H23\nG0 X110 Y0 Z5\nM3 S300\nG81 T40 L1 Q2 P20\nG0 X75.067\nG1 Z-25 F15\nG0 X110\nG80\nM5\nG0 Z100\nM30\n",
+        9,
+    ),
+    (
+        "polygon",
+        "polygon-lathe",
+        "G21 G90 G94 G17\nT21 M6\nG43 H21\nG0 X75 Y0 Z5\nM3 S500\nG51.2 P1 Q2 R0 D0\nG0 X58.5 Z2\nG1 Z-20 F50\nG0 X75\nG50.2\nM5\nG0 Z100\nM30\n",
+        8,
+    ),
+    (
+        "cam",
+        "cam-grinder",
+        "G21 G90 G54\nG0 X248 Z-20\nG151 P1237\nG152\nG153\nG154 S60 P2\nG155\nG151 P1237 R0\nG150\nG154 X-0.1 F0.05 S60\nG154 P3\nG151 P0\nM30\n",
+        10,
+    ),
     ("rapid", "tapping-center", "G21 G90 G94 G54\nG0 X0 Y0 Z30\nG0 X180\nG0 X0\nM30\n", 3),
 ];
+
+const CAMS: &str = include_str!("../../../programs/cams.toml");
 
 /// What is asked for, one after the other.
 const SEQUENCES: [(&str, &[Request]); 8] = [
@@ -72,6 +92,8 @@ fn under_way(folder: &Path, (_, machine, text, line): &(&str, &str, &str, u32)) 
     let mut control = homed(machine);
     let path = folder.join("cut.ngc");
     std::fs::write(&path, text).unwrap();
+    // the library of cams lies beside its program
+    std::fs::write(folder.join("cams.toml"), CAMS).unwrap();
     control.request(&Request::Load(path)).unwrap();
     control.request(&Request::Start).unwrap();
     until(&mut control, "the cut", |control| control.line() == *line);
