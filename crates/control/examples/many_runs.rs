@@ -1,12 +1,16 @@
-//! Memory of a control that runs programs one after another: `cargo run -p control --release
-//! --example many_runs -- 2000`.
+//! Memory and open files of a control that runs programs one after another, and is asked for much
+//! between and within them: `cargo run -p control --release --example many_runs -- 2000`.
 //!
-//! It runs a program of 36 holes on one workpiece, and writes the resident memory of the process
-//! after so many runs.
+//! It runs a program of 36 holes on one workpiece, a minute of machine time. In each run the
+//! feed is held and gone on with, and changed; between two of them an axis is jogged, a block
+//! executed, an offset set, a tool limited. Written are machine time, requests, resident memory and
+//! open files of the process after so many runs.
+use canon::Axis;
 use control::job::ProgramOptions;
-use control::operation::{Execution, Request};
+use control::operation::{Execution, Jog, Request};
 use control::{Control, ControlOptions};
 use std::fmt::Write as _;
+use units::{Coordinate, Time};
 
 /// Resident memory, MB.
 fn resident_mb() -> f64 {
@@ -15,10 +19,15 @@ fn resident_mb() -> f64 {
     pages.unwrap_or(0.0) * 4096e-6
 }
 
+/// Open files.
+fn descriptors() -> usize {
+    std::fs::read_dir("/proc/self/fd").map_or(0, Iterator::count)
+}
+
 /// Holes in a grid, shallow so that they take little machine time.
 fn program() -> String {
     let mut text =
-        "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X0 Y0 Z5\nG99 G81 X0 Y0 Z-3 R1 F900\n"
+        "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X0 Y0 Z5\nG99 G81 X0 Y0 Z-3 R1 F200\n"
             .to_owned();
     for hole in 1..36 {
         // writing to a String cannot fail
@@ -35,6 +44,40 @@ fn until(control: &mut Control, is_so: impl Fn(&Control) -> bool) {
     }
 }
 
+fn ask(control: &mut Control, request: &Request) -> Result<(), String> {
+    control.request(request).map(drop).map_err(|why| format!("{request:?}: {why}"))
+}
+
+/// Runs the program, with a hold on the way; how much was asked for.
+fn cut(control: &mut Control, run: u32) -> Result<u32, String> {
+    ask(control, &Request::FeedOverride(0.5 + f64::from(run % 8) * 0.1))?;
+    ask(control, &Request::Start)?;
+    let hold = control.now() + Time::s(1.0 + f64::from(run % 200) * 0.1);
+    until(control, |control| control.now() >= hold);
+    ask(control, &Request::FeedHold)?;
+    let go_on = control.now() + Time::s(0.5);
+    until(control, |control| control.now() >= go_on);
+    // a run that waits for its spindle or its tool has nothing to hold
+    let resumed = control.execution() == Execution::FeedHold;
+    if resumed {
+        ask(control, &Request::Resume)?;
+    }
+    until(control, |control| control.execution() == Execution::ProgramCompleted);
+    Ok(3 + u32::from(resumed))
+}
+
+/// What is asked for between two runs; how much.
+fn between(control: &mut Control, run: u32) -> Result<u32, String> {
+    let step = if run % 2 == 0 { 3.0 } else { -3.0 };
+    ask(control, &Request::Jog(Axis::X, Jog::Increment(Coordinate::new(step))))?;
+    until(control, |control| !control.is_moving_manually() && control.is_at_standstill());
+    ask(control, &Request::ManualDataInput("G53 G0 Z0".into()))?;
+    until(control, |control| !control.execution().is_under_way());
+    ask(control, &Request::SetWorkOffset(2, Axis::X, Coordinate::new(-f64::from(run % 100))))?;
+    ask(control, &Request::LimitTool(2, Some(1_000_000 + run)))?;
+    Ok(4)
+}
+
 fn main() -> Result<(), String> {
     let runs: u32 = std::env::args().nth(1).and_then(|runs| runs.parse().ok()).unwrap_or(20);
     let home = std::env::temp_dir().join(format!("leadscrew-many-runs-{}", std::process::id()));
@@ -46,23 +89,22 @@ fn main() -> Result<(), String> {
         ..ControlOptions::simulated(ProgramOptions::from("tapping-center"))
     };
     let mut control = Control::new(options).map_err(|why| why.to_string())?;
-    let ask = |control: &mut Control, request: &Request| {
-        control.request(request).map(drop).map_err(|why| why.to_string())
-    };
     ask(&mut control, &Request::Power(true))?;
     until(&mut control, Control::is_ready);
     ask(&mut control, &Request::Home(None))?;
     until(&mut control, |control| control.is_homed_all() && control.is_at_standstill());
     ask(&mut control, &Request::Load(path))?;
-    println!("{:>6} runs {:>8} features {:>7} listed {:>7} MB", 0, 0, 0, resident_mb().round());
+    let mut requests = 3;
     for run in 1..=runs {
-        ask(&mut control, &Request::Start)?;
-        until(&mut control, |control| control.execution() == Execution::ProgramCompleted);
+        requests += cut(&mut control, run)? + between(&mut control, run)?;
         if run == 1 || run % (runs / 10).max(1) == 0 {
             let status = control.status();
             let count = status.features.good + status.features.failed + status.features.not_judged;
-            let (listed, mb) = (control.features().len(), resident_mb());
-            println!("{run:>6} runs {count:>8} features {listed:>7} listed {mb:>7.1} MB");
+            let hours = control.now().value() / 3600.0;
+            let (listed, mb, open) = (control.features().len(), resident_mb(), descriptors());
+            println!(
+                "{run:>6} runs {hours:>6.2} h {requests:>7} requests {count:>8} features {listed:>7} listed {mb:>7.1} MB {open:>4} open"
+            );
         }
     }
     drop(control);

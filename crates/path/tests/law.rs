@@ -366,8 +366,60 @@ fn any_joined() -> impl Strategy<Value = Vec<Piece>> {
     )
 }
 
+/// Limits of which some axes have one of jerk, from far below to far above what the others can.
+fn mixed_bounds() -> impl Strategy<Value = Bounds> {
+    let decades = |from: f64, to: f64| (from..to).prop_map(|exponent| 10.0_f64.powf(exponent));
+    let jerk = prop_oneof![Just(f64::INFINITY), decades(3.0, 5.0), decades(1.0, 9.0)];
+    let axis = (decades(0.5, 3.3), decades(1.0, 5.0), jerk);
+    prop::array::uniform3(axis).prop_map(|axes| {
+        let mut b = bounds(100.0, 1000.0, f64::INFINITY);
+        for (k, (speed, accel, jerk)) in axes.into_iter().enumerate() {
+            (b.speed[k], b.accel[k], b.jerk[k]) = (speed, accel, jerk);
+        }
+        b
+    })
+}
+
+/// Moves, some of which leave an axis where it is, joined within a tolerance for these limits.
+fn mixed() -> impl Strategy<Value = (Vec<Piece>, Bounds)> {
+    let coordinate = prop_oneof![3 => -10.0..10.0_f64, 1 => Just(0.0), 1 => -0.1..0.1_f64];
+    let step = (prop::array::uniform3(coordinate), 0.5..200.0_f64, any::<bool>());
+    let tolerance = prop_oneof![Just(0.0), 1e-4..0.1_f64];
+    (prop::collection::vec(step, 1..12), tolerance, mixed_bounds()).prop_map(
+        |(steps, tolerance, b)| {
+            let limits = config(b).limits;
+            let (mut joiner, mut pieces) = (Joiner::new(&limits), Vec::new());
+            let mut at = [0.0; 3];
+            for (step, feed, rapid) in steps {
+                let to = core::array::from_fn(|k| at[k] + step[k]);
+                if to == at {
+                    continue;
+                }
+                let curve = line(at, to, feed, Entry::Rest).curve;
+                let segment =
+                    Segment { curve, feed, rapid, tolerance, merge: 0.0, op: 0, line: 0 };
+                joiner.push(segment, &mut |piece| pieces.push(piece));
+                at = to;
+            }
+            joiner.finish(&mut |piece| pieces.push(piece));
+            (pieces, b)
+        },
+    )
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(size::of(48, 960)))]
+
+    #[test]
+    fn whatever_the_limits_of_each_axis_a_plan_takes_little_and_keeps_them((pieces, b) in mixed()) {
+        prop_assume!(!pieces.is_empty());
+        let phases = timed(&pieces, &config(b));
+        let most = 20_000.0 + 8.0 * duration(&phases) / PERIOD;
+        prop_assert!((phases.len() as f64) < most, "{} phases of {most}", phases.len());
+        joined(&pieces, &phases);
+        let [speed, accel, jerk] = loads(&setpoints(&pieces, &phases), &b);
+        prop_assert!(speed < 1.02 && accel < 1.02 && jerk < 1.1, "{speed} {accel} {jerk}");
+    }
 
     #[test]
     fn on_blended_paths_no_axis_exceeds_its_speed_and_acceleration(

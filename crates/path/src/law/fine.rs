@@ -142,6 +142,22 @@ pub(super) fn growth(cell: &Cell) -> f64 {
     GROWTH * libm::sqrt(jerk_along(cell))
 }
 
+/// The same as steps of τ show it: a jerk that reaches the acceleration within one of them is no
+/// more to them than that.
+pub(super) fn growth_in_steps(cell: &Cell, tau: f64) -> f64 {
+    let jerk = jerk_along(cell);
+    if jerk.is_infinite() {
+        return f64::INFINITY;
+    }
+    let accel = match &cell.demand {
+        Demand::Line { accel, .. } => *accel,
+        Demand::Curve(rows) => {
+            rows.all().iter().fold(f64::INFINITY, |m: f64, row| m.min(1.0 / row.a1.abs()))
+        }
+    };
+    GROWTH * libm::sqrt(jerk.min(accel / tau))
+}
+
 /// The demands at a share of a cell.
 pub(super) fn each(rows: &Rows, x: f64, mut give: impl FnMut(LimitRow)) {
     let (p, q, f) = if x < 0.5 {

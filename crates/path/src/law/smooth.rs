@@ -20,7 +20,7 @@ mod bounds;
 
 use super::State;
 use super::cell::{Cell, Demand, LimitRow};
-use super::fine::{Fine, JERK_SHARE, growth, jerk_along};
+use super::fine::{Fine, JERK_SHARE, growth, growth_in_steps, jerk_along};
 use super::guess::Guess;
 use super::interior::{Chain, FIRST, GAP};
 use super::level::{Level, levels};
@@ -52,6 +52,12 @@ const ENOUGH: f64 = 1.03;
 
 /// Longest cell near rest, as a share of the distance from rest.
 const NEAR_REST: f64 = 0.4;
+
+/// Shortest step as a share of its run, and most knots of a grid; what needs more is planned in
+/// halves, and at last with steps of this share.
+const FINEST: f64 = 1e-7;
+const MOST_KNOTS: usize = 1 << 17;
+const COARSEST: f64 = 1.0 / 64.0;
 
 /// Reusable memory of the planner.
 #[derive(Clone, Debug, Default)]
@@ -92,7 +98,10 @@ impl Smooth {
     pub(super) fn plan(&mut self, cells: &[&Cell], fast: &[f64], from: From, tau: f64) -> bool {
         self.speeds(cells, fast, from);
         runs(cells, tau, &mut self.runs);
-        self.lay(cells, from, tau);
+        if !self.lay(cells, from, tau, FINEST) {
+            self.lay(cells, from, tau, COARSEST);
+            return false;
+        }
         STARTS.iter().any(|(near, first)| {
             self.near = near * tau;
             for fine in &mut self.grid {
@@ -200,8 +209,8 @@ impl Smooth {
         (self.w[i] + k * x).min(self.w[end] + k * (run.h - x)).min(cap)
     }
 
-    /// Lay the knots.
-    fn lay(&mut self, cells: &[&Cell], from: From, tau: f64) {
+    /// Lay the knots, with steps of this share of a run at least; `false`: these are too many.
+    fn lay(&mut self, cells: &[&Cell], from: From, tau: f64, finest: f64) -> bool {
         self.grid.clear();
         levels(cells, &self.runs, &self.w, &mut self.levels);
         let last = self.runs.len() - 1;
@@ -229,13 +238,16 @@ impl Smooth {
                 }
                 From::Rest | From::Moving(..) => {}
             }
-            let k = growth(cell);
+            let k = growth_in_steps(cell, tau);
             let level = self.levels[number];
             while x < end {
+                if self.grid.len() > MOST_KNOTS {
+                    return false;
+                }
                 let step = |w: f64| {
                     let v = libm::cbrt(w * w);
                     let near = if k.is_finite() { NEAR_REST * w / k } else { f64::INFINITY };
-                    (tau * v).min(near).max(1e-7 * run.h)
+                    (tau * v).min(near).max(finest * run.h)
                 };
                 let w = self.w_at(cells, run, x);
                 let mut h = step(w).min(end - x);
@@ -255,6 +267,7 @@ impl Smooth {
                 self.grid.push(Fine::new(i, end, run.h - end));
             }
         }
+        true
     }
 
     /// Write the problem down.
