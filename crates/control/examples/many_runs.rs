@@ -68,7 +68,7 @@ fn cut(control: &mut Control, run: u32) -> Result<u32, String> {
 
 /// What is asked for between two runs; how much.
 fn between(control: &mut Control, run: u32) -> Result<u32, String> {
-    let step = if run % 2 == 0 { 3.0 } else { -3.0 };
+    let step = if run.is_multiple_of(2) { 3.0 } else { -3.0 };
     ask(control, &Request::Jog(Axis::X, Jog::Increment(Coordinate::new(step))))?;
     until(control, |control| !control.is_moving_manually() && control.is_at_standstill());
     ask(control, &Request::ManualDataInput("G53 G0 Z0".into()))?;

@@ -73,6 +73,6 @@ pub use operations::ops::{
 pub use operations::pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use resolve::Resolver;
 pub use setup::{
-    Aside, Chips, CodeAction, Cycles, Increments, Leaves, Limits, MAX_PARAMETER, MachineCode,
-    MacroCall, MissingTools, Parameters, Setup, Subprogram,
+    Aside, BreakOff, Chips, CodeAction, Cycles, Increments, Leaves, Limits, MAX_PARAMETER,
+    MachineCode, MacroCall, MissingTools, Parameters, Setup, Subprogram,
 };

@@ -2,6 +2,8 @@
 use crate::dialect::{DepthFrom, Dialect};
 use canon::{Position, ToolLibrary};
 use std::collections::BTreeSet;
+use std::fmt;
+use std::sync::Arc;
 
 /// What a machine has set for its drilling and tapping cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,6 +100,30 @@ pub struct Setup {
     pub fastest_spindle: Option<units::Spin>,
     /// What stops a program that does not stop by itself.
     pub limits: Limits,
+    /// Who is asked whether it is still wanted.
+    pub break_off: BreakOff,
+}
+
+/// Asked now and then while a program is executed: whether to break off.
+#[derive(Clone, Default)]
+pub struct BreakOff(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
+
+impl BreakOff {
+    /// `came` is asked in the thread that executes.
+    pub fn by(came: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(came)))
+    }
+
+    /// Whether to break off.
+    pub fn came(&self) -> bool {
+        self.0.as_ref().is_some_and(|came| came())
+    }
+}
+
+impl fmt::Debug for BreakOff {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("BreakOff").finish_non_exhaustive()
+    }
 }
 
 /// Fanuc's increment systems: the smallest length, angle and time that a program can write.
@@ -181,7 +207,8 @@ pub struct Limits {
     pub calls: usize,
     /// Blocks executed.
     pub blocks: u64,
-    /// Blocks executed since the machine has last moved or waited, where the program jumps back.
+    /// Blocks executed since the machine has last moved or waited, where the program jumps back; each
+    /// 64 bytes of a block count as one more.
     pub idle_blocks: u64,
     /// Errors after which reading on is of no use.
     pub errors: usize,

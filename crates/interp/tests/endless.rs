@@ -117,6 +117,17 @@ fn a_loop_that_only_counts_is_refused_where_it_leads_back() {
     for (program, line) in idle {
         assert_eq!(stopped(program, 5000), [format!("I0803@{line}")], "{program}");
     }
+    // a block that takes long counts for more than one, and nobody waits for what is not wanted
+    let sines = format!("#1=[#1+1{}]\n", "+sin[#1]".repeat(100)).repeat(10);
+    let long = format!("o1 do\n{sines}o1 while [1]\nM2\n");
+    assert_eq!(stopped(&long, 500_000), ["I0803@12"]);
+    let asked = std::sync::Arc::new(std::sync::atomic::AtomicU32::new(0));
+    let asks = std::sync::Arc::clone(&asked);
+    let came = move || asks.fetch_add(1, std::sync::atomic::Ordering::Relaxed) == 3;
+    let setup = Setup { break_off: interp::BreakOff::by(came), ..Setup::default() };
+    let mut ops = Ops::new(long.as_bytes(), &setup);
+    ops.by_ref().for_each(drop);
+    assert_eq!((ops.diagnostics().len(), asked.load(std::sync::atomic::Ordering::Relaxed)), (0, 4));
     let busy = [
         "o1 while [#1 LT 3000]\n#1=[#1+1]\nG0 X[#1]\no1 endwhile\nM2\n",
         "o1 while [#1 LT 3000]\n#1=[#1+1]\nG4 P0.1\no1 endwhile\nM2\n",

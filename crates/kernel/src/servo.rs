@@ -90,8 +90,8 @@ pub(crate) struct Input {
     pub(crate) growth: f64,
     /// Effort that is known to be needed.
     pub(crate) feed_forward: f64,
-    /// Most effort the drive can give.
-    pub(crate) limit: f64,
+    /// Least and most effort that the drive may give.
+    pub(crate) limits: (f64, f64),
     /// The position loop is closed.
     pub(crate) position: bool,
 }
@@ -130,9 +130,11 @@ impl Servo {
         let speed_error = error + self.tracker.rate() + on_its_way;
         let integral = self.integral + self.ki_h * speed_error;
         let wanted = input.feed_forward + self.kv * speed_error + integral;
-        let effort = wanted.clamp(-input.limit, input.limit);
-        if effort == wanted || wanted * speed_error < 0.0 {
-            self.integral = integral.clamp(-input.limit, input.limit);
+        let (least, most) = input.limits;
+        let effort = wanted.clamp(least, most);
+        if effort == wanted || (wanted - effort) * speed_error < 0.0 {
+            let limit = most.max(-least);
+            self.integral = integral.clamp(-limit, limit);
         }
         // an effort beyond what the setpoint needs lessens the following error
         self.drive.order(input.feed_forward - effort);
@@ -304,7 +306,7 @@ mod tests {
                     error,
                     growth: error - before - (1.0 - share) * speed * H,
                     feed_forward: 0.0,
-                    limit: 1e6,
+                    limits: (-1e6, 1e6),
                     position: true,
                 };
                 before = error;
@@ -363,8 +365,13 @@ mod tests {
     #[test]
     fn a_saturated_output_does_not_wind_up() {
         let mut servo = Servo::new(GAINS);
-        let input =
-            Input { error: 10.0, growth: 0.0, feed_forward: 0.0, limit: 100.0, position: true };
+        let input = Input {
+            error: 10.0,
+            growth: 0.0,
+            feed_forward: 0.0,
+            limits: (-100.0, 100.0),
+            position: true,
+        };
         for _ in 0..10_000 {
             assert_eq!(servo.update(input), 100.0);
         }
@@ -388,7 +395,7 @@ mod tests {
                 error: xc - read,
                 growth: place - before,
                 feed_forward: 0.0,
-                limit: 1e6,
+                limits: (-1e6, 1e6),
                 position: true,
             };
             before = place;

@@ -442,7 +442,7 @@ impl SpindleLoop {
                     error: self.error,
                     growth: if regained { 0.0 } else { growth },
                     feed_forward,
-                    limit,
+                    limits: (-limit, limit),
                     position: by_angle,
                 })
             }

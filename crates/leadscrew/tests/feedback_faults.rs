@@ -675,6 +675,47 @@ fn the_plate_at_6000_rpm_loses_no_tap_to_five_milliseconds_whatever_the_seed() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
+/// An axis that stands while nothing is asked of it, and whose reading never changes again: a loop
+/// that gathered the error it sees would push it off after seconds.
+#[test]
+fn an_axis_that_stands_for_long_on_an_encoder_that_is_stuck_stays_where_it_is() {
+    const ALL: [&str; 4] = ["tapping-center", "vfd-mill", "tapping-center-scale", "mill-5-axis"];
+    let is_full = test_support::size::is_full();
+    let seeds = if is_full { 20 } else { 3 };
+    let text = if is_full {
+        "G21 G90 G54\nG0 X0 Y0 Z50\nG4 P300\nM2\n"
+    } else {
+        "G21 G90 G54\nG0 X0 Y0 Z50\nG4 P30\nM2\n"
+    };
+    let mut failed = Vec::new();
+    for machine in &ALL[..if is_full { 4 } else { 2 }] {
+        let axes: &'static [&'static str] = &["X", "Y", "Z"];
+        let activity = Activity {
+            name: "stands",
+            machine,
+            text,
+            within: MOVES,
+            axes,
+            tied: &[],
+            infeed: None,
+        };
+        for seed in 1..=seeds {
+            let axis = seed as usize % axes.len();
+            let at = 3.0 + 0.37 * seed as f64;
+            let fault = format!("stuck {} at {at}s", axes[axis]);
+            let (_, samples) = run(&activity, seed, vec![fault.clone()], at);
+            let places = samples.iter().map(|sample| place(sample, axis));
+            let (from, to) = places
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), x| (from.min(x), to.max(x)));
+            println!("{machine}, seed {seed}, {fault}: {:.1} µm", 1e3 * (to - from));
+            if to - from > 0.05 {
+                failed.push(format!("{machine}, seed {seed}, {fault}: {:.3} mm", to - from));
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
 #[test]
 #[ignore = "one case: FAULT, ACTIVITY, SEED"]
 fn one_case() {

@@ -323,6 +323,9 @@ fn read(
             return Preflight { findings: vec![Interruption::finding()], planned: None };
         }
     }
+    if session.interruption.came() {
+        return Preflight { findings: vec![Interruption::finding()], planned: None };
+    }
     planner.finish(look);
     findings.extend(ops.findings());
     findings.extend(planner.take_findings());

@@ -235,7 +235,9 @@ impl Session {
         if let Some((place, _)) = self.standing {
             start = place;
         }
+        let interruption = self.interruption.clone();
         interp::Setup {
+            break_off: interp::BreakOff::by(move || interruption.came()),
             dialect: self.dialect,
             block_delete: self.block_skip.contains(&1),
             block_delete_levels: self.block_skip.iter().fold(0, |mask, level| mask | 1 << level),

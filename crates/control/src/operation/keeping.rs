@@ -2,6 +2,7 @@
 use super::control::Control;
 use super::event::{Alarm, Event};
 use super::kept::kept_parameters;
+use super::offsets;
 use super::ranges;
 use super::request::{Accepted, Refusal};
 use super::writer::{Key, Ticket};
@@ -336,16 +337,30 @@ pub(super) fn take_left(control: &mut Control, left: Left) {
     let before = core::mem::replace(&mut control.data.parameters, left.parameters);
     control.data.leave(left.rest);
     hold_to_ranges(control, &before);
+    let mut wrong = Vec::new();
     for (mut tool, entry) in left.tools {
         // an entry that the program has not changed is the table's: geometry and wear together
-        let changed = |is: f64, was: f64| (is - was).abs() > 1e-9;
-        if changed(entry.offset[2], tool.worn_length().value()) {
+        let changed = |is: f64, was: f64| !((is - was).abs() <= 1e-9);
+        let number = tool.number;
+        let mut takes = |what: &str, is: f64, was: f64, from: f64| {
+            let takes = changed(is, was);
+            let why = takes.then(|| offsets::check_measure(what, number, is, from)).flatten();
+            let is_right = why.is_none();
+            wrong.extend(why.map(|why| format!("a program has set it: {why}; it stays at {was}")));
+            takes && is_right
+        };
+        let worn = (tool.worn_length().value(), tool.worn_diameter().value());
+        if takes("length", entry.offset[2], worn.0, -offsets::LONGEST) {
             tool.length = Length::mm(entry.offset[2]) - tool.wear.length;
         }
-        if changed(entry.diameter, tool.worn_diameter().value()) {
+        if takes("diameter", entry.diameter, worn.1, 0.0) {
             tool.diameter = Length::mm(entry.diameter) - tool.wear.radius * 2.0;
         }
         control.data.tools.insert(tool);
+    }
+    if !wrong.is_empty() {
+        wrong.into_iter().for_each(|why| control.events.notice(why));
+        control.forget_modes(); // they know the tool that is not taken
     }
 }
 

@@ -15,6 +15,13 @@ pub(super) const LONGEST: f64 = 2000.0;
 /// What a tool may wear, mm: what is more is a slip of the pen.
 const MOST_WEAR: f64 = 10.0;
 
+/// Says what is wrong with a length or a diameter, mm, that a program has given a tool.
+pub(super) fn check_measure(what: &str, tool: u32, value: f64, from: f64) -> Option<String> {
+    (!(from..=LONGEST).contains(&value)).then(|| {
+        format!("the {what} of T{tool} is from {from:.0} to {LONGEST:.0} mm, found {value}")
+    })
+}
+
 impl Control {
     /// The number of the work offset in force, 1 for G54.
     pub(super) fn work_offset(&self) -> u8 {

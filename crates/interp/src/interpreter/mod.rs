@@ -109,7 +109,7 @@ impl<'s> Interpreter<'s> {
 
     /// The machine moves or waits by the block executed last.
     pub(crate) const fn is_busy(&mut self) {
-        self.program.busy = self.program.executed;
+        self.program.is_busy();
     }
 
     /// Execute to the end.

@@ -15,7 +15,7 @@ use crate::{
     execute::{begin, refused},
     fault::{Outcome, error, unknown::Unknown},
     program::{outline::At, reread::Reread},
-    setup::{Limits, Setup},
+    setup::{BreakOff, Limits, Setup},
     state::executor::Executor,
 };
 use diag::{Diagnostic, Span};
@@ -47,8 +47,12 @@ pub(crate) struct Program<'s> {
     pub(crate) executed: u64,
     /// The block after which it is stopped.
     pub(crate) last: u64,
-    /// The block by which the machine moves, or waits, that came last.
-    pub(crate) busy: u64,
+    /// What executing has cost, and what it had cost when the machine moved or waited last.
+    work: u64,
+    busy: u64,
+    /// Who is asked whether the program is still wanted, and at what cost next.
+    break_off: BreakOff,
+    asks_at: u64,
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) seen: HashSet<(&'static str, Span)>,
     pub(crate) errors: usize,
@@ -62,6 +66,12 @@ pub(crate) struct Program<'s> {
     /// The block at hand has led back in its file.
     pub(crate) jumped_back: bool,
 }
+
+/// Bytes of a block that cost as much to execute as a block does.
+const BYTES: u64 = 64;
+
+/// What may be executed, in blocks, before it is asked whether the program is still wanted.
+const ASKS: u64 = 1 << 16;
 
 impl<'s> Program<'s> {
     /// At its beginning.
@@ -92,7 +102,10 @@ impl<'s> Program<'s> {
             spoke: false,
             executed: 0,
             last: setup.limits.blocks,
+            work: 0,
             busy: 0,
+            break_off: setup.break_off.clone(),
+            asks_at: ASKS,
             diagnostics: Vec::new(),
             seen: HashSet::new(),
             errors: 0,
@@ -116,6 +129,14 @@ impl<'s> Program<'s> {
             return self.end_of_file(out).map(|()| false);
         }
         self.executed += 1;
+        self.work += 1 + self.text_of_block().len() as u64 / BYTES;
+        if self.work >= self.asks_at {
+            self.asks_at = self.work + ASKS;
+            if self.break_off.came() {
+                self.ended = true;
+                return Ok(false);
+            }
+        }
         self.spoke |= self.block.faulty || !(self.block.is_blank() || self.block.percent);
         if self.executed > self.last {
             return self.too_long().map(|()| false);
@@ -231,10 +252,15 @@ impl<'s> Program<'s> {
         Err(error("I0803", self.block.span, text).into())
     }
 
+    /// The machine moves or waits by the block executed last.
+    pub(crate) const fn is_busy(&mut self) {
+        self.busy = self.work;
+    }
+
     /// The block at hand leads back: refused where nothing has moved or waited for too long.
     pub(crate) fn idles(&self) -> Option<Diagnostic> {
         let most = self.limits.idle_blocks;
-        (self.executed - self.busy > most).then(|| {
+        (self.work - self.busy > most).then(|| {
             let text = format!(
                 "this loop has gone on for {most} blocks in which nothing moves or waits: does it end?"
             );

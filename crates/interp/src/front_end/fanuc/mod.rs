@@ -116,9 +116,9 @@ fn execute<S: Sink>(fanuc: &mut Fanuc, it: &mut Program<'_>, out: &mut Out<'_, S
             return Ok(());
         }
     }
-    assign(fanuc, it, out).inspect_err(|_| refused::forget_parameters(&mut it.executor.modes))?;
     it.executor.words.begin(&it.block);
     out.place = it.executor.words.place;
+    assign(fanuc, it, out).inspect_err(|_| refused::forget_parameters(&mut it.executor.modes))?;
     for comment in &it.block.comments {
         let text = it.block.text(comment.text);
         gear_comment(text, comment.span, &mut it.executor.modes, out.remarks);
