@@ -21,10 +21,12 @@ def case(name, machine, options, story, expected, text, words=""):
     CASES.append((name, machine, options, story, expected, words, text))
 
 
-def holes(name, post, story, expected, ops, words="", machine=None, options="", head=None, change=None):
+def holes(name, post, story, expected, ops, words="", machine=None, options="", head=None, change=None, inside_frame=False):
     """A case of drilling, tapping and milling, written by a post."""
     writer = Post(post)
     text = writer.program(ops, name.replace("-", " "), head)
+    if inside_frame:
+        text = text.replace("G90 G54 G00", "G90 G00")
     for old, new in change or []:
         assert old in text, (name, old)
         text = text.replace(old, new, 1)
@@ -182,7 +184,7 @@ M2
 def part_feeds():
     holes("feed-m8-1130", "linuxcnc", "M8 at S900: F1125 rounded up to three digits", "pass", [drill(11, ONE, -24), tap(20, ONE, -18, s=900, f=1130)])
     holes("feed-m8-1120", "haas", "M8 at S900: F1125 rounded to three digits, half to even", "pass", [drill(11, ONE, -24), tap(20, ONE, -18, s=900, f=1120)])
-    holes("feed-m8-1122", "linuxcnc", "M8 at S900 with the feed of S897.6: no rounding of the feed", "refused", [drill(11, ONE, -24), tap(20, ONE, -18, s=900, f=1122)])
+    holes("feed-m8-1122", "linuxcnc", "M8 at S900 with F1122: the lead comes out as 1.25 in three digits", "pass", [drill(11, ONE, -24), tap(20, ONE, -18, s=900, f=1122)])
     holes("feed-m12-753", "fanuc", "M12 at S430: F752.5 rounded", "pass", [drill(12, ONE, -26, s=1200, f=240), tap(21, ONE, -20, s=430, f=753)])
     holes("feed-m12-750", "fanuc", "M12 at S430 with two digits: 0.33 % off", "refused", [drill(12, ONE, -26, s=1200, f=240), tap(21, ONE, -20, s=430, f=750)])
     holes("feed-m5-889", "mitsubishi", "M5 at S1111: F888.8 rounded", "pass", [drill(9, ONE, -15), tap(18, ONE, -11, s=1111, f=889)])
@@ -198,12 +200,12 @@ def part_frames():
     frame = lambda text: raw(text)
     holes("frame-rotated-both", "linuxcnc", "G54 turned by 30 degrees for drill and tap alike", "pass", [frame("G10 L2 P1 R30"), drill(10, PAIR, -20), tap(19, PAIR, -15)])
     holes("frame-rotated-tap", "linuxcnc", "G54 turned by 30 degrees between drill and tap", "no pass", [drill(10, PAIR, -20), frame("G10 L2 P1 R30"), tap(19, PAIR, -15)])
-    holes("frame-g68-quarter", "fanuc", "a square of holes, tapped with G68 R90 about its middle: the same places", "pass", [drill(10, SQUARE, -18), frame("G68 X0. Y0. R90."), tap(19, SQUARE, -14, s=3000), frame("G69")])
-    holes("frame-g68-eighth", "fanuc", "a square of holes, tapped with G68 R45", "no pass", [drill(10, SQUARE, -18), frame("G68 X0. Y0. R45."), tap(19, SQUARE, -14, s=3000), frame("G69")])
-    holes("frame-g68-both", "fanuc", "drilled and tapped in one turned frame", "pass", [frame("G68 X10. Y0. R-25."), drill(10, PAIR, -20), tap(19, PAIR, -15), frame("G69")])
-    holes("frame-mirror-symmetric", "fanuc", "two holes beside X0, tapped mirrored about X0", "pass", [drill(10, PAIR, -20), frame("G51.1 X0."), tap(19, PAIR, -15), frame("G50.1 X0.")])
-    holes("frame-mirror-lopsided", "fanuc", "two holes not even about X0, tapped mirrored", "no pass", [drill(10, [(-10, 5), (14, 5)], -20), frame("G51.1 X0."), tap(19, [(-10, 5), (14, 5)], -15), frame("G50.1 X0.")])
-    holes("frame-mirror-both", "fanuc", "drilled and tapped in one mirrored frame", "pass", [frame("G51.1 X0."), drill(11, [(9, 4)], -24), tap(20, [(9, 4)], -18), frame("G50.1 X0.")])
+    holes("frame-g68-quarter", "fanuc", "a square of holes, tapped with G68 R90 about its middle: the same places", "pass", [drill(10, SQUARE, -18), frame("G68 X0. Y0. R90."), tap(19, SQUARE, -14, s=3000), frame("G69")], inside_frame=True)
+    holes("frame-g68-eighth", "fanuc", "a square of holes, tapped with G68 R45", "no pass", [drill(10, SQUARE, -18), frame("G68 X0. Y0. R45."), tap(19, SQUARE, -14, s=3000), frame("G69")], inside_frame=True)
+    holes("frame-g68-both", "fanuc", "drilled and tapped in one turned frame", "pass", [frame("G68 X10. Y0. R-25."), drill(10, PAIR, -20), tap(19, PAIR, -15), frame("G69")], inside_frame=True)
+    holes("frame-mirror-symmetric", "fanuc", "two holes beside X0, tapped mirrored about X0", "pass", [drill(10, PAIR, -20), frame("G51.1 X0."), tap(19, PAIR, -15), frame("G50.1 X0.")], inside_frame=True)
+    holes("frame-mirror-lopsided", "fanuc", "two holes not even about X0, tapped mirrored", "no pass", [drill(10, [(-10, 5), (14, 5)], -20), frame("G51.1 X0."), tap(19, [(-10, 5), (14, 5)], -15), frame("G50.1 X0.")], inside_frame=True)
+    holes("frame-mirror-both", "fanuc", "drilled and tapped in one mirrored frame", "pass", [frame("G51.1 X0."), drill(11, [(9, 4)], -24), tap(20, [(9, 4)], -18), frame("G50.1 X0.")], inside_frame=True)
     holes("frame-g55-same", "linuxcnc", "tapped in G55, set to the same place", "pass", [frame("G10 L2 P2 X-250 Y-200 Z-300"), drill(10, PAIR, -20), frame("G55"), tap(19, PAIR, -15), frame("G54")])
     holes("frame-g55-shifted", "linuxcnc", "tapped in G55, 0.3 mm beside", "no pass", [frame("G10 L2 P2 X-249.7 Y-200 Z-300"), drill(10, PAIR, -20), frame("G55"), tap(19, PAIR, -15), frame("G54")])
     holes("frame-g55-close", "linuxcnc", "tapped in G55, 0.02 mm beside: a tap finds its hole", "pass", [frame("G10 L2 P2 X-249.98 Y-200 Z-300"), drill(10, PAIR, -20), frame("G55"), tap(19, PAIR, -15), frame("G54")])
@@ -277,7 +279,7 @@ G91 G28 Z0.
 M30
 %
 """)
-    holes("frame-scaled-tap", "fanuc", "G51 P1010 left in force for the tap: 0.5 mm beside", "no pass", [drill(10, [(50, 0)], -20), frame("G51 X0. Y0. Z0. P1010"), tap(19, [(50, 0)], -15), frame("G50")])
+    holes("frame-scaled-tap", "fanuc", "G51 P1010 left in force for the tap: 0.5 mm beside", "no pass", [drill(10, [(50, 0)], -20), frame("G51 X0. Y0. Z0. P1010"), tap(19, [(50, 0)], -15), frame("G50")], inside_frame=True)
     case("frame-incremental", "machining-center", "", "a row of three by G91 and K, drilled and tapped", "pass", """%
 O2304 (ROW)
 G21 G17 G40 G49 G80 G90 G54
@@ -722,11 +724,11 @@ M2
 def part_faults():
     one = [drill(11, ONE, -24), tap(20, ONE, -18, s=3000)]
     whole = "!the tool is broken"
-    holes("fault-dropout", "linuxcnc", "the spindle's encoder silent for 5 ms in the thread; taken out", "no pass", one, options="--fault 'dropout 5ms at depth 8mm' --recover", words=whole)
-    holes("fault-slip", "linuxcnc", "the spindle's encoder slips by 40 degrees; taken out", "no pass", one, options="--fault 'encoder-slip 40deg at depth 8mm' --recover", words=whole)
-    holes("fault-feedback-lost", "fanuc", "half a millisecond without feedback", "no pass", one, options="--fault 'feedback-lost 0.5ms at depth 10mm' --recover", words=whole)
-    holes("fault-power-cut", "haas", "a power cut in the thread, on the way out", "no pass", one, options="--fault 'power-cut at depth 6mm out' --recover", words=whole)
-    holes("fault-fast-dropout", "linuxcnc", "M6 at S6000, encoder silent for 5 ms near the bottom", "no pass", [drill(10, ONE, -24), tap(19, ONE, -18, s=6000)], options="--fault 'dropout 5ms at depth 16mm' --recover", words=whole)
+    holes("fault-dropout", "linuxcnc", "the spindle's encoder silent for 5 ms in the thread; taken out", "no pass", one, options="--fault 'dropout 5ms at 6.5s' --recover", words=whole)
+    holes("fault-slip", "linuxcnc", "the spindle's encoder slips by 40 degrees; taken out", "no pass", one, options="--fault 'encoder-slip 40deg at 6.5s' --recover", words=whole)
+    holes("fault-feedback-lost", "fanuc", "half a millisecond without feedback", "no pass", one, options="--fault 'feedback-lost 0.5ms at 11.25s' --recover", words=whole)
+    holes("fault-power-cut", "haas", "a power cut in the thread, on the way out", "no pass", one, options="--fault 'power-cut at 11.6s' --recover", words=whole)
+    holes("fault-fast-dropout", "linuxcnc", "M6 at S6000, encoder silent for 5 ms near the bottom", "no pass", [drill(10, ONE, -24), tap(19, ONE, -18, s=6000)], options="--fault 'dropout 5ms at 6.68s' --recover", words=whole)
     holes("fault-not-met", "linuxcnc", "a fault ordered at a depth that nothing reaches", "no pass", one, options="--fault 'power-cut at depth 60mm'")
     holes("fault-scale-small", "haas", "a scale error of 20 ppm on Z from 1 s on: a few micrometres", "pass", one, options="--fault 'scale-error Z 20ppm at 1s'")
     holes("fault-scale-large", "linuxcnc", "a scale error of 3000 ppm on X from the start: 0.75 mm beside", "no pass", one, options="--fault 'scale-error X 3000ppm at 0.1s'")
@@ -907,14 +909,14 @@ G0 Z50
     turned("turn-too-deep", "0.15 too deep", "no pass", THREAD.replace("K0.985", "K1.135"))
     turned("turn-offset-0.1", "the drive line a tenth too far out", "no pass", THREAD.replace("X11 ", "X11.1 "))
     turned("turn-offset-0.01", "the drive line a hundredth too far out: within 6g", "pass", THREAD.replace("X11 ", "X11.01 "))
-    turned("turn-left-hand-unasked", "M4 with a right-hand insert: a left-hand thread", "no pass", THREAD.replace("M3", "M4"))
+    turned("turn-left-hand-unasked", "M4 with a right-hand insert: a left-hand thread, said before motion", "pass", THREAD.replace("M3", "M4"), words="give a left-hand thread")
     turned("turn-left-over-right", "a left-hand helix over the finished thread", "no pass", THREAD + THREAD.replace("M3", "M4"))
     turned("turn-in-air", "the insert stays 2 mm beside the bar", "no pass", THREAD.replace("X11 ", "X14 "))
     turned("turn-crest-uncut", "a partial profile on the bar of 20.0: crests above 6g", "no pass", THREAD.replace("T4", "T3").replace("H4", "H3"))
     turned("turn-other-lead-over", "a lead of 2 over the finished 1.5", "no pass", THREAD + THREAD.replace("P1.5", "P2"))
     turned("turn-chain", "two blocks of G33 in one line: one thread", "pass", "T4 M6\nG43 H4\nS900 M3\nG0 X12 Y0 Z6\n" + "".join(
         f"G0 X{x}\nG33 Z-7 K1.5\nG33 Z-16 K1.5\nG0 X12\nG0 Z6\n" for x in ("9.65", "9.38", "9.2", "9.08", "9.015")))
-    turned("turn-chain-two-leads", "a chain whose second block has another lead", "no pass", "T4 M6\nG43 H4\nS900 M3\nG0 X12 Y0 Z6\n" + "".join(
+    turned("turn-chain-two-leads", "a chain whose second block has another lead: as ordered", "pass", "T4 M6\nG43 H4\nS900 M3\nG0 X12 Y0 Z6\n" + "".join(
         f"G0 X{x}\nG33 Z-7 K1.5\nG33 Z-16 K1.75\nG0 X12\nG0 Z6\n" for x in ("9.65", "9.38", "9.2", "9.08", "9.015")))
     groove = lambda z, x, f=60: with_tool(5, f"G0 Z{z}\nG0 X11\nG1 X{x} F{f}\nG0 X12\n", s=800)
     turned("turn-groove-in-thread", "a groove of 2 mm into the middle of the thread", "no pass", THREAD + groove(-8, 8.5), words="destroyed in line")
@@ -991,8 +993,8 @@ def part_polygons():
     polygon("polygon-rough-turned", "roughed at 21 and R20, finished at 17: whole within it", "pass", polygon_block(21, 21, r=20) + "M5\n" + polygon_block(21, 17))
     polygon("polygon-rough-corner", "roughed at 19 and R60, finished at 17: its corners are gone", "no pass", polygon_block(21, 19, r=60) + "M5\n" + polygon_block(21, 17))
     polygon("polygon-square-over-hex", "a square of 17 over a hexagon of 17", "no pass", polygon_block(21, 17) + "M5\n" + polygon_block(22, 17))
-    polygon("polygon-turned-away", "the hexagon of 17 turned to 18.4 afterwards", "no pass", polygon_block(21, 17) + turn([9.2]))
-    polygon("polygon-corners-broken", "the corners of the hexagon of 17 turned to 19.5", "pass", polygon_block(21, 17) + turn([9.75]))
+    polygon("polygon-turned-away", "the hexagon of 17 turned to 18.4 afterwards", "no pass", polygon_block(21, 17) + turn([9.2], z=-3.5))
+    polygon("polygon-corners-broken", "the corners of the hexagon of 17 turned to 19.5", "pass", polygon_block(21, 17) + turn([9.75], z=-3.5))
     polygon("polygon-bar-turned", "the bar turned to 19.5 before", "pass", down(9.75) + "M5\n" + polygon_block(21, 17))
     polygon("polygon-bar-too-thin", "the bar turned to 18 before: no corners", "no pass", down(9) + "M5\n" + polygon_block(21, 17))
     polygon("polygon-faced-off", "half of the hexagon faced off", "no pass", hexagon + "M5\nG18 G8\nT1 M6\nG43 H1\nS1000 M3\nG0 X30 Y0 Z5\nG0 Z-2\nG1 X-0.9 F400\nG0 Z5\nG17\n")
