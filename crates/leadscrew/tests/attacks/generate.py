@@ -726,7 +726,7 @@ def part_faults():
     whole = "!the tool is broken"
     holes("fault-dropout", "linuxcnc", "the spindle's encoder silent for 5 ms in the thread; taken out", "no pass", one, options="--fault 'dropout 5ms at 6.5s' --recover", words=whole)
     holes("fault-slip", "linuxcnc", "the spindle's encoder slips by 40 degrees; taken out", "no pass", one, options="--fault 'encoder-slip 40deg at 6.5s' --recover", words=whole)
-    holes("fault-feedback-lost", "fanuc", "half a millisecond without feedback", "no pass", one, options="--fault 'feedback-lost 0.5ms at 11.25s' --recover", words=whole)
+    holes("fault-feedback-lost", "fanuc", "half a millisecond without feedback in the thread: bridged", "pass", one, options="--fault 'feedback-lost 0.5ms at 11.25s' --recover", words=whole)
     holes("fault-power-cut", "haas", "a power cut in the thread, on the way out", "no pass", one, options="--fault 'power-cut at 11.6s' --recover", words=whole)
     holes("fault-fast-dropout", "linuxcnc", "M6 at S6000, encoder silent for 5 ms near the bottom", "no pass", [drill(10, ONE, -24), tap(19, ONE, -18, s=6000)], options="--fault 'dropout 5ms at 6.68s' --recover", words=whole)
     holes("fault-not-met", "linuxcnc", "a fault ordered at a depth that nothing reaches", "no pass", one, options="--fault 'power-cut at depth 60mm'")
@@ -1100,11 +1100,26 @@ for part in (part_good_posts, part_feeds, part_frames, part_holes, part_mills, p
 
 for old in HERE.glob("*.ngc"):
     old.unlink()
+REMARKS = {
+    "feed-m8-1122": "expectation corrected after the first run: 1122/900 is 1.25 in three digits, as the lead",
+    **dict.fromkeys(("frame-g68-quarter", "frame-g68-eighth", "frame-g68-both", "frame-mirror-symmetric", "frame-mirror-lopsided",
+                     "frame-mirror-both", "frame-scaled-tap"), "program corrected after the first run: G54 may not stand beside a frame that is in force"),
+    **dict.fromkeys(("fault-dropout", "fault-slip", "fault-power-cut", "fault-fast-dropout"),
+                    "program corrected after the first run: its moment lay in the drilling"),
+    "fault-feedback-lost": "expectation corrected after the first run: two periods are bridged, and the thread is good",
+    "turn-left-hand-unasked": "expectation corrected after the first run: it is said before motion, and a left-hand thread can be meant",
+    "turn-chain-two-leads": "expectation corrected after the first run: a lead that changes is ordered and cut so, as a feed screw's",
+    "polygon-turned-away": "program corrected after the first run: the insert ran into the bar's full diameter",
+    "polygon-corners-broken": "program corrected after the first run: the insert ran into the bar's full diameter",
+}
+TABLE = HERE.parent / "attacks.tsv"
+# verdicts of the judge that looked at each feature alone are kept: they cannot be made again here
+before = {line.split("\t")[0]: line.split("\t")[6] for line in TABLE.read_text().splitlines()[1:]} if TABLE.exists() else {}
 rows = []
 for name, machine, options, story, expected, words, text in CASES:
     assert re.fullmatch(r"[a-z0-9.-]+", name), name
     (HERE / f"{name}.ngc").write_text(text)
-    rows.append("\t".join((name, machine, options, story, expected, words)))
-(HERE.parent / "attacks.tsv").write_text("name\tmachine\toptions\twhat happens to the part\texpected\tsays\n" + "\n".join(rows) + "\n")
+    rows.append("\t".join((name, machine, options, story, expected, words, before.get(name, ""), REMARKS.get(name, ""))))
+TABLE.write_text("name\tmachine\toptions\twhat happens to the part\texpected\tsays\tbefore\tremark\n" + "\n".join(rows) + "\n")
 counts = {kind: sum(1 for c in CASES if c[4] == kind) for kind in ("pass", "no pass", "refused")}
 print(len(CASES), counts)
