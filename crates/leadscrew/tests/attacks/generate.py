@@ -1110,7 +1110,12 @@ REMARKS = {
     "turn-left-hand-unasked": "expectation corrected after the first run: it is said before motion, and a left-hand thread can be meant",
     "turn-chain-two-leads": "expectation corrected after the first run: a lead that changes is ordered and cut so, as a feed screw's",
     "polygon-turned-away": "program corrected after the first run: the insert ran into the bar's full diameter",
-    "polygon-corners-broken": "program corrected after the first run: the insert ran into the bar's full diameter",
+    "mill-thread-mill": "open: a tool of kind `other` makes nothing that is judged, and nothing says so",
+    "polygon-corners-broken": "open: polygon cutters take nothing from the simulator's bar, so that the insert cuts 15 mm and the spindle stalls",
+    **dict.fromkeys(("polygon-rough-corner", "polygon-bar-too-thin", "polygon-faced-off", "polygon-groove"),
+                    "open: a polygon is judged by its own cut, not by the bar before and after it"),
+    **dict.fromkeys(("cam-again-turned", "cam-again-turned-little", "cam-overlap"),
+                    "open: a cam is judged by its own grinding, not by what is ground over it"),
 }
 TABLE = HERE.parent / "attacks.tsv"
 # verdicts of the judge that looked at each feature alone are kept: they cannot be made again here
