@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// At a change one of so many is run.
-const ONE_OF: usize = 6;
+/// Every sixth is run at a change.
+const STEP: usize = 6;
 
 /// A row of the table.
 struct Attack<'a> {
@@ -127,7 +127,7 @@ fn each_attack_comes_to_what_was_thought_out_before() {
     let (table, home) =
         (std::fs::read_to_string(tests.join("attacks.tsv")).unwrap(), tests.join("attacks"));
     let all = rows(&table);
-    let step = test_support::size::of(ONE_OF, 1);
+    let step = test_support::size::of(STEP, 1);
     let chosen: Vec<&Attack<'_>> = all.iter().step_by(step).collect();
     let (next, lines, wrong) =
         (AtomicUsize::new(0), Mutex::new(Vec::new()), Mutex::new(Vec::new()));
