@@ -165,7 +165,7 @@ fn a_rapid_where_a_mill_has_passed_is_no_error_of_any_tool() {
         said(8, pocket.clone().into_iter().chain(down))
     };
     assert_eq!(drilled(10.0, 0.0), "", "it is open over all the drill's width");
-    let half = drilled(10.0, 3.0);
+    let half = drilled(10.0, 4.5);
     assert!(
         half.starts_with("M0360 Warning line 10") && half.contains("a mill has passed here"),
         "{half}"
