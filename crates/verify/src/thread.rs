@@ -158,7 +158,7 @@ impl ThreadTrack {
     fn verdict(
         &self,
         inspection: &Inspection<'_>,
-        (milled, unseen): (Option<String>, Option<String>),
+        (milled, unseen): (Vec<String>, Option<String>),
     ) -> Verdict {
         if let Some(number) = self.tool_number.filter(|_| self.is_assumed()) {
             return Verdict::NotJudged {
@@ -173,7 +173,7 @@ impl ThreadTrack {
     }
 
     /// The hole that was milled before it: what is wrong with its diameter; `None`: none was.
-    fn milled_hole(&self, milling: &Milling, class: ThreadClass) -> Option<Option<String>> {
+    fn milled_hole(&self, milling: &Milling, class: ThreadClass) -> Option<Vec<String>> {
         let tip_mm = self.stroke.coordinate_mm(self.visit.deepest_mm)
             - self.tool.as_ref()?.worn_length().value();
         let at = self.visit.position(&self.stroke).map(Length::value);
@@ -184,11 +184,10 @@ impl ThreadTrack {
         let high = low + limits.minor_tolerance.value();
         let (bore, off) = (2.0 * radius, 1.5 * off);
         let is_in = bore >= low - off && bore <= high + off;
-        Some((!is_in).then(|| {
-            format!(
-                "the bore was milled to ⌀{bore:.2} mm ± {off:.2}, {low:.3} to {high:.3} mm asked"
-            )
-        }))
+        let wrong = format!(
+            "the bore was milled to ⌀{bore:.2} mm ± {off:.2}, {low:.3} to {high:.3} mm asked"
+        );
+        Some(if is_in { Vec::new() } else { vec![wrong] })
     }
 
     /// Where it is in the work; `None`: nothing was cut that could be destroyed.
@@ -233,12 +232,14 @@ impl ThreadTrack {
         let inspection = Inspection::new(self, config, work);
         let [time, duration] = times(&self.visit, now);
         let mut thread = inspection.thread();
-        let mut milled = None;
+        let mut milled = Vec::new();
         if thread.hole == KnownHole::Assumed
             && let Some(wrong) = self.milled_hole(milling, config.class)
         {
             thread.hole = KnownHole::Seen;
-            milled = wrong.filter(|_| self.visit.times_s.is_some());
+            if self.visit.times_s.is_some() {
+                milled = wrong;
+            }
         }
         let is_unseen = thread.hole == KnownHole::Assumed && work.is_drilled();
         Judged {
