@@ -48,9 +48,9 @@ fn words(options: &str) -> Vec<&str> {
     let parts = options.split('\'').enumerate();
     parts.fold(Vec::new(), |mut words, (index, part)| {
         if index % 2 == 1 {
-            words.push(part)
+            words.push(part);
         } else {
-            words.extend(part.split_whitespace())
+            words.extend(part.split_whitespace());
         }
         words
     })
@@ -78,7 +78,7 @@ fn options(attack: &Attack<'_>, home: &Path) -> (ProgramOptions, RunOptions) {
             "--seed" => run.seed = value().parse().ok(),
             "--fault" => run.faults.push(value().to_owned()),
             "--operator" => {
-                run.operator.extend(value().split(';').map(|one| one.trim().to_owned()))
+                run.operator.extend(value().split(';').map(|one| one.trim().to_owned()));
             }
             "--recover" => run.recover = Some(AfterStop::Out),
             other => panic!("{other}"),
@@ -155,7 +155,9 @@ fn each_attack_comes_to_what_was_thought_out_before() {
     });
     let mut lines = lines.into_inner().unwrap();
     lines.sort_unstable();
-    lines.iter().for_each(|(_, line)| println!("{line}"));
+    for (_, line) in &lines {
+        println!("{line}");
+    }
     let wrong = wrong.into_inner().unwrap();
     assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), chosen.len(), wrong.join("\n"));
 }
