@@ -1,6 +1,7 @@
 //! What the library does: one test program, so that it is linked once.
 #![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
 
+mod attacks;
 mod feedback_faults;
 mod library;
 mod never_slower;

@@ -159,12 +159,16 @@ fn a_rapid_where_a_mill_has_passed_is_no_error_of_any_tool() {
     assert_eq!(said(8, pocket.clone().into_iter().chain(again)), "");
     let elsewhere = said(8, pocket.clone().into_iter().chain([to(40.0, 5.0), to(40.0, -4.0)]));
     assert!(elsewhere.starts_with("M0360 Warning line 8"), "{elsewhere}");
-    // the simulator mills nothing, so that a drill there is worth a word
-    let drilled =
-        said(8, pocket.into_iter().chain([change(1), turn(3000.0), to(10.0, 5.0), to(10.0, -4.0)]));
+    let drilled = |x, y| {
+        let at = |z| rapid(x, y, TOP + 120.0 + z);
+        let down = [change(1), turn(3000.0), at(5.0), at(-4.0)];
+        said(8, pocket.clone().into_iter().chain(down))
+    };
+    assert_eq!(drilled(10.0, 0.0), "", "it is open over all the drill's width");
+    let half = drilled(10.0, 4.5);
     assert!(
-        drilled.starts_with("M0360 Warning line 10") && drilled.contains("a mill has passed here"),
-        "{drilled}"
+        half.starts_with("M0360 Warning line 10") && half.contains("a mill has passed here"),
+        "{half}"
     );
 }
 

@@ -171,6 +171,12 @@ impl Stroke {
         self.in_stock.as_ref()?.surface
     }
 
+    /// Zero of the work by the set-up, where the stock is known.
+    pub(crate) fn work_zero_mm(&self) -> Option<f64> {
+        let in_stock = self.in_stock.as_ref()?;
+        Some(self.zero_in(&in_stock.stock).value())
+    }
+
     /// The stroke is along the spindle, and the stock is known.
     pub(crate) const fn is_in_stock(&self) -> bool {
         self.in_stock.is_some()

@@ -155,7 +155,11 @@ impl ThreadTrack {
         self.tool.as_ref().is_some_and(|tool| tool.stand_in)
     }
 
-    fn verdict(&self, inspection: &Inspection<'_>, unseen: Option<String>) -> Verdict {
+    fn verdict(
+        &self,
+        inspection: &Inspection<'_>,
+        (milled, unseen): (Vec<String>, Option<String>),
+    ) -> Verdict {
         if let Some(number) = self.tool_number.filter(|_| self.is_assumed()) {
             return Verdict::NotJudged {
                 reason: format!(
@@ -163,16 +167,27 @@ impl ThreadTrack {
                 ),
             };
         }
-        Verdict::unless(&inspection.findings(), self.stroke.not_judged().or(unseen))
+        let mut findings = inspection.findings();
+        findings.extend(milled);
+        Verdict::unless(&findings, self.stroke.not_judged().or(unseen))
     }
 
-    /// Its hole was milled before it.
-    fn is_bored(&self, milling: &Milling) -> bool {
-        let Some(tool) = &self.tool else { return false };
-        let bore = self.size.tap_drill().value() / 2.0;
-        let tip_mm = self.stroke.coordinate_mm(self.visit.deepest_mm) - tool.worn_length().value();
+    /// The hole that was milled before it: what is wrong with its diameter; `None`: none was.
+    fn milled_hole(&self, milling: &Milling, class: ThreadClass) -> Option<Vec<String>> {
+        let tip_mm = self.stroke.coordinate_mm(self.visit.deepest_mm)
+            - self.tool.as_ref()?.worn_length().value();
         let at = self.visit.position(&self.stroke).map(Length::value);
-        milling.has_bored(at, bore, tip_mm)
+        let most = self.size.nominal.value();
+        let [radius, off] = milling.bored(at, most, tip_mm)?;
+        let limits = Limits::of(&self.size, class.in_family(self.size.family));
+        let low = limits.minor_diameter.value();
+        let high = low + limits.minor_tolerance.value();
+        let (bore, off) = (2.0 * radius, 1.5 * off);
+        let is_in = bore >= low - off && bore <= high + off;
+        let wrong = format!(
+            "the bore was milled to ⌀{bore:.2} mm ± {off:.2}, {low:.3} to {high:.3} mm asked"
+        );
+        Some(if is_in { Vec::new() } else { vec![wrong] })
     }
 
     /// Where it is in the work; `None`: nothing was cut that could be destroyed.
@@ -197,6 +212,7 @@ impl ThreadTrack {
             advance_mm: pitch_mm * self.size.hand.sign(),
             top_mm,
             bottom_mm: top_mm - thread.depth.value(),
+            zero_mm: self.stroke.work_zero_mm().unwrap_or(top_mm),
             phase_mm: at_zero.map(|rev| rev * pitch_mm * self.size.hand.sign()),
             play_mm: thread.no_go_margin.value().max(0.0) / 3.0_f64.sqrt(),
             ops: vec![op],
@@ -216,8 +232,14 @@ impl ThreadTrack {
         let inspection = Inspection::new(self, config, work);
         let [time, duration] = times(&self.visit, now);
         let mut thread = inspection.thread();
-        if thread.hole == KnownHole::Assumed && self.is_bored(milling) {
+        let mut milled = Vec::new();
+        if thread.hole == KnownHole::Assumed
+            && let Some(wrong) = self.milled_hole(milling, config.class)
+        {
             thread.hole = KnownHole::Seen;
+            if self.visit.times_s.is_some() {
+                milled = wrong;
+            }
         }
         let is_unseen = thread.hole == KnownHole::Assumed && work.is_drilled();
         Judged {
@@ -226,7 +248,7 @@ impl ThreadTrack {
             tool: self.tool_number,
             time,
             duration,
-            verdict: self.verdict(&inspection, is_unseen.then(|| UNSEEN.to_owned())),
+            verdict: self.verdict(&inspection, (milled, is_unseen.then(|| UNSEEN.to_owned()))),
             contact: if self.is_assumed() { Contact::default() } else { inspection.contact() },
             kind: thread,
         }

@@ -225,7 +225,7 @@ impl Contact {
     ) {
         let aside = self.sideways(part, drill.diameter * DRILL_SIDEWAYS);
         let Some(place) = self.entered else { return };
-        let open = self.removed.free_depth(place, drill.diameter, drill.cone);
+        let open = self.open_under(place, drill.diameter, drill.cone);
         let (from, depth) = (self.depth(part[0]), self.depth(part[1]));
         let over = depth - open;
         let milled = self.removed.milled_depth(place) >= depth - SLIDES;
@@ -265,7 +265,7 @@ impl Contact {
         let aside = self.sideways(part, diameter * TAP_SIDEWAYS);
         let Some(place) = self.entered else { return };
         let (from, depth) = (self.depth(part[0]), self.depth(part[1]));
-        let open = self.removed.free_depth(place, diameter, 0.0);
+        let open = self.open_under(place, diameter, 0.0);
         let over = depth - open;
         let milled = self.removed.milled_depth(place) >= depth - SLIDES;
         if depth > from && over > SCRAPES {

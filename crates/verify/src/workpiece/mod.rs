@@ -352,7 +352,7 @@ impl Workpiece {
                 } else {
                     SCRAPE_MM
                 };
-                if level < thread.top_mm - allowed {
+                if level < thread.ordered_top_mm() - allowed {
                     let (_, lowest) = thread.hit.get_or_insert((line, level));
                     *lowest = lowest.min(level);
                 }
@@ -384,7 +384,7 @@ impl Bore {
 impl TappedPlace {
     /// It is cut away down to a coordinate by a line; so much at its mouth is allowed.
     fn is_cut_away(&mut self, line: u32, level: f64, allowed: f64, undone: &mut Vec<Undone>) {
-        if level < self.top_mm - allowed {
+        if level < self.ordered_top_mm() - allowed {
             let how = self.left_of(level);
             self.is_destroyed_by(line, &how, undone);
         }

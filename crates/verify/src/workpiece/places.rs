@@ -93,6 +93,8 @@ pub(crate) struct TappedPlace {
     /// Coordinates between which it has its full form.
     pub(crate) top_mm: f64,
     pub(crate) bottom_mm: f64,
+    /// Zero of the work that its program means: what stands above it is to be faced off.
+    pub(crate) zero_mm: f64,
     /// Coordinate of the tip at the spindle's angle zero; `None`: too little was cut to know.
     pub(crate) phase_mm: Option<f64>,
     /// How far another tap of its size may stand off its groove before the No-go gauge enters.
@@ -107,6 +109,12 @@ pub(crate) struct TappedPlace {
 }
 
 impl TappedPlace {
+    /// Coordinate down to which a cut takes nothing of what was ordered.
+    pub(super) fn ordered_top_mm(&self) -> f64 {
+        let is_within = self.zero_mm > self.bottom_mm && self.zero_mm < self.top_mm;
+        if is_within { self.zero_mm } else { self.top_mm }
+    }
+
     pub(super) fn full_mm(&self) -> f64 {
         (self.top_mm - self.bottom_mm).max(0.0)
     }

@@ -5,8 +5,11 @@
 //!   top ──┐  ┌──────┐  ┌──    a drill     highest of the mill's grid on a circle just outside of all
 //!         │  │ pocket   │                 that was bored there
 //!   floor ┴──┘   or     └──   a tap       deepest of a circle between its bore and its
-//!            counterbore                  nominal diameter; a bore wider than its thread is air, too
+//!            counterbore                  nominal diameter, or of one at its nominal diameter where
+//!                                         that is open to a side
 //! ```
+//!
+//! A bore wider than the drill or the thread is air, too.
 //!
 //! A grid is as fine as the smallest mill so far: a circle nearer than a cell to a bore would be
 //! taken for air.
@@ -68,7 +71,13 @@ impl Workpiece {
                 (f64::midpoint(inner, outer).max(inner + cell), share)
             }
         };
-        let milled = milling.top_around(at, radius, share).filter(|milled| *milled < top_mm);
+        let mut milled = milling.top_around(at, radius, share).filter(|milled| *milled < top_mm);
+        if let Under::Tap { ring: [_, outer], pitch_mm, .. } = under
+            && let Some(side) = milling.top_around(at, (outer - cell).max(radius), share)
+            && side < milled.unwrap_or(top_mm) - MOUTH_PITCHES * pitch_mm
+        {
+            milled = Some(side); // its roots are in the air
+        }
         let mut surface = Surface { top_mm: milled.unwrap_or(top_mm), lowered_mm: 0.0, line: None };
         if let Under::Tap { ring: [inner, outer], pitch_mm, bottom_mm } = under {
             for bore in here().filter(|bore| bore.radius() > inner + NOISE_MM) {
@@ -80,6 +89,15 @@ impl Workpiece {
                 let is_own = !is_wide && bore.bottom_mm <= bottom_mm;
                 if !is_mouth && !is_own {
                     (surface.top_mm, surface.line) = (level, Some(bore.line));
+                }
+            }
+        }
+        if let Under::Drill { radius } = under {
+            let wider = here().filter(|bore| !bore.is_spot && bore.radius() > radius + NOISE_MM);
+            let levels = wider.filter_map(|bore| bore.cut.level(radius).zip(Some(bore.line)));
+            for (level, line) in levels {
+                if level < surface.top_mm {
+                    (surface.top_mm, surface.line) = (level, Some(line));
                 }
             }
         }
@@ -110,13 +128,16 @@ impl Milling {
         Some(tops.collect())
     }
 
-    /// A bore of this radius was milled down to a coordinate: its middle is away, and the ring
-    /// around it is not.
-    pub(crate) fn has_bored(&self, at: [f64; 2], radius: f64, bottom_mm: f64) -> bool {
-        let within = (radius - self.cell()).max(0.0);
-        [0.0, 0.5, 1.0].iter().all(|part| {
-            let tops = self.tops_around(at, within * part);
+    /// Radius of the bore that was milled down to a coordinate, as far as a radius, and how far it
+    /// may be off; `None`: its middle is not away.
+    pub(crate) fn bored(&self, at: [f64; 2], most: f64, bottom_mm: f64) -> Option<[f64; 2]> {
+        let is_away = |radius: f64| {
+            let tops = self.tops_around(at, radius);
             tops.is_some_and(|tops| !tops.is_empty() && tops.iter().all(|top| *top <= bottom_mm))
-        })
+        };
+        let step = (self.cell() / 4.0).max(NOISE_MM);
+        let steps = (most / step).ceil().min(1e4) as u32;
+        let open = (0..=steps).map_while(|k| Some(f64::from(k) * step).filter(|r| is_away(*r)));
+        Some([open.last()?, self.cell()])
     }
 }

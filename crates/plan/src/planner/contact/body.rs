@@ -53,9 +53,18 @@ fn parts(tool: &Tool) -> impl Iterator<Item = BodyPart> + use<> {
 impl super::Contact {
     /// How deep a round part of this diameter gets over a place.
     fn open_for(&self, at: [f64; 2], diameter: f64) -> f64 {
-        let bored = self.removed.free_depth(at, diameter, 0.0);
         if let Some(outline) = &self.outline {
+            let bored = self.removed.free_depth(at, diameter, 0.0);
             return bored.max(self.stock.top() - outline.front(diameter / 2.0));
+        }
+        self.open_under(at, diameter, 0.0)
+    }
+
+    /// How deep the work is open for a tool that comes down: bored, or milled over all its width.
+    pub(super) fn open_under(&self, at: [f64; 2], diameter: f64, cone: f64) -> f64 {
+        let bored = self.removed.free_depth(at, diameter, cone);
+        if self.outline.is_some() {
+            return bored;
         }
         let milled = (0..AROUND).fold(self.depth_open(at), |open, k| {
             let (sin, cos) = (

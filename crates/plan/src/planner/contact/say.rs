@@ -343,7 +343,7 @@ impl Planner {
     }
 }
 
-/// Of a place that a mill has opened.
-const MILLED: &str = "a mill has passed here, and the simulator mills nothing: in a simulated run the tool meets solid stock";
+/// Of a place over whose middle a mill has passed.
+const MILLED: &str = "a mill has passed here: see that it has opened all the width of this tool";
 /// Of a mill's rapid.
 const SMALLER: &str = "[setup.stock] in the machine's file says how large the work is: if the real one is smaller, write its size there";
