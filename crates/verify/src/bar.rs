@@ -14,8 +14,10 @@
 //! about the axis − spindle angle. Between two samples place and angle are interpolated; in a
 //! section the insert's form is cut out exactly. A drill on the axis bores.
 mod part;
+mod ring;
 
 pub(crate) use part::BarPart;
+pub(crate) use ring::Ring;
 
 use crate::insert::{Form, Outline, Side};
 use bus::Sample;
@@ -85,6 +87,7 @@ pub(crate) struct TurnedBar {
     /// Line of the program that cuts.
     line: u32,
     watched: Vec<Watched>,
+    rings: Vec<Ring>,
     /// From this place on nothing is left.
     front: usize,
 }
@@ -114,6 +117,7 @@ impl TurnedBar {
             side: Side::External,
             line: 0,
             watched: Vec::new(),
+            rings: Vec::new(),
             front: places,
         }
     }
@@ -198,6 +202,13 @@ impl TurnedBar {
             .collect();
         radii.sort_by(f64::total_cmp);
         radii.get(radii.len() / 2).map_or(stock, |radius| Length::mm(*radius)) * 2.0
+    }
+
+    /// There is a bar at a place, and not the pip that facing leaves.
+    pub(crate) fn is_solid(&self, place: usize) -> bool {
+        let all = (0..SECTIONS).map(|section| section * self.places + place);
+        all.map(|at| self.outer[at] - self.inner[at]).fold(f64::INFINITY, f64::min)
+            > 2.0 * THROUGH_MM
     }
 
     /// There is material in the first section at a place.
@@ -309,6 +320,50 @@ impl TurnedBar {
         self.line = line;
     }
 
+    /// The line of the program that cuts.
+    pub(crate) const fn line(&self) -> u32 {
+        self.line
+    }
+
+    /// Notes from now on how near to the axis tools come between two Z; as the bar is there now.
+    pub(crate) fn ring(&mut self, of: usize, heights: [f64; 2]) {
+        let [first, last] = self.places_between(heights);
+        let of_all = |radii: &[f64], place: usize, most: fn(f64, f64) -> f64, from: f64| {
+            (0..SECTIONS).map(|section| radii[section * self.places + place]).fold(from, most)
+        };
+        let outer = |place| of_all(&self.outer, place, f64::min, f64::INFINITY);
+        let inner = |place| of_all(&self.inner, place, f64::max, 0.0);
+        let of = Ring::new(
+            of,
+            first,
+            (first..=last).map(outer).collect(),
+            (first..=last).map(inner).collect(),
+        );
+        self.rings.push(of);
+    }
+
+    /// How near tools came since, and the line that did so last, if that was not looked at.
+    pub(crate) fn ring_of(&self, of: usize) -> Option<(&Ring, Option<u32>)> {
+        self.rings.iter().find(|ring| ring.of == of).map(|ring| (ring, ring.line()))
+    }
+
+    /// It was looked at.
+    pub(crate) fn looked_at(&mut self, of: usize) {
+        if let Some(ring) = self.rings.iter_mut().find(|ring| ring.of == of) {
+            ring.looked_at();
+        }
+    }
+
+    /// Nothing is noted of it any more.
+    pub(crate) fn unring(&mut self, of: usize) {
+        self.rings.retain(|ring| ring.of != of);
+    }
+
+    /// Tools came near where that is noted, and no one has looked.
+    pub(crate) fn is_ring_cut(&self) -> bool {
+        self.rings.iter().any(|ring| ring.line().is_some())
+    }
+
     /// Note from now on who takes something off between two places.
     pub(crate) fn watch(&mut self, of: usize, places: [usize; 2]) {
         self.unwatch(of);
@@ -318,6 +373,7 @@ impl TurnedBar {
     /// Note what another bar notes.
     pub(crate) fn watch_as(&mut self, other: &Self) {
         self.watched.clone_from(&other.watched);
+        self.rings.clone_from(&other.rings);
     }
 
     /// Note it no more.
@@ -356,7 +412,7 @@ impl TurnedBar {
 
     /// The same bar, as a stretch of it was before: where it still is as `left` has it.
     pub(crate) fn with(&self, before: &BarPart, left: &BarPart) -> Self {
-        let mut bar = Self { watched: Vec::new(), ..self.clone() };
+        let mut bar = Self { watched: Vec::new(), rings: Vec::new(), ..self.clone() };
         let [low, high] = before.places;
         let length = high - low + 1;
         for section in 0..SECTIONS {
@@ -439,6 +495,12 @@ impl TurnedBar {
 
     fn cut_to(&mut self, section: usize, place: usize, [radius, rise]: [f64; 2], side: Side) {
         let index = section * self.places + place;
+        let edge = match side {
+            Side::External => radius + rise,
+            Side::Internal => radius - rise,
+        };
+        let line = self.line;
+        self.rings.iter_mut().for_each(|ring| ring.cut(place, edge, side, line));
         let removed = match side {
             Side::External => {
                 let removed = self.outer[index] - (radius + rise).max(0.0);
