@@ -71,6 +71,8 @@ class RunOptions(ProgramOptions, total=False):
     recover: Literal[True, "out", "continue"] | None
     units: Literal["mm", "inch"] | None
     state: Path | None
+    renew_tool: Sequence[int] | None
+    """Tools in whose place new ones are since they broke: ``state`` keeps which are broken."""
 
 
 class PolygonOptions(TypedDict, total=False):

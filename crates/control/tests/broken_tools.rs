@@ -9,13 +9,11 @@ use std::path::Path;
 const BREAKS: &str =
     "G21 G90 G54 G17 G94\nT1 M6\nG43 H1\nS3000 M3\nG0 X0 Y0 Z2\nG1 Z-0.045 F300\nX5\nG0 Z20\nM2\n";
 /// Uses it again.
-const AGAIN: &str =
-    "G21 G90 G54 G17 G94\nT1 M6\nG43 H1\nS1000 M3\nG0 X30 Y0 Z5\nG81 Z-2 R2 F300\nG80\nG0 Z50\nM2\n";
+const AGAIN: &str = "G21 G90 G54 G17 G94\nT1 M6\nG43 H1\nS1000 M3\nG0 X30 Y0 Z5\nG81 Z-2 R2 F300\nG80\nG0 Z50\nM2\n";
 /// With whatever is in the spindle.
 const IN_THE_SPINDLE: &str = "G21 G90 G54 G17 G94\nS1000 M3\nG0 X30 Y0 Z100\nG1 Z99 F300\nM2\n";
 /// Another tool.
-const OTHER: &str =
-    "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS1000 M3\nG0 X30 Y0 Z5\nG81 Z-2 R2 F300\nG80\nG0 Z50\nM2\n";
+const OTHER: &str = "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS1000 M3\nG0 X30 Y0 Z5\nG81 Z-2 R2 F300\nG80\nG0 Z50\nM2\n";
 
 fn until(control: &mut Control, is_so: impl Fn(&Control) -> bool) {
     for _ in 0..2_000_000 {
@@ -46,7 +44,9 @@ fn run(control: &mut Control, home: &Path, text: &str) -> Result<(), String> {
     std::fs::write(&path, text).unwrap();
     control.request(&Request::Load(path)).map_err(|why| format!("{why:?}"))?;
     control.request(&Request::Start).map_err(|why| format!("{why:?}"))?;
-    until(control, |control| control.execution() == Execution::ProgramCompleted || control.has_alarm());
+    until(control, |control| {
+        control.execution() == Execution::ProgramCompleted || control.has_alarm()
+    });
     Ok(())
 }
 
@@ -63,7 +63,10 @@ fn a_tool_that_broke_is_refused_until_a_new_one_is_in_its_place() {
     assert!(is_broken(&first), "{:?}", first.broken_tool());
     for text in [AGAIN, IN_THE_SPINDLE] {
         let why = run(&mut first, home.path(), text).unwrap_err();
-        assert!(why.contains("T1 is broken: it is not used before a new one is in its place"), "{why}");
+        assert!(
+            why.contains("T1 is broken: it is not used before a new one is in its place"),
+            "{why}"
+        );
     }
     run(&mut first, home.path(), OTHER).unwrap();
     drop(first);
@@ -75,7 +78,11 @@ fn a_tool_that_broke_is_refused_until_a_new_one_is_in_its_place() {
     second.request(&Request::RenewTool(1)).map_err(|why| why.to_string()).unwrap();
     assert!(!is_broken(&second));
     run(&mut second, home.path(), AGAIN).unwrap();
-    assert!(second.features().iter().all(|feature| feature.verdict.is_pass()), "{:?}", second.features());
+    assert!(
+        second.features().iter().all(|feature| feature.verdict.is_pass()),
+        "{:?}",
+        second.features()
+    );
 }
 
 #[test]

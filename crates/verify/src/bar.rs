@@ -82,6 +82,8 @@ pub(crate) struct TurnedBar {
     places: usize,
     outer: Vec<f64>,
     inner: Vec<f64>,
+    /// Least radius to which anything was turned, by place.
+    round: Vec<f64>,
     last: Option<Pose>,
     side: Side,
     /// Line of the program that cuts.
@@ -113,6 +115,7 @@ impl TurnedBar {
             places,
             outer: vec![bar.radius.value(); SECTIONS * places],
             inner: vec![bar.bore.value(); SECTIONS * places],
+            round: vec![bar.radius.value(); places],
             last: None,
             side: Side::External,
             line: 0,
@@ -328,23 +331,26 @@ impl TurnedBar {
     /// Notes from now on how near to the axis tools come between two Z; as the bar is there now.
     pub(crate) fn ring(&mut self, of: usize, heights: [f64; 2]) {
         let [first, last] = self.places_between(heights);
-        let of_all = |radii: &[f64], place: usize, most: fn(f64, f64) -> f64, from: f64| {
-            (0..SECTIONS).map(|section| radii[section * self.places + place]).fold(from, most)
+        let inner = |place: usize| {
+            let all = (0..SECTIONS).map(|section| self.inner[section * self.places + place]);
+            all.fold(0.0, f64::max)
         };
-        let outer = |place| of_all(&self.outer, place, f64::min, f64::INFINITY);
-        let inner = |place| of_all(&self.inner, place, f64::max, 0.0);
-        let of = Ring::new(
-            of,
-            first,
-            (first..=last).map(outer).collect(),
-            (first..=last).map(inner).collect(),
-        );
-        self.rings.push(of);
+        let bore = (first..=last).map(inner).collect();
+        self.rings.push(Ring::new(of, first, self.round[first..=last].to_vec(), bore));
     }
 
     /// How near tools came since, and the line that did so last, if that was not looked at.
     pub(crate) fn ring_of(&self, of: usize) -> Option<(&Ring, Option<u32>)> {
         self.rings.iter().find(|ring| ring.of == of).map(|ring| (ring, ring.line()))
+    }
+
+    /// At a place no more is left than reaches to a radius, by the angle in the work, rad.
+    pub(crate) fn limit(&mut self, place: usize, radius: impl Fn(f64) -> f64) {
+        for section in 0..SECTIONS {
+            let angle = section as f64 / SECTIONS as f64 * TAU;
+            let outer = &mut self.outer[section * self.places + place];
+            *outer = outer.min(radius(angle));
+        }
     }
 
     /// It was looked at.
@@ -499,6 +505,9 @@ impl TurnedBar {
             Side::External => radius + rise,
             Side::Internal => radius - rise,
         };
+        if side == Side::External {
+            self.round[place] = self.round[place].min(edge.max(0.0));
+        }
         let line = self.line;
         self.rings.iter_mut().for_each(|ring| ring.cut(place, edge, side, line));
         let removed = match side {

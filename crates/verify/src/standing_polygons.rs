@@ -111,6 +111,10 @@ impl Standing {
         let (ring, _) = bar.ring_of(self.id)?;
         self.before = ring.radii().map(|(_, [outer, _])| outer).collect();
         let left = self.left_of(&self.bar(bar), bar.places().1);
+        for place in first..=top {
+            let Some(faces) = self.at(bar.z(place)) else { continue };
+            bar.limit(place, |angle| reach_of(&faces, angle));
+        }
         left.map(|left| format!("the bar was turned or bored below its facets before: {left}"))
     }
 
@@ -343,12 +347,7 @@ fn blunt(own: &[Face], others: &[Face], reach: f64) -> Option<String> {
     let mut worst: Option<[f64; 2]> = None;
     for [x, y] in corners {
         let far = x.hypot(y).min(reach);
-        let direction = y.atan2(x);
-        let ends = others.iter().filter_map(|face| {
-            let cosine = turned(direction, face.normal).cos();
-            (cosine > 0.0).then(|| face.distance / cosine)
-        });
-        let left = ends.fold(far, f64::min);
+        let left = reach_of(others, y.atan2(x)).min(far);
         if left < far * share && worst.is_none_or(|[least, _]| left < least) {
             worst = Some([left, far * share]);
         }
@@ -373,6 +372,15 @@ fn least_share(own: &[Face]) -> f64 {
     // IT13 = 250·i
     let tolerance = 0.25 * (0.45 * width.cbrt() + 0.001 * width);
     least * (width - tolerance) / (sharp * width)
+}
+
+/// How far out the material is in a direction.
+fn reach_of(faces: &[Face], direction: f64) -> f64 {
+    let ends = faces.iter().filter_map(|face| {
+        let cosine = turned(direction, face.normal).cos();
+        (cosine > 0.0).then(|| face.distance / cosine)
+    });
+    ends.fold(f64::INFINITY, f64::min)
 }
 
 /// Where two neighbouring facets meet; `None` of opposite ones.

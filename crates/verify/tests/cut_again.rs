@@ -66,6 +66,18 @@ fn a_polygon_that_is_turned_grooved_faced_bored_or_parted_is_what_is_left_of_it(
             &["below its facets before: its facets are left over 6.9"],
         ),
         // what leaves it good
+        (
+            "its corners finished from before its face",
+            |l| {
+                hexagon(l)
+                    .with(TURN)
+                    .rapid(12.0, 2.0)
+                    .rapid(9.75, 2.0)
+                    .feed(9.75, -9.0)
+                    .rapid(12.0, 2.0)
+            },
+            &[],
+        ),
         ("its corners finished", |l| hexagon(l).turned(TURN, 9.75, [2.0, -12.0]), &[]),
         ("turned behind it", |l| hexagon(l).turned(GROOVE, 8.0, [-14.0, -30.0]), &[]),
         ("a groove behind it", |l| hexagon(l).groove(GROOVE, -14.0, 6.0), &[]),
@@ -106,7 +118,8 @@ fn a_thread_and_a_polygon_in_one_place_are_neither_good() {
             |l| hexagon(l).m20(),
             &[
                 OF_THE_HEXAGON,
-                "turned thread of line 2: cut over line 1: the facets of the hexagon 17.000 lie",
+                "turned thread of line 2: ",
+                "cut over line 1: the facets of the hexagon 17.000 lie",
             ],
         ),
         (
@@ -139,6 +152,11 @@ fn a_thread_and_a_polygon_in_one_place_are_neither_good() {
             &[],
         ),
         (
+            "a thread on a bar that was turned down before its hexagon",
+            |l| l.hexagon([-30.0, -40.0], 0.0).line(2).m20(),
+            &[],
+        ),
+        (
             "a thread turned off and a polygon cut there",
             |l| {
                 l.line(1)
@@ -165,4 +183,30 @@ fn what_was_taken_before_is_told_when_it_is_destroyed() {
     assert!(undone[0].0 == 7 && undone[0].1.contains("was cut over it"), "{undone:?}");
     let (lathe, _) = hexagon(Lathe::new()).counted();
     assert!(lathe.line(7).turned(GROOVE, 8.0, [-14.0, -30.0]).undone().is_empty());
+}
+
+#[test]
+fn cuts_that_are_each_too_shallow_to_count_are_summed() {
+    let passes = |lathe: Lathe, from: f64, count: u32, end: f64| {
+        let radii = (1..=count).map(|k| from - 0.004 * f64::from(k));
+        radii.fold(lathe.with(TURN), |l, radius| {
+            l.rapid(12.0, 2.0).rapid(radius, 2.0).rapid(radius, end).rapid(12.0, end)
+        })
+    };
+    let facings = |lathe: Lathe, count: u32| {
+        let places = (1..=count).map(|k| -0.004 * f64::from(k));
+        places.fold(lathe.with(TURN), |l, z| l.rapid(11.0, z).rapid(-0.4, z).rapid(11.0, 2.0))
+    };
+    // the crests of M20x1.5 are at 9.93 mm, and 9.866 mm are allowed
+    let thread =
+        |count: u32| passes(Lathe::new().line(1).m20().line(2), 9.93, count, -27.0).wrong();
+    assert_eq!(thread(10), [""; 0]);
+    assert!(thread(30).concat().contains("good when cut, destroyed in line 2"), "{:?}", thread(30));
+    // corners of the hexagon at 9.81 mm, of which 9.43 mm are left at least
+    let corners = |count: u32| passes(hexagon(Lathe::new()), 9.82, count, -12.0).wrong();
+    assert_eq!(corners(10), [""; 0]);
+    assert!(corners(110).concat().contains(OF_THE_HEXAGON), "{:?}", corners(110));
+    // a tenth of its height may be faced off
+    assert_eq!(facings(hexagon(Lathe::new()), 50).wrong(), [""; 0]);
+    assert!(facings(hexagon(Lathe::new()), 400).wrong().concat().contains(OF_THE_HEXAGON));
 }
