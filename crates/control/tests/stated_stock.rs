@@ -8,7 +8,7 @@ use verify::{Feature, FeatureKind};
 
 /// Two holes in a block whose top the comment states.
 const BLOCK: &str = "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X0 Y0 Z20\nG99 G81 X0 Y0 Z-16 R2 F600\n\
-    G81 X200 Y0 Z-16 R2\nG80\nG0 Z50\nM2\n";
+    G81 X150 Y0 Z-16 R2\nG80\nG0 Z50\nM2\n";
 /// A bar of 24 mm, turned to 22 mm and faced: no feature, and none of the machine's 20 mm is cut.
 const BAR: &str = "G21 G18 G90 G94 G8\nT33 M6\nG43 H33\nS800 M3\nG0 X14 Z2\nG0 X11.9\nG1 Z-20 F100\nG0 X30\nM5\nG0 Z60\n\
     T32 M6\nG43 H32\nS1000 M3\nG0 X13 Y0 Z6\nG76 P1.5 Z-15 I-1.1 J0.27 K0.885 R2 Q29.5 H2 E1.5 L2\nG0 X30 Z50\nM5\nM30\n";

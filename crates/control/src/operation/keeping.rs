@@ -345,6 +345,8 @@ pub(super) fn take_left(control: &mut Control, left: Left) {
         if changed(entry.diameter, tool.worn_diameter().value()) {
             tool.diameter = Length::mm(entry.diameter) - tool.wear.radius * 2.0;
         }
+        // its life went on meanwhile: it may have broken
+        tool.life = control.data.tools.get(tool.number).map_or(tool.life, |own| own.life);
         control.data.tools.insert(tool);
     }
 }
