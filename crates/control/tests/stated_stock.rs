@@ -1,5 +1,5 @@
-//! A stock that a program states is the stock of the judge and of the simulated machine on a control
-//! that is on, as in a run.
+//! A stock that a program states is the stock of the judge and of the simulated machine on a
+//! control that is on, as in a run.
 use control::job::{ProgramOptions, Session, preflight};
 use control::observers::Workpiece;
 use control::operation::{Execution, Request};

@@ -170,8 +170,8 @@ impl SimulatedMachine {
         }
     }
 
-    /// Clamps a block or a bar of these dimensions, if another one is clamped. Holes stay where they
-    /// are.
+    /// Clamps a block or a bar of these dimensions, if another one is clamped. Holes stay where
+    /// they are.
     pub fn clamp_stock(&mut self, stock: &crate::Stock, bar: Option<Bar>) {
         if let (Some(cutting), Some(own)) = (&mut self.cutting, &mut self.config.stock) {
             (own.top, own.thickness, own.sides) = (stock.top, stock.thickness, stock.sides);

@@ -328,48 +328,6 @@ impl TurnedBar {
         self.line
     }
 
-    /// Notes from now on how near to the axis tools come between two Z; as the bar is there now.
-    pub(crate) fn ring(&mut self, of: usize, heights: [f64; 2]) {
-        let [first, last] = self.places_between(heights);
-        let inner = |place: usize| {
-            let all = (0..SECTIONS).map(|section| self.inner[section * self.places + place]);
-            all.fold(0.0, f64::max)
-        };
-        let bore = (first..=last).map(inner).collect();
-        self.rings.push(Ring::new(of, first, self.round[first..=last].to_vec(), bore));
-    }
-
-    /// How near tools came since, and the line that did so last, if that was not looked at.
-    pub(crate) fn ring_of(&self, of: usize) -> Option<(&Ring, Option<u32>)> {
-        self.rings.iter().find(|ring| ring.of == of).map(|ring| (ring, ring.line()))
-    }
-
-    /// At a place no more is left than reaches to a radius, by the angle in the work, rad.
-    pub(crate) fn limit(&mut self, place: usize, radius: impl Fn(f64) -> f64) {
-        for section in 0..SECTIONS {
-            let angle = section as f64 / SECTIONS as f64 * TAU;
-            let outer = &mut self.outer[section * self.places + place];
-            *outer = outer.min(radius(angle));
-        }
-    }
-
-    /// It was looked at.
-    pub(crate) fn looked_at(&mut self, of: usize) {
-        if let Some(ring) = self.rings.iter_mut().find(|ring| ring.of == of) {
-            ring.looked_at();
-        }
-    }
-
-    /// Nothing is noted of it any more.
-    pub(crate) fn unring(&mut self, of: usize) {
-        self.rings.retain(|ring| ring.of != of);
-    }
-
-    /// Tools came near where that is noted, and no one has looked.
-    pub(crate) fn is_ring_cut(&self) -> bool {
-        self.rings.iter().any(|ring| ring.line().is_some())
-    }
-
     /// Note from now on who takes something off between two places.
     pub(crate) fn watch(&mut self, of: usize, places: [usize; 2]) {
         self.unwatch(of);
@@ -401,52 +359,6 @@ impl TurnedBar {
                 watched.line = Some((line, much));
             }
         }
-    }
-
-    /// What is there between two places.
-    pub(crate) fn stretch(&self, places: [usize; 2]) -> BarPart {
-        let [low, high] = places;
-        let of = |radii: &[f64]| {
-            let part = |section: usize| {
-                let first = section * self.places;
-                radii[first + low..=first + high].iter().copied()
-            };
-            (0..SECTIONS).flat_map(part).collect()
-        };
-        BarPart { places, outer: of(&self.outer), inner: of(&self.inner) }
-    }
-
-    /// The same bar, as a stretch of it was before: where it still is as `left` has it.
-    pub(crate) fn with(&self, before: &BarPart, left: &BarPart) -> Self {
-        let mut bar = Self { watched: Vec::new(), rings: Vec::new(), ..self.clone() };
-        let [low, high] = before.places;
-        let length = high - low + 1;
-        for section in 0..SECTIONS {
-            for k in 0..length {
-                let (at, of) = (section * self.places + low + k, section * length + k);
-                if (bar.outer[at] - left.outer[of]).abs() < TRACE_MM {
-                    bar.outer[at] = before.outer[of];
-                }
-                if (bar.inner[at] - left.inner[of]).abs() < TRACE_MM {
-                    bar.inner[at] = before.inner[of];
-                }
-            }
-        }
-        bar
-    }
-
-    /// Where later cuts have taken something off what was left, in any section: by place.
-    pub(crate) fn is_changed(&self, left: &BarPart) -> Vec<bool> {
-        let [low, high] = left.places;
-        let length = high - low + 1;
-        let changed = |k: usize| {
-            (0..SECTIONS).any(|section| {
-                let (at, of) = (section * self.places + low + k, section * length + k);
-                left.outer[of] - self.outer[at] > TRACE_MM
-                    || self.inner[at] - left.inner[of] > TRACE_MM
-            })
-        };
-        (0..length).map(changed).collect()
     }
 
     /// The tool has just cut through to the axis, or into the bore: the place where it did.

@@ -1,5 +1,5 @@
-//! What turns with the work, cut again or taken off: threads, polygons and what is turned, each after
-//! each other. Gears have theirs in `gear`, cams in the judge's own file.
+//! What turns with the work, cut again or taken off: threads, polygons and what is turned, each
+//! after each other. Gears have theirs in `gear`, cams in the judge's own file.
 use crate::lathe::{DRILL_8, DRILL_19, FULL, GROOVE, Lathe, TURN};
 
 /// On a bar of 20 mm.

@@ -5,6 +5,8 @@
 //!   broken-tools.toml   tools = [3, 5]                       of runs
 //!   tools.toml          life = { …, broken = true }          of a control
 //! ```
+use crate::output::write_file;
+use crate::text::read_text;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -12,13 +14,16 @@ const FILE: &str = "broken-tools.toml";
 /// The tools of a control.
 const CONTROLS_TOOLS: &str = "tools.toml";
 /// A file that is longer is none of these.
-const LONGEST: u64 = 1 << 20;
+const LONGEST: u64 = 1 << 26;
+
+/// A file that is not there, or is none of these, says nothing.
+fn read(folder: &Path, file: &str) -> String {
+    read_text(&folder.join(file), "state", LONGEST).unwrap_or_default()
+}
 
 /// Tools that broke in runs.
 pub fn of_runs(folder: &Path) -> BTreeSet<u32> {
-    let path = folder.join(FILE);
-    let is_short = path.metadata().is_ok_and(|data| data.len() < LONGEST);
-    let text = std::fs::read_to_string(&path).ok().filter(|_| is_short).unwrap_or_default();
+    let text = read(folder, FILE);
     let list = text.split_once('[').and_then(|(_, rest)| rest.split_once(']'));
     let numbers = list.map_or("", |(numbers, _)| numbers).split(',');
     numbers.filter_map(|number| number.trim().parse().ok()).collect()
@@ -26,7 +31,7 @@ pub fn of_runs(folder: &Path) -> BTreeSet<u32> {
 
 /// Tools that broke in runs, and under a control.
 pub fn of_all(folder: &Path) -> BTreeSet<u32> {
-    let text = std::fs::read_to_string(folder.join(CONTROLS_TOOLS)).unwrap_or_default();
+    let text = read(folder, CONTROLS_TOOLS);
     let tools = crate::tools::parse_controls_toml(&text).unwrap_or_default();
     let broken = tools.iter().filter(|tool| tool.life.is_broken).map(|tool| tool.number);
     broken.chain(of_runs(folder)).collect()
@@ -46,15 +51,9 @@ pub fn keep(folder: &Path, broken: &BTreeSet<u32>) -> Result<(), String> {
         list.join(", ")
     );
     let path = folder.join(FILE);
-    let write = || {
-        std::fs::create_dir_all(folder)?;
-        let new = path.with_extension("toml.new");
-        std::fs::write(&new, text)?;
-        std::fs::File::open(&new)?.sync_all()?;
-        std::fs::rename(&new, &path)
-    };
-    write()
-        .map_err(|why| format!("which tools are broken is not kept in {}: {why}", path.display()))
+    std::fs::create_dir_all(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
+    write_file(&path, text.as_bytes())
+        .map_err(|why| format!("which tools are broken is not kept: {why}"))
 }
 
 /// A new one is in the place of a tool.

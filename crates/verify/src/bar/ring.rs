@@ -1,6 +1,8 @@
 //! How near to the axis tools have come since something was cut there that turns with the work and
 //! is not round, such as a polygon: its owner compares that with its own form.
+use super::{SECTIONS, TurnedBar};
 use crate::insert::Side;
+use std::f64::consts::TAU;
 
 /// Differences below this are none, mm.
 const SAME_MM: f64 = 1e-6;
@@ -54,5 +56,49 @@ impl Ring {
 
     pub(super) const fn looked_at(&mut self) -> Option<u32> {
         self.line.take()
+    }
+}
+
+impl TurnedBar {
+    /// Notes from now on how near to the axis tools come between two Z; as the bar is there now.
+    pub(crate) fn ring(&mut self, of: usize, heights: [f64; 2]) {
+        let [first, last] = self.places_between(heights);
+        let inner = |place: usize| {
+            let all = (0..SECTIONS).map(|section| self.inner[section * self.places + place]);
+            all.fold(0.0, f64::max)
+        };
+        let bore = (first..=last).map(inner).collect();
+        self.rings.push(Ring::new(of, first, self.round[first..=last].to_vec(), bore));
+    }
+
+    /// How near tools came since, and the line that did so last, if that was not looked at.
+    pub(crate) fn ring_of(&self, of: usize) -> Option<(&Ring, Option<u32>)> {
+        self.rings.iter().find(|ring| ring.of == of).map(|ring| (ring, ring.line()))
+    }
+
+    /// At a place no more is left than reaches to a radius, by the angle in the work, rad.
+    pub(crate) fn limit(&mut self, place: usize, radius: impl Fn(f64) -> f64) {
+        for section in 0..SECTIONS {
+            let angle = section as f64 / SECTIONS as f64 * TAU;
+            let outer = &mut self.outer[section * self.places + place];
+            *outer = outer.min(radius(angle));
+        }
+    }
+
+    /// It was looked at.
+    pub(crate) fn looked_at(&mut self, of: usize) {
+        if let Some(ring) = self.rings.iter_mut().find(|ring| ring.of == of) {
+            ring.looked_at();
+        }
+    }
+
+    /// Nothing is noted of it any more.
+    pub(crate) fn unring(&mut self, of: usize) {
+        self.rings.retain(|ring| ring.of != of);
+    }
+
+    /// Tools came near where that is noted, and no one has looked.
+    pub(crate) fn is_ring_cut(&self) -> bool {
+        self.rings.iter().any(|ring| ring.line().is_some())
     }
 }
