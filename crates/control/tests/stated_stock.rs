@@ -118,7 +118,7 @@ fn the_next_program_that_states_none_goes_on_with_the_workpiece_and_the_next_wor
     until(&mut control, Control::is_ready);
     control.request(&Request::Home(None)).unwrap();
     until(&mut control, |control| control.is_homed_all() && control.is_at_standstill());
-    let mut cut = |control: &mut Control, stock: &str| {
+    let cut = |control: &mut Control, stock: &str| {
         let path = home.path().join("part.ngc");
         std::fs::write(&path, format!("{stock}\n{BLOCK}")).unwrap();
         control.request(&Request::Load(path)).map_err(|why| why.to_string()).unwrap();

@@ -157,7 +157,7 @@ impl Judge {
     /// A program begins that states its stock, which is clamped as this has it; a bar of another
     /// size is another one, on which nothing was turned.
     pub fn is_clamped(&mut self, stated: &Config) {
-        let Config { stock, bar, stock_radius, mill_stock, gear_blank, .. } = *stated;
+        let Config { stock, mill_stock, gear_blank, stock_radius, bar, .. } = *stated;
         if bar != self.config.bar {
             self.bar = bar.map(|bar| TurnedBar::new(bar, self.config.work_axis));
             (self.threads, self.polygons) = Default::default();
@@ -166,7 +166,7 @@ impl Judge {
             self.milling = Milling::default();
         }
         self.config =
-            Config { stock, bar, stock_radius, mill_stock, gear_blank, ..self.config.clone() };
+            Config { stock, mill_stock, gear_blank, stock_radius, bar, ..self.config.clone() };
     }
 
     /// What is left of the work.
