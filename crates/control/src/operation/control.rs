@@ -209,7 +209,6 @@ impl Control {
             base,
         };
         control.take_kept(state);
-        control.take_broken_tools();
         let state = control.options.state.as_deref();
         ranges::check_kept(&control.data.parameters, &control.base.machine, state)?;
         for finding in found {

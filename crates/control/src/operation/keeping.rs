@@ -29,6 +29,7 @@ impl Control {
         if let Some(tools) = state.tools {
             self.data.tools = tools;
         }
+        self.take_broken_tools();
         self.alarms = state.alarms.into_iter().map(remembered).collect();
         self.raise_state_changes(state.changes);
         if let Some(Settings {
