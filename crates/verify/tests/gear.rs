@@ -718,8 +718,8 @@ fn teeth_that_another_hob_has_roughed_are_not_judged() {
 }
 
 /// A gear, then another tool on its way over or through it; `at`: places of its tip.
-fn then(tool: Tool, at: &[[f64; 3]], hob: Hob) -> Feature {
-    let cut = Cut { hob, ..CUT };
+fn then(tool: Tool, at: &[[f64; 3]], hob: &Hob) -> Feature {
+    let cut = Cut { hob: *hob, ..CUT };
     let number = tool.number;
     let length = tool.length.value();
     let tools = ToolLibrary::new([cut.tool(), tool]);
@@ -796,7 +796,7 @@ fn what_other_tools_take_off_teeth_takes_their_verdict_back() {
         ("bored", drill(), down(0.0), HOB, Pass),
         ("a hole in its web", drill(), down(30.0), HOB, Pass),
     ] {
-        check(name, &then(tool, &way, hob), expected);
+        check(name, &then(tool, &way, &hob), expected);
     }
 }
 
