@@ -30,6 +30,8 @@ class ProgramOptions(TypedDict, total=False):
     missing_tools: Literal["refuse", "stand-in"] | None
     pre_drilled: bool | None
     """Holes that the program taps and does not drill are there."""
+    stock: str | None
+    """The stock as a comment ``(STOCK ...)`` has it, mm, such as ``DIA 32 LENGTH 80``; ``None``: as the program or the machine's file says."""
     tapping: Literal["synchronised", "floating"] | None
     clutch_dwell: Literal["refuse", "warn"] | None
     dialect: Dialect | None
@@ -69,6 +71,8 @@ class RunOptions(ProgramOptions, total=False):
     recover: Literal[True, "out", "continue"] | None
     units: Literal["mm", "inch"] | None
     state: Path | None
+    renew_tool: Sequence[int] | None
+    """Tools in whose place new ones are since they broke: ``state`` keeps which are broken."""
 
 
 class PolygonOptions(TypedDict, total=False):

@@ -26,6 +26,8 @@ pub struct ToolLife {
     pub limit: ToolLimit,
     /// What M6 does with a tool that is at its limit.
     pub at_limit: AtLimit,
+    /// It broke, and no one has said that a new one is in its place.
+    pub is_broken: bool,
 }
 
 /// How much a tool has been used.
@@ -70,6 +72,12 @@ impl ToolUse {
 }
 
 impl ToolLife {
+    /// A new tool is in its place.
+    pub const fn begin_anew(&mut self) {
+        (self.used, self.is_broken) =
+            (ToolUse { uses: 0, time: Time::ZERO, length: Length::ZERO }, false);
+    }
+
     /// Which limit is reached, in words, if one is: `500 of 500 uses`.
     pub fn reached(&self) -> Option<String> {
         let Self { used, limit, .. } = self;
@@ -152,7 +160,7 @@ mod tests {
     fn used(uses: u32) -> ToolLife {
         let used = ToolUse { uses, ..ToolUse::default() };
         let limit = ToolLimit { uses: Some(500), ..ToolLimit::default() };
-        ToolLife { used, limit, at_limit: AtLimit::Refuse }
+        ToolLife { used, limit, at_limit: AtLimit::Refuse, is_broken: false }
     }
 
     #[test]
@@ -171,7 +179,7 @@ mod tests {
         };
         let of = |time, length| {
             let used = ToolUse { uses: 9999, time: Time::s(time), length: Length::mm(length) };
-            ToolLife { used, limit, at_limit: AtLimit::Remark }.reached()
+            ToolLife { used, limit, at_limit: AtLimit::Remark, is_broken: false }.reached()
         };
         assert_eq!(of(3599.0, 89_999.0), None);
         assert_eq!(of(3600.0, 0.0).as_deref(), Some("3600 of 3600 s of cutting"));

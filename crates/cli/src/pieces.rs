@@ -11,6 +11,7 @@
 use crate::say;
 use control::Refused;
 use control::job::Session;
+use control::job::mill_stock::MilledStock;
 use control::job::options::ProgramOptions;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -42,7 +43,8 @@ pub(crate) fn session(options: &ProgramOptions, path: &Path) -> Result<Option<Se
     if !long {
         return Ok(None);
     }
-    let session = Session::load(options, path, b"")?;
+    let mut session = Session::load(options, path, b"")?;
+    session.is_stated_by(&head(path, MilledStock::LOOKED_AT)?);
     Ok(suits(path, &session.interp_setup())?.then_some(session))
 }
 

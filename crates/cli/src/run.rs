@@ -154,6 +154,7 @@ fn options(args: &RunArgs) -> RunOptions {
         recover: args.recover.map(Into::into),
         socket: args.simulator.clone(),
         state: args.state.clone(),
+        renewed: args.renew_tool.clone(),
         command: Vec::new(),
         timings: args.timings,
         real_time: args.real_time.then(RealTimeOptions::default),

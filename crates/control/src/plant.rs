@@ -113,6 +113,21 @@ impl Plant {
         })
     }
 
+    /// A new tool is in the place of a broken one on a machine that is simulated here.
+    pub fn renew_tool(&mut self, number: u32) {
+        if let Self::Inside(machine) = self {
+            machine.machine_mut().renew_tool(number);
+        }
+    }
+
+    /// A stock of these dimensions is clamped on a machine that is simulated here; on any other one
+    /// that is done by hand.
+    pub fn clamp_stock(&mut self, stock: &sim::Stock, bar: Option<sim::Bar>) {
+        if let Self::Inside(machine) = self {
+            machine.machine_mut().clamp_stock(stock, bar);
+        }
+    }
+
     /// Another workpiece is clamped on a machine that is simulated here; on any other one that is
     /// done by hand.
     pub fn renew_work(&mut self) {

@@ -3,11 +3,13 @@
 
 mod absolute_encoders;
 mod axis_kinds;
+mod broken_tools;
 mod proving;
 mod real_time;
 mod recovery;
 mod requests;
 mod state;
+mod stated_stock;
 mod stop_lane;
 mod stop_sequences;
 mod stops;

@@ -12,6 +12,8 @@ use control::services::{RecordWriter, sync_record};
 use control::{Refused, config};
 use sim::{Faulty, SimulatedMachine};
 use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use store::state::broken_tools;
 use store::sync_record::slots::{Slots, StateFolder};
 use store::sync_record::{Identity, Stage, SyncRecord, Untrusted};
 use wire::{Hello, Remote};
@@ -68,6 +70,8 @@ pub(crate) struct Link {
     /// The hole of this program whose tap a recovery took out, where the program goes on after
     /// that.
     recovered: Option<u32>,
+    /// Folder of that state.
+    folder: Option<PathBuf>,
 }
 
 impl Link {
@@ -75,7 +79,7 @@ impl Link {
     pub(crate) fn open(options: &RunOptions, job: &mut Job) -> Result<Self, NotReady> {
         let Some(path) = &options.socket else {
             let Some(folder) = &options.state else {
-                return Ok(Self { remote: None, state: None, recovered: None });
+                return Ok(Self { remote: None, state: None, recovered: None, folder: None });
             };
             // a machine within this process begins anew each time: nothing can be in its work
             let machine = job.session.machine.name.clone();
@@ -83,7 +87,9 @@ impl Link {
             let (slots, kept) = sync_record::open(folder, &identity)?
                 .map_err(|why| Refused::because(why.to_string()))?;
             refuse_changed(options, job, kept.record.as_ref())?;
-            return Ok(Self { remote: None, state: Some((slots, identity)), recovered: None });
+            broken_since(folder, options, job);
+            let state = Some((slots, identity));
+            return Ok(Self { remote: None, state, recovered: None, folder: Some(folder.clone()) });
         };
         let machine = job.session.machine.name.clone();
         let hello = Hello { name: "leadscrew run".into(), machine };
@@ -109,7 +115,14 @@ impl Link {
         let of_this = |r: &SyncRecord| r.stage == Stage::Recovered && r.place.checksum == checksum;
         let recovered = kept.record.filter(|r| options.from.is_some() && of_this(r));
         let recovered = recovered.map(|record| record.place.hole);
-        Ok(Self { remote: Some(remote), state: Some((slots, identity)), recovered })
+        broken_since(&folder, options, job);
+        let (remote, state) = (Some(remote), Some((slots, identity)));
+        Ok(Self { remote, state, recovered, folder: Some(folder) })
+    }
+
+    /// Folder in which the state is kept.
+    pub(crate) const fn folder(&self) -> Option<&PathBuf> {
+        self.folder.as_ref()
     }
 
     /// The machine's time passes by the clock.
@@ -198,5 +211,17 @@ fn in_work(
         InWork::Nothing(_) => Ok(()),
         InWork::Tool(record) => Err(NotReady::InWork(record)),
         InWork::Unknown(why) => Err(NotReady::Unknown(why)),
+    }
+}
+
+/// Tools that broke before and in whose place no new one is are broken now.
+fn broken_since(folder: &Path, options: &RunOptions, job: &mut Job) {
+    let tools = &mut job.session.tools;
+    for number in broken_tools::of_all(folder) {
+        if let Some(tool) = tools.get(number).filter(|_| !options.renewed.contains(&number)) {
+            let mut tool = tool.clone();
+            tool.life.is_broken = true;
+            tools.insert(tool);
+        }
     }
 }

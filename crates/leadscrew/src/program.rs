@@ -190,9 +190,6 @@ impl Job {
             axis.start = start.along(Axis::ALL[*index]);
         }
         simulated.tool = self.session.tool();
-        if let (Some(work), Some(block)) = (&mut simulated.stock, self.stated_block()) {
-            config::clamp(work, &block);
-        }
         simulated
     }
 

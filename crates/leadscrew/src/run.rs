@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 use store::certificate::Certificate;
 use store::machine::{Follows, StockMaterial};
 use store::output::Folder;
+use store::state::broken_tools;
 use store::trace::{Columns, Writer};
 use sync::{Prediction, SyncMode};
 use units::Time;
@@ -46,6 +47,8 @@ pub struct RunOptions {
     pub force_ramp: Option<Time>,
     /// File of what is learnt from tap to tap; `off` is none; `None` is as the machine's file says.
     pub learning: Option<PathBuf>,
+    /// Tools in whose place new ones are since they broke.
+    pub renewed: Vec<u32>,
     /// Begin in the middle.
     pub from: Option<restart::From>,
     /// Begin there also where the program was changed since the sync record was written.
@@ -262,6 +265,7 @@ impl Run {
             Replay::of(&job, restart.skip, with, progress)
         });
         let replay = replay.transpose()?;
+        let folder = link.folder().cloned();
         let (plant, record_writer) =
             link.join(&job, (restart, replay.as_ref()), &options.command, seed)?;
         let loaded = Loaded { session, operations, restart, options: job.plan, planned };
@@ -290,8 +294,19 @@ impl Run {
         run.observers.others = observers;
         run.observers.timings = Timings::new(options.timings);
         let outcome = run.run(progress)?;
+        if let Some(folder) = folder {
+            keep_broken(&folder, &outcome, &options.renewed).map_err(Refused::because)?;
+        }
         Ok(Finished { motion: Some(self.motion), job, outcome, seed, tolerances, memory })
     }
+}
+
+/// Which tools are broken by now is kept for the next program.
+fn keep_broken(folder: &Path, outcome: &Outcome, renewed: &[u32]) -> Result<(), String> {
+    let mut broken = broken_tools::of_runs(folder);
+    broken.retain(|number| !renewed.contains(number));
+    broken.extend(outcome.watch.broken_tools());
+    broken_tools::keep(folder, &broken)
 }
 
 fn start_trace(path: &Path, job: &Job, seed: u64) -> Result<TraceThread, Refused> {

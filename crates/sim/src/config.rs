@@ -349,6 +349,6 @@ fn check_tool(tool: &Tool, found: &mut Vec<String>) {
                 "from 0 to the pretravel",
             );
         }
-        ToolKind::Mill { .. } | ToolKind::Other => {}
+        ToolKind::Mill { .. } | ToolKind::PolygonCutter(_) | ToolKind::Other => {}
     }
 }

@@ -60,7 +60,7 @@ pub use spindle::SpindleModel;
 pub use tool::{CLUTCH_RUN_OUT, Clutch, HOLDER_STOP, Holder, Tap, Tool, ToolKind};
 pub use touch::{Boss, ToolSetter, TouchProbe};
 pub use travel::{HomeSwitch, IndexMarks, PowerOn, Travel};
-pub use turning::{Bar, Edges, Insert, KIENZLE, Kienzle};
+pub use turning::{Bar, Edges, Insert, KIENZLE, Kienzle, PolygonCutter};
 pub use wear::TapWear;
 pub use work::{Bore, Hole, SAME_HOLE, Sides, Stock, Thread};
 

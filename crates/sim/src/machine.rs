@@ -163,6 +163,27 @@ impl SimulatedMachine {
         self
     }
 
+    /// A new tool of this number is in its place.
+    pub fn renew_tool(&mut self, number: u32) {
+        if let Some(cutting) = &mut self.cutting {
+            cutting.renew_tool(number);
+        }
+    }
+
+    /// Clamps a block or a bar of these dimensions, if another one is clamped. Holes stay where
+    /// they are.
+    pub fn clamp_stock(&mut self, stock: &crate::Stock, bar: Option<Bar>) {
+        if let (Some(cutting), Some(own)) = (&mut self.cutting, &mut self.config.stock) {
+            (own.top, own.thickness, own.sides) = (stock.top, stock.thickness, stock.sides);
+            cutting.clamp(stock);
+        }
+        if let Some(bar) = bar.filter(|bar| self.new_bar.as_ref().is_some_and(|own| !own.is(bar))) {
+            let scale = self.new_bar.as_ref().map_or(1.0, Turning::scale);
+            self.turning = Some(Turning::new(bar, scale));
+            self.new_bar = self.turning.clone();
+        }
+    }
+
     /// Clamp another workpiece: the same, without what was cut. Blanks beside a grinding wheel
     /// stay.
     pub fn renew_work(&mut self) {
@@ -324,6 +345,13 @@ impl SimulatedMachine {
             },
         );
         let turned = turned.unwrap_or_default();
+        if let (Some(turning), Some((number, cutter, length)), Some(tool)) =
+            (&mut self.turning, cutting.polygon_cutter(), self.spindles.get(1))
+        {
+            let at = [over[0].value(), over[1].value(), self.axes[z].table_mm() - length.value()];
+            let turns = [self.spindles[0].angle_rev(), tool.angle_rev()];
+            turning.cut_polygon((number, &cutter), at, turns);
+        }
         for (axis, force) in [(x, turned.force[0]), (y, turned.force[1])] {
             if let Some(axis) = axis.filter(|_| self.turning.is_some()) {
                 self.axes[axis].push(force);

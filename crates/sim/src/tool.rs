@@ -21,7 +21,10 @@ impl Tool {
         match &self.kind {
             ToolKind::Drill { diameter, .. } | ToolKind::Mill { diameter } => *diameter,
             ToolKind::Tap(tap) => tap.diameter,
-            ToolKind::Insert(_) | ToolKind::Probe(_) | ToolKind::Other => Length::ZERO,
+            ToolKind::Insert(_)
+            | ToolKind::PolygonCutter(_)
+            | ToolKind::Probe(_)
+            | ToolKind::Other => Length::ZERO,
         }
     }
 }
@@ -40,6 +43,8 @@ pub enum ToolKind {
     Tap(Tap),
     /// Turns a bar with a single point.
     Insert(crate::Insert),
+    /// Turns a polygon from the second spindle, without a force.
+    PolygonCutter(crate::PolygonCutter),
     /// Switches when it touches the work.
     Probe(crate::TouchProbe),
     /// An end mill: takes away what it meets, without a force.

@@ -19,7 +19,12 @@
 mod face;
 mod insert;
 
+mod polygon;
+
 pub use insert::{Edges, Insert};
+pub use polygon::PolygonCutter;
+
+use polygon::CutterPose;
 
 use crate::work::Hole;
 use core::f64::consts::TAU;
@@ -137,6 +142,8 @@ pub(crate) struct Turning {
     is_axial: Option<bool>,
     tool: Option<u32>,
     last: Option<Pose>,
+    /// The polygon cutter that came last, and where it was.
+    cutter: Option<(u32, CutterPose)>,
 }
 
 impl Turning {
@@ -156,7 +163,18 @@ impl Turning {
             is_axial: None,
             tool: None,
             last: None,
+            cutter: None,
         }
+    }
+
+    /// It is a bar of these dimensions.
+    pub(crate) fn is(&self, bar: &Bar) -> bool {
+        self.bar == *bar
+    }
+
+    /// Its cutting force, in those of the material.
+    pub(crate) const fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// The bar as it was turned elsewhere.
@@ -168,14 +186,21 @@ impl Turning {
         }
     }
 
-    /// Another tool: what others have bored on the axis is there for it.
-    fn mount(&mut self, tool: u32, top: Length, holes: &[Hole]) {
-        (self.tool, self.last, self.is_axial) = (Some(tool), None, None);
+    /// A tool comes to the bar.
+    fn come_with(&mut self, tool: u32) {
+        if self.tool != Some(tool) {
+            (self.tool, self.last, self.is_axial) = (Some(tool), None, None);
+        }
         if self.outer.is_empty() {
             let all = COLUMNS * self.places;
             self.outer = vec![self.bar.radius.value() as f32; all];
             self.inner = vec![self.bar.bore.value() as f32; all];
         }
+    }
+
+    /// Another tool: what others have bored on the axis is there for it.
+    fn mount(&mut self, tool: u32, top: Length, holes: &[Hole]) {
+        self.come_with(tool);
         let [x, y] = self.bar.axis;
         for hole in holes {
             if (hole.x - x).value().hypot((hole.y - y).value()) > ON_AXIS_MM {

@@ -14,8 +14,10 @@
 //! about the axis − spindle angle. Between two samples place and angle are interpolated; in a
 //! section the insert's form is cut out exactly. A drill on the axis bores.
 mod part;
+mod ring;
 
 pub(crate) use part::BarPart;
+pub(crate) use ring::Ring;
 
 use crate::insert::{Form, Outline, Side};
 use bus::Sample;
@@ -80,11 +82,14 @@ pub(crate) struct TurnedBar {
     places: usize,
     outer: Vec<f64>,
     inner: Vec<f64>,
+    /// Least radius to which anything was turned, by place.
+    round: Vec<f64>,
     last: Option<Pose>,
     side: Side,
     /// Line of the program that cuts.
     line: u32,
     watched: Vec<Watched>,
+    rings: Vec<Ring>,
     /// From this place on nothing is left.
     front: usize,
 }
@@ -110,10 +115,12 @@ impl TurnedBar {
             places,
             outer: vec![bar.radius.value(); SECTIONS * places],
             inner: vec![bar.bore.value(); SECTIONS * places],
+            round: vec![bar.radius.value(); places],
             last: None,
             side: Side::External,
             line: 0,
             watched: Vec::new(),
+            rings: Vec::new(),
             front: places,
         }
     }
@@ -198,6 +205,13 @@ impl TurnedBar {
             .collect();
         radii.sort_by(f64::total_cmp);
         radii.get(radii.len() / 2).map_or(stock, |radius| Length::mm(*radius)) * 2.0
+    }
+
+    /// There is a bar at a place, and not the pip that facing leaves.
+    pub(crate) fn is_solid(&self, place: usize) -> bool {
+        let all = (0..SECTIONS).map(|section| section * self.places + place);
+        all.map(|at| self.outer[at] - self.inner[at]).fold(f64::INFINITY, f64::min)
+            > 2.0 * THROUGH_MM
     }
 
     /// There is material in the first section at a place.
@@ -309,6 +323,11 @@ impl TurnedBar {
         self.line = line;
     }
 
+    /// The line of the program that cuts.
+    pub(crate) const fn line(&self) -> u32 {
+        self.line
+    }
+
     /// Note from now on who takes something off between two places.
     pub(crate) fn watch(&mut self, of: usize, places: [usize; 2]) {
         self.unwatch(of);
@@ -318,6 +337,7 @@ impl TurnedBar {
     /// Note what another bar notes.
     pub(crate) fn watch_as(&mut self, other: &Self) {
         self.watched.clone_from(&other.watched);
+        self.rings.clone_from(&other.rings);
     }
 
     /// Note it no more.
@@ -339,52 +359,6 @@ impl TurnedBar {
                 watched.line = Some((line, much));
             }
         }
-    }
-
-    /// What is there between two places.
-    pub(crate) fn stretch(&self, places: [usize; 2]) -> BarPart {
-        let [low, high] = places;
-        let of = |radii: &[f64]| {
-            let part = |section: usize| {
-                let first = section * self.places;
-                radii[first + low..=first + high].iter().copied()
-            };
-            (0..SECTIONS).flat_map(part).collect()
-        };
-        BarPart { places, outer: of(&self.outer), inner: of(&self.inner) }
-    }
-
-    /// The same bar, as a stretch of it was before: where it still is as `left` has it.
-    pub(crate) fn with(&self, before: &BarPart, left: &BarPart) -> Self {
-        let mut bar = Self { watched: Vec::new(), ..self.clone() };
-        let [low, high] = before.places;
-        let length = high - low + 1;
-        for section in 0..SECTIONS {
-            for k in 0..length {
-                let (at, of) = (section * self.places + low + k, section * length + k);
-                if (bar.outer[at] - left.outer[of]).abs() < TRACE_MM {
-                    bar.outer[at] = before.outer[of];
-                }
-                if (bar.inner[at] - left.inner[of]).abs() < TRACE_MM {
-                    bar.inner[at] = before.inner[of];
-                }
-            }
-        }
-        bar
-    }
-
-    /// Where later cuts have taken something off what was left, in any section: by place.
-    pub(crate) fn is_changed(&self, left: &BarPart) -> Vec<bool> {
-        let [low, high] = left.places;
-        let length = high - low + 1;
-        let changed = |k: usize| {
-            (0..SECTIONS).any(|section| {
-                let (at, of) = (section * self.places + low + k, section * length + k);
-                left.outer[of] - self.outer[at] > TRACE_MM
-                    || self.inner[at] - left.inner[of] > TRACE_MM
-            })
-        };
-        (0..length).map(changed).collect()
     }
 
     /// The tool has just cut through to the axis, or into the bore: the place where it did.
@@ -439,6 +413,15 @@ impl TurnedBar {
 
     fn cut_to(&mut self, section: usize, place: usize, [radius, rise]: [f64; 2], side: Side) {
         let index = section * self.places + place;
+        let edge = match side {
+            Side::External => radius + rise,
+            Side::Internal => radius - rise,
+        };
+        if side == Side::External {
+            self.round[place] = self.round[place].min(edge.max(0.0));
+        }
+        let line = self.line;
+        self.rings.iter_mut().for_each(|ring| ring.cut(place, edge, side, line));
         let removed = match side {
             Side::External => {
                 let removed = self.outer[index] - (radius + rise).max(0.0);

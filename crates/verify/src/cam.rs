@@ -18,12 +18,18 @@
 //! What is ground off stays off, so of all turns the nearest place counts at each angle; the
 //! wheel's edge is the axis and what the work presses it back. A wheel's wear is not known here: it
 //! shows as material that is left.
+mod again;
 mod contour;
+
+pub(crate) use again::Cams;
 
 use crate::Config;
 use crate::contact::{Contact, shifted, unknown};
+use crate::feature::Feature;
 use crate::judged::Judged;
 use crate::verdict::Verdict;
+use crate::workpiece::Undone;
+use again::CutCam;
 use bus::Sample;
 use canon::CamOrder;
 use contour::{Contour, lagrange};
@@ -119,6 +125,8 @@ impl Selected {
 #[derive(Clone, Debug)]
 pub(crate) struct CamTrack {
     phase: f64,
+    /// Where the wheel stood along the work, mm.
+    z: f64,
     began: Option<(Time, Angle)>,
     last: Angle,
     /// The last four samples.
@@ -154,6 +162,7 @@ impl CamTrack {
     pub(crate) fn new(ordered: &OrderedCam) -> Self {
         Self {
             phase: ordered.phase.value(),
+            z: 0.0,
             began: None,
             last: Angle::ZERO,
             recent: VecDeque::with_capacity(5),
@@ -167,6 +176,7 @@ impl CamTrack {
     pub(crate) fn sample(&mut self, sample: &Sample) {
         let angle = sample.spindle(0);
         self.began.get_or_insert((sample.feedback.time, angle));
+        self.z = sample.axis(2).value();
         self.last = angle;
         if let Some(truth) = &sample.truth {
             let (torque, force) = (truth.cutting_torque.abs(), truth.cutting_force.abs());
@@ -210,19 +220,47 @@ impl CamTrack {
         cam
     }
 
+    /// Judges a cam, which stands from now on among the others; with what it does to those that are
+    /// no longer among the features.
     pub(crate) fn finish(
-        self,
-        op: u32,
-        line: u32,
+        mut self,
+        (op, line): (u32, u32),
         ordered: &OrderedCam,
         config: &Config,
+        (cams, features): (&mut Cams, &mut [Feature]),
+        now: Time,
+    ) -> (Judged<GroundCam>, Vec<Undone>) {
+        // the shaft turns about the axis that the set-up states, wherever the program has it
+        let centre = config.stock.map_or(ordered.centre, |stock| stock.zero[0]);
+        let profile = config.cams.get(ordered.profile);
+        let by =
+            (config.wheel_width.map_or(0.0, Length::value), config.tolerances.cam_contour.value());
+        let asked = profile.map(|profile| contour::asked_over(profile, centre, self.shift()));
+        let own = self.nearest.clone();
+        let goes_on = asked.as_ref().is_some_and(|asked| cams.go_on(&mut self, asked, by));
+        let nearest = self.over_the_work(&own);
+        let is_whole = self.nearest.iter().all(|x| x.is_finite());
+        let z = self.z;
+        let mut found = self.judge((op, line), ordered, config, (goes_on, &own), now);
+        let (Some(asked), true) = (asked, is_whole) else { return (found, Vec::new()) };
+        let name = found.kind.name.clone();
+        let new = CutCam { op: Some(op), line, name, z, asked, nearest, spoilt: None };
+        let undone = cams.add(&mut found, new, features, by);
+        (found, undone)
+    }
+
+    fn judge(
+        self,
+        (op, line): (u32, u32),
+        ordered: &OrderedCam,
+        config: &Config,
+        (goes_on, own): (bool, &[f64]),
         now: Time,
     ) -> Judged<GroundCam> {
         let (time, from) = self.began.unwrap_or((now, Angle::ZERO));
         let mut cam = blank(ordered, (self.last - from).abs());
         let mut findings = Vec::new();
-        let whole = self.nearest.iter().all(|x| x.is_finite());
-        // the shaft turns about the axis that the set-up states, wherever the program has it
+        let whole = own.iter().all(|x| x.is_finite());
         let centre = config.stock.map_or(ordered.centre, |stock| stock.zero[0]);
         if let Some(stock) = &config.stock {
             let zero = [ordered.centre, stock.zero[1], ordered.zero];
@@ -238,7 +276,7 @@ impl CamTrack {
             Some(profile) => self.contour().measure(&mut cam, profile, centre),
         }
         let contact = self.contact(&cam, ordered, config);
-        findings.extend(not_cut(&contact));
+        findings.extend(not_cut(&contact).filter(|_| !goes_on));
         let limit = config.tolerances.cam_contour;
         if cam.contour_error_max > limit {
             findings.push(format!(
@@ -257,6 +295,21 @@ impl CamTrack {
             contact,
             kind: cam,
         }
+    }
+
+    /// Steps between the profile's beginning and the work's zero.
+    fn shift(&self) -> usize {
+        (self.phase * STEPS as f64).round().rem_euclid(STEPS as f64) as usize % STEPS
+    }
+
+    /// The nearest places by steps of the work's turn.
+    fn over_the_work(&self, own: &[f64]) -> Vec<f64> {
+        let shift = self.shift();
+        let nearest = |k: usize| {
+            let step = (k + STEPS - shift) % STEPS;
+            self.nearest[step].min(own[step])
+        };
+        (0..STEPS).map(nearest).collect()
     }
 }
 
@@ -367,7 +420,8 @@ mod tests {
             sample.feedback.axes[0].position = Coordinate::linear(CENTRE + Length::mm(x(turn)));
             track.sample(&sample);
         }
-        let feature = track.finish(3, 4, &ordered, &config, Time::s(3.0));
+        let works = (&mut Cams::default(), &mut [][..]);
+        let (feature, _) = track.finish((3, 4), &ordered, &config, works, Time::s(3.0));
         let cam = feature.kind.clone();
         (feature, cam)
     }
@@ -412,5 +466,113 @@ mod tests {
         let (_, cam) = judged(|turn| ideal(turn) + 0.002 * (TAU * 83.0 * turn).sin());
         assert_eq!(cam.waviness.1, 83);
         assert!((cam.waviness.0.in_um() - 2.0).abs() < 0.02);
+    }
+
+    /// What a judge of one work says of cams ground one after the other, each with its lift, its
+    /// angle and where the wheel stands along the work; and then of a wheel at a radius.
+    fn one_after_the_other(
+        cuts: &[(f64, f64, f64)],
+        then: Option<[f64; 2]>,
+    ) -> Vec<Judged<GroundCam>> {
+        let profile = |number: u32, rise: f64| {
+            let at = |i: usize| 220.0 + rise * (TAU * i as f64 / STEPS as f64).cos();
+            let (nodes, wheel) = ((0..STEPS).map(at).collect(), Length::mm(195.0));
+            CamProfile { number, name: format!("cam {number}"), nodes, wheel, steepest: [0.0; 3] }
+        };
+        let numbers = 1..;
+        let config = Config {
+            cams: CamLibrary::new(numbers.zip(cuts).map(|(n, (rise, ..))| profile(n, *rise))),
+            stock: Some(stock()),
+            wheel_width: Some(Length::mm(10.0)),
+            ..Config::new(ToolLibrary::default())
+        };
+        let (mut cams, mut features) = (Cams::default(), Vec::<Feature>::new());
+        let see = |turn: f64, x: f64, z: f64| {
+            let mut sample = Sample::default();
+            sample.feedback.time = Time::s(turn);
+            sample.feedback.spindles[0].angle = Angle::rev(turn);
+            sample.feedback.axes[0].position = Coordinate::linear(CENTRE + Length::mm(x));
+            sample.feedback.axes[2].position = Coordinate::new(z);
+            sample.report.line = 90;
+            sample
+        };
+        for (op, (rise, deg, z)) in (1..).zip(cuts) {
+            let (profile, phase) = (op, Angle::deg(*deg));
+            let ordered = OrderedCam { profile, phase, ..ordered() };
+            let mut track = CamTrack::new(&ordered);
+            for i in 0..6000 {
+                let turn = f64::from(i) / 2000.0;
+                let x = 220.0 + rise * (TAU * (turn - deg / 360.0)).cos();
+                track.sample(&see(turn, x, *z));
+            }
+            let works = (&mut cams, &mut features[..]);
+            let (found, _) = track.finish((op, op), &ordered, &config, works, Time::s(3.0));
+            features.push(found.map(Box::new).map(crate::FeatureKind::Cam));
+        }
+        if let Some([x, z]) = then {
+            for i in 0..2000 {
+                let allowed = config.tolerances.cam_contour;
+                cams.sample(&see(f64::from(i) / 1000.0, x, z), config.wheel_width, allowed);
+            }
+        }
+        for undone in cams.settle() {
+            let feature = features.iter_mut().find(|f| f.op == undone.op).unwrap();
+            feature.destroyed(undone.line, &undone.how);
+        }
+        let of = |f: Feature| {
+            f.map(|kind| match kind {
+                crate::FeatureKind::Cam(cam) => *cam,
+                other => panic!("{other:?}"),
+            })
+        };
+        features.into_iter().map(of).collect()
+    }
+
+    #[test]
+    fn a_cam_that_is_ground_over_another_one_takes_its_verdict_back() {
+        let (first, quarter) = ((4.0, 0.0, -20.0), (4.0, 90.0, -20.0));
+        let reason = |f: &Judged<GroundCam>| f.verdict.reason().unwrap_or_default().to_owned();
+        for (name, cuts) in [
+            ("turned by 90°", [first, quarter]),
+            ("turned by a degree", [first, (4.0, 1.0, -20.0)]),
+            ("a lower lift", [first, (2.0, 0.0, -20.0)]),
+            ("a higher lift", [first, (6.0, 0.0, -20.0)]),
+            ("the wheel half over it", [first, (4.0, 90.0, -25.0)]),
+        ] {
+            let found = one_after_the_other(&cuts, None);
+            let said = reason(&found[0]);
+            assert!(
+                said.contains("good when cut, destroyed in line 2: cam 2 was ground over it"),
+                "{name}: {said}"
+            );
+            assert!(
+                reason(&found[1]).contains("line 1 has ground cam 1 there before"),
+                "{name}: {}",
+                reason(&found[1])
+            );
+        }
+        let fed = one_after_the_other(&[first], Some([221.0, -20.0]));
+        assert!(
+            reason(&fed[0]).contains("destroyed in line 90: the wheel went into it: 3.000 mm"),
+            "{}",
+            reason(&fed[0])
+        );
+    }
+
+    #[test]
+    fn cams_beside_one_another_and_the_same_cam_again_stay_good() {
+        let first = (4.0, 0.0, -20.0);
+        for (name, cuts, then) in [
+            ("one", vec![first], None),
+            ("the same again", vec![first, first], None),
+            ("the next on the shaft", vec![first, (4.0, 90.0, -60.0)], None),
+            ("just beside", vec![first, (6.0, 90.0, -30.0)], None),
+            ("the wheel at its top", vec![first], Some([224.01, -20.0])),
+            ("the wheel beside it", vec![first], Some([215.0, -40.0])),
+        ] {
+            for found in one_after_the_other(&cuts, then) {
+                assert!(found.verdict.is_pass(), "{name}: {:?}", found.verdict);
+            }
+        }
     }
 }

@@ -25,6 +25,9 @@ pub struct Config {
     pub described_mills: ToolLibrary,
     /// The stock that is milled; `None`: what mills cut is not judged.
     pub mill_stock: Option<MillStock>,
+    /// Width of the grinding wheel; `None`: cams at one place along the work lie over one another
+    /// alone.
+    pub wheel_width: Option<Length>,
     /// The blank that gears are hobbed of, as a program states it; `None`: the stock is it.
     pub gear_blank: Option<Stock>,
     /// Machine coordinates, X and Y, of the axis about which the work turns.
@@ -63,6 +66,7 @@ impl Config {
             stock: None,
             described_mills: ToolLibrary::default(),
             mill_stock: None,
+            wheel_width: None,
             gear_blank: None,
             work_axis: [Length::ZERO; 2],
             stock_radius: None,

@@ -21,6 +21,7 @@ use core::f64::consts::PI;
 use units::{Angle, Length, Spin, Time};
 
 mod again;
+mod crossed;
 mod measure;
 mod size;
 mod tooth;
@@ -30,6 +31,7 @@ pub(crate) use again::{Cuts, Earlier};
 pub use size::ToothSize;
 
 use again::CutGear;
+use crossed::Teeth;
 use size::Rack;
 use track::{Pass, PassTrack};
 
@@ -248,10 +250,12 @@ impl GearTrack {
         if passes.is_empty() {
             findings.push("not cut: the hob never touched the blank".to_owned());
         } else {
-            let new = CutGear { op, line, tool, rack: self.rack, passes };
+            let teeth = Teeth::of(&self.rack, &passes, hob.asked.width);
+            let new = CutGear { op: Some(op), line, tool, rack: self.rack, passes, teeth };
             let cut;
             (cut, earlier) = cuts.add(new);
             findings.append(&mut earlier.findings);
+            findings.extend(cut.teeth.too_narrow());
             not_judged = not_judged.or(earlier.unknown.take());
             let unknown = self.judge(&mut gear, hob, &cut.passes, config, &mut findings);
             not_judged = not_judged.or(unknown);

@@ -10,6 +10,7 @@
 //!
 //! A sample between features costs a comparison; within one, memory is bounded by the bins of its
 //! depth.
+use crate::Config;
 use crate::bar::TurnedBar;
 use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
@@ -23,9 +24,7 @@ use crate::stroke::Stroke;
 use crate::taken_back::TakenBack;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
-use crate::workpiece::Workpiece;
-use crate::{Config, Stock};
-use bus::Sample;
+use crate::workpiece::{Undone, Workpiece};
 use canon::{
     CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap, Tool,
 };
@@ -38,30 +37,31 @@ pub struct Judge {
     pub(crate) config: Config,
     /// Ordered and not yet judged, in order; the front is being cut once `track` is there.
     pub(crate) orders: VecDeque<OrderedFeature>,
-    track: Option<Track>,
+    pub(crate) track: Option<Track>,
     /// The tool that the ops so far have put into the spindle.
     tool_ordered: Option<u32>,
     /// What was drilled, tapped and milled of the block.
     pub(crate) work: Workpiece,
     pub(crate) taken_back: TakenBack,
-    polygons: StandingPolygons,
+    pub(crate) polygons: StandingPolygons,
     /// The bar as it has been turned so far, and the threads on it.
     pub(crate) bar: Option<TurnedBar>,
     pub(crate) threads: turned::Places,
-    milling: Milling,
-    gears: gear::Cuts,
+    pub(crate) milling: Milling,
+    pub(crate) gears: gear::Cuts,
+    pub(crate) ground: cam::Cams,
     pub(crate) features: Vec<Feature>,
-    removals: Removals,
+    pub(crate) removals: Removals,
     /// Where the ops so far have brought the axes.
     at: Position,
     came_from: turned::CameFrom,
     /// The cam's profile in force.
     selected: cam::Selected,
     /// Features not yet judged after which chips were thrown off, by their first op.
-    thrown: Vec<u32>,
+    pub(crate) thrown: Vec<u32>,
     /// First op of the feature ordered last.
     last_ordered: Option<u32>,
-    now: Time,
+    pub(crate) now: Time,
 }
 
 /// What has been cut of the work, as far as a judge knows: what comes later is judged against it.
@@ -73,6 +73,7 @@ pub struct Work {
     threads: turned::Places,
     milling: Milling,
     gears: gear::Cuts,
+    ground: cam::Cams,
 }
 
 /// One feature that the program orders.
@@ -80,9 +81,9 @@ pub struct Work {
 pub(crate) struct OrderedFeature {
     pub(crate) first: u32,
     /// First op that is no longer part of it; `None` while that is not known.
-    end: Option<u32>,
+    pub(crate) end: Option<u32>,
     span: Span,
-    tool: Option<u32>,
+    pub(crate) tool: Option<u32>,
     pub(crate) what: What,
 }
 
@@ -97,7 +98,7 @@ pub(crate) enum What {
 }
 
 #[derive(Clone, Debug)]
-enum Track {
+pub(crate) enum Track {
     Hole { track: Box<HoleTrack>, tool: Option<u32> },
     Thread(Box<ThreadTrack>),
     Polygon(Box<PolygonTrack>),
@@ -121,6 +122,7 @@ impl Judge {
             threads: turned::Places::default(),
             milling: Milling::default(),
             gears: gear::Cuts::default(),
+            ground: cam::Cams::default(),
             features: Vec::new(),
             removals: Removals::default(),
             at: Position::default(),
@@ -136,9 +138,10 @@ impl Judge {
     #[must_use]
     pub fn on(mut self, work: Work) -> Self {
         self.work = work.block.at_rest();
-        self.polygons = work.polygons;
+        self.polygons = work.polygons.at_rest();
         self.milling = work.milling.at_rest();
-        self.gears = work.gears;
+        self.gears = work.gears.at_rest();
+        self.ground = work.ground.at_rest();
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
             self.threads = work.threads.at_rest();
@@ -151,9 +154,19 @@ impl Judge {
         self.config.cams = cams;
     }
 
-    /// A program begins that states the blank of its gears.
-    pub const fn may_hob(&mut self, blank: Stock) {
-        self.config.gear_blank = Some(blank);
+    /// A program begins that states its stock, which is clamped as this has it; a bar of another
+    /// size is another one, on which nothing was turned.
+    pub fn is_clamped(&mut self, stated: &Config) {
+        let Config { stock, mill_stock, gear_blank, stock_radius, bar, .. } = *stated;
+        if bar != self.config.bar {
+            self.bar = bar.map(|bar| TurnedBar::new(bar, self.config.work_axis));
+            (self.threads, self.polygons) = Default::default();
+        }
+        if mill_stock != self.config.mill_stock {
+            self.milling = Milling::default();
+        }
+        self.config =
+            Config { stock, mill_stock, gear_blank, stock_radius, bar, ..self.config.clone() };
     }
 
     /// What is left of the work.
@@ -161,9 +174,9 @@ impl Judge {
         while !self.orders.is_empty() {
             self.close();
         }
-        self.settle_threads();
-        let Self { work: block, polygons, bar, threads, milling, gears, .. } = self;
-        Work { block, polygons, bar, threads, milling, gears }
+        self.settle_turned();
+        let Self { work: block, polygons, bar, threads, milling, gears, ground, .. } = self;
+        Work { block, polygons, bar, threads, milling, gears, ground }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -271,68 +284,6 @@ impl Judge {
         });
     }
 
-    /// What happened: every servo period, in order.
-    pub fn sample(&mut self, sample: &Sample) {
-        self.now = sample.feedback.time;
-        let op = sample.report.op;
-        if let Some(feature) = self.removals.sample(sample) {
-            match self.features.iter_mut().rfind(|f| f.op == feature) {
-                Some(judged) => judged.chips_were_thrown(),
-                None => self.thrown.push(feature),
-            }
-        }
-        while self.orders.front().is_some_and(|order| order.end.is_some_and(|end| op >= end)) {
-            self.close();
-        }
-        let under_way = self.orders.front().filter(|order| op >= order.first);
-        let feature = under_way.filter(|order| order.is_along_its_tool()).map(|order| order.first);
-        self.work.sample(sample, &self.config, feature);
-        if let Some(bar) = &mut self.bar {
-            bar.cut_by(sample.report.line);
-        }
-        let taken_out = self.milling.sample(sample, &self.config, &self.work);
-        self.features.extend(taken_out.map(milled));
-        if self.work.has_undone() {
-            self.take_back();
-        }
-        let config = &self.config;
-        let order = self.orders.front().filter(|order| op >= order.first);
-        let tool = sample.feedback.tool.and_then(|number| config.tools.get(number));
-        let is_thread = order.is_some_and(|order| matches!(order.what, What::Turned(_)));
-        let turning = match &mut self.bar {
-            Some(bar) if is_thread => {
-                let crossings = bar.follow(sample, tool);
-                Some((&*bar, crossings))
-            }
-            Some(bar) => {
-                bar.sample(sample, tool);
-                if let Some(place) = bar.cut_off(tool) {
-                    self.threads.come_off(place, bar, config);
-                    bar.come_off(place);
-                }
-                None
-            }
-            None => None,
-        };
-        let Some(order) = order else { return };
-        let (work, milling) = (&self.work, &self.milling);
-        let track = self.track.get_or_insert_with(|| {
-            Track::new(order, sample.feedback.tool.or(order.tool), config, (work, milling))
-        });
-        match track {
-            Track::Hole { track, .. } => track.sample(sample),
-            Track::Thread(track) => track.sample(sample),
-            Track::Polygon(track) => track.sample(sample),
-            Track::Gear(track) => track.sample(sample),
-            Track::Cam(track) => track.sample(sample),
-            Track::Turned(track) => {
-                if let What::Turned(ordered) = &order.what {
-                    track.sample(sample, ordered, turning.as_ref(), config.work_axis);
-                }
-            }
-        }
-    }
-
     /// The program was given up at this op: what was ordered after it will not be cut, and is no
     /// feature.
     pub fn give_up(&mut self, op: u32) {
@@ -356,7 +307,7 @@ impl Judge {
         self.features.extend(self.milling.close(&self.config).map(milled));
         self.work.settle();
         self.take_back();
-        self.settle_threads();
+        self.settle_turned();
     }
 
     /// The features judged so far, for a progress display.
@@ -378,6 +329,9 @@ impl Judge {
         self.orders.is_empty()
             && !self.milling.is_under_way()
             && self.threads.is_settled(self.bar.as_ref())
+            && self.polygons.is_settled(self.bar.as_ref())
+            && self.gears.is_settled()
+            && self.ground.is_settled()
     }
 
     /// The features, in the order cut. What was ordered and never cut is there too, failed.
@@ -389,7 +343,7 @@ impl Judge {
         self.features.extend(self.milling.close(&self.config).map(milled));
         self.work.settle();
         self.take_back();
-        self.settle_threads();
+        self.settle_turned();
         if self.bar.is_some() {
             self.features.sort_by_key(|feature| feature.op);
         }
@@ -397,7 +351,7 @@ impl Judge {
     }
 
     /// Judge the front of the queue.
-    fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         let Some(order) = self.orders.pop_front() else { return };
         if order.is_along_its_tool() {
             self.work.end_plunge();
@@ -409,6 +363,7 @@ impl Judge {
             .unwrap_or_else(|| Track::new(&order, order.tool, &self.config, (work, milling)));
         let (op, line, now) = (order.first, order.span.line, self.now);
         let config = &self.config;
+        let mut undone = Vec::new();
         let feature = match (track, &order.what) {
             (Track::Thread(track), _) => {
                 let mut found = track.finish((op, line), now, config, (work, milling));
@@ -420,30 +375,42 @@ impl Judge {
             (Track::Polygon(track), What::Polygon(ordered)) => {
                 let mut found = track.finish(op, line, ordered, config, now);
                 let before = TakenBack::known(&self.features);
-                self.polygons.add(&mut found, &mut self.features, config.stock_radius);
+                let on = (config.stock_radius, self.bar.as_mut());
+                undone = self.polygons.add(&mut found, &mut self.features, on);
                 self.taken_back.compare(&before, &self.features);
+                if let (Some(bar), Some(new)) = (&self.bar, self.polygons.facets().last()) {
+                    self.threads.are_faceted(&new, bar);
+                }
                 Some(found.map(Box::new).map(FeatureKind::Polygon))
             }
             (Track::Cam(track), What::Cam(ordered)) => {
-                let found = track.finish(op, line, ordered, config, now);
+                let before = TakenBack::known(&self.features);
+                let on = (&mut self.ground, &mut self.features[..]);
+                let found;
+                (found, undone) = track.finish((op, line), ordered, config, on, now);
+                self.taken_back.compare(&before, &self.features);
                 Some(found.map(Box::new).map(FeatureKind::Cam))
             }
             (Track::Gear(track), What::Gear(ordered)) => {
                 let place = (op, line, order.tool);
                 let (found, earlier) = track.finish(place, ordered, (config, &mut self.gears), now);
-                let before = self.taken_back.absorb(&earlier.absorbed, &mut self.features);
-                for (op, how) in &earlier.destroyed {
-                    let Some(first) = self.features.iter_mut().find(|f| f.op == *op) else {
-                        continue;
-                    };
-                    first.destroyed(line, how);
-                }
-                self.taken_back.compare(&before, &self.features);
+                let absorbed = self.taken_back.absorb(&earlier.absorbed, &mut self.features);
+                let gone = |op: &u32| !absorbed.contains(op);
+                let again = |op: u32| {
+                    let reason = found.verdict.reason()?;
+                    Some(Undone { op, line, how: format!("hobbed again: {reason}") })
+                };
+                undone.extend(earlier.absorbed.into_iter().filter(gone).filter_map(again));
+                let over = earlier.destroyed.into_iter();
+                undone.extend(over.map(|(op, how)| Undone { op, line, how }));
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {
                 let work = (config, self.bar.as_mut(), &mut self.threads);
                 let found = track.finish(op, line, ordered, work, now);
+                if let (Some(bar), None) = (&self.bar, &found) {
+                    self.threads.is_on_facets(self.polygons.facets(), bar);
+                }
                 found.map(|found| found.map(Box::new).map(FeatureKind::Turned))
             }
             (Track::Hole { track, tool }, _) => {
@@ -454,6 +421,7 @@ impl Judge {
             // a track is made of what was ordered
             _ => None,
         };
+        self.take_back_of(undone);
         self.features.extend(feature);
         self.take_back();
         if let Some(place) = self.thrown.iter().position(|feature| *feature == op) {
@@ -466,7 +434,7 @@ impl Judge {
 }
 
 impl Track {
-    fn new(
+    pub(crate) fn new(
         order: &OrderedFeature,
         number: Option<u32>,
         config: &Config,

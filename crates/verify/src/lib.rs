@@ -33,6 +33,7 @@ mod insert;
 mod inspection;
 mod judge;
 mod judged;
+mod looking_on;
 mod milling;
 mod polygon;
 mod standing_polygons;

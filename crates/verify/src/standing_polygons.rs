@@ -9,9 +9,19 @@
 //! corner may be as blunt as on a bolt of product grade A: across corners at least 1.13
 //! times the least width of a hexagon, 1.3 times that of a square (ISO 4759-1), the width by h13
 //! (ISO 286-1).
+//!
+//! What [turning](turned) about the axis leaves of them is noted by the bar, and judged when a line
+//! has cut it.
+mod turned;
+
+use crate::bar::TurnedBar;
 use crate::feature::Feature;
 use crate::judged::Judged;
 use crate::polygon::{Facet, Polygon, Section};
+use crate::turned::Facets;
+use crate::verdict::Verdict;
+use crate::workpiece::Undone;
+use turned::Round;
 use units::Length;
 
 /// Normals within this are of the same facet, rad.
@@ -35,18 +45,41 @@ struct Face {
 /// A polygon that was cut, as it stands on the bar.
 #[derive(Clone, Debug)]
 struct Standing {
-    op: u32,
+    /// By which the bar knows it.
+    id: usize,
+    /// `None`: a program before has cut it, whose operations are not numbered any more.
+    op: Option<u32>,
     line: u32,
     name: String,
     /// Z of its lower and its upper end, mm.
     heights: [f64; 2],
     /// From the lowest up, with their heights; one at least.
     sections: Vec<(f64, Vec<Face>)>,
+    /// Radius of the stock.
+    reach: f64,
+    /// Radius of the bar at each place, from its lower end up, before it was cut.
+    before: Vec<f64>,
+    /// The line that has spoilt it first, and whether that was said.
+    spoilt: Option<(u32, bool)>,
+    /// It has come off with a part: nothing happens to it any more.
+    is_off: bool,
 }
 
 impl Standing {
+    fn cut(
+        (op, line): (u32, u32),
+        name: &str,
+        heights: [f64; 2],
+        sections: Vec<(f64, Vec<Face>)>,
+        reach: f64,
+    ) -> Self {
+        let (op, name, before) = (Some(op), name.to_owned(), Vec::new());
+        let (id, spoilt, is_off) = (0, None, false);
+        Self { id, op, line, name, heights, sections, reach, before, spoilt, is_off }
+    }
+
     /// What there is of a polygon; `None`: it was not cut.
-    fn of(judged: &Judged<Polygon>) -> Option<Self> {
+    fn of(judged: &Judged<Polygon>, reach: f64) -> Option<Self> {
         let faces = |section: &Section| {
             let face = |facet: &Facet| Face {
                 normal: (facet.normal + facet.tilt).in_rad(),
@@ -59,7 +92,56 @@ impl Standing {
         let Judged { op, line, .. } = *judged;
         let polygon = &judged.kind;
         let heights = [polygon.z_from, polygon.z_to].map(Length::value);
-        (!sections.is_empty()).then(|| Self { op, line, name: polygon.name(), heights, sections })
+        (!sections.is_empty())
+            .then(|| Self::cut((op, line), &polygon.name(), heights, sections, reach))
+    }
+
+    /// The bar as it is notes from now on what happens to it, and what was turned before is said.
+    fn stands_on(&mut self, bar: &mut TurnedBar) -> Option<String> {
+        // where the end was faced off before, the cutter went through the air
+        let is_there = |place: &usize| bar.is_solid(*place);
+        let [first, last] = bar.places_between(self.heights);
+        let Some(top) = (first..=last).rev().find(is_there) else {
+            return Some("not cut: no bar is left there".to_owned());
+        };
+        if top < last {
+            self.heights[1] = bar.z(top);
+        }
+        bar.ring(self.id, self.heights);
+        let (ring, _) = bar.ring_of(self.id)?;
+        self.before = ring.radii().map(|(_, [outer, _])| outer).collect();
+        let left = self.left_of(&self.bar(bar), bar.places().1);
+        for place in first..=top {
+            let Some(faces) = self.at(bar.z(place)) else { continue };
+            bar.limit(place, |angle| reach_of(&faces, angle));
+        }
+        left.map(|left| format!("the bar was turned or bored below its facets before: {left}"))
+    }
+
+    /// The bar where it stands.
+    fn bar(&self, bar: &TurnedBar) -> Vec<Round> {
+        let Some((ring, _)) = bar.ring_of(self.id) else { return Vec::new() };
+        let at = |((place, [outer, bore]), before): ((usize, [f64; 2]), &f64)| Round {
+            z: bar.z(place),
+            before: *before,
+            outer,
+            bore,
+        };
+        ring.radii().zip(&self.before).map(at).filter(|at| self.is_at(at.z)).collect()
+    }
+
+    fn is_at(&self, z: f64) -> bool {
+        (self.heights[0]..=self.heights[1]).contains(&z)
+    }
+
+    /// Least distance of its facets from the axis at a height.
+    fn facets(&self, z: f64) -> Option<f64> {
+        self.at(z).map(|faces| faces.iter().map(|f| f.distance).fold(f64::INFINITY, f64::min))
+    }
+
+    /// A later line has spoilt it.
+    fn undone(&self, line: u32, how: &str) -> Option<Undone> {
+        self.op.map(|op| Undone { op, line, how: how.to_owned() })
     }
 
     /// The facets at a height, between two sections or beyond the last ones; `None` above and below
@@ -107,21 +189,39 @@ impl Standing {
 
 /// The polygons on a bar, in the order cut.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct StandingPolygons(Vec<Standing>);
+pub(crate) struct StandingPolygons {
+    all: Vec<Standing>,
+    next: usize,
+}
 
 impl StandingPolygons {
+    /// As a program finds them whose operations are numbered anew.
+    pub(crate) fn at_rest(mut self) -> Self {
+        self.all.iter_mut().for_each(|polygon| polygon.op = None);
+        self
+    }
+
     /// Adds one that is judged now: what stands there changes its verdict, and it changes those of
-    /// the features before it.
+    /// the features before it; gives what it does to those that are no longer among them.
     pub(crate) fn add(
         &mut self,
         found: &mut Judged<Polygon>,
         features: &mut [Feature],
-        stock_radius: Option<Length>,
-    ) {
-        let Some(later) = Standing::of(found) else { return };
+        (stock_radius, mut bar): (Option<Length>, Option<&mut TurnedBar>),
+    ) -> Vec<Undone> {
+        let mut undone = Vec::new();
         let reach = stock_radius.map_or(f64::INFINITY, Length::value);
-        self.0.retain(|earlier| {
-            let first = features.iter_mut().rfind(|feature| feature.op == earlier.op);
+        let Some(mut later) = Standing::of(found, reach) else { return undone };
+        later.id = self.next;
+        self.next += 1;
+        if let Some(before) = bar.as_deref_mut().and_then(|bar| later.stands_on(bar)) {
+            found.fails(before);
+        }
+        self.all.retain(|earlier| {
+            if earlier.is_off {
+                return true;
+            }
+            let first = features.iter_mut().rfind(|feature| Some(feature.op) == earlier.op);
             if let Some(deeper) = deeper(earlier, &later) {
                 found.fails(format!(
                     "line {} has cut its facets {:.0} µm deeper before it",
@@ -133,21 +233,94 @@ impl StandingPolygons {
             let Some(left) = later.left_by(earlier, reach) else {
                 // whole as it is: what it was cut from was roughing, where it covers that
                 let covers = later.covers(earlier);
-                if let Some(first) = first.filter(|_| covers) {
-                    first.verdict = found.verdict.clone();
+                match (first, &found.verdict) {
+                    _ if !covers => {}
+                    (Some(first), _) => first.verdict = found.verdict.clone(),
+                    (None, Verdict::Pass) => {}
+                    (None, verdict) => {
+                        let how = verdict.reason().unwrap_or_default();
+                        undone.extend(earlier.undone(later.line, &format!("cut again: {how}")));
+                    }
+                }
+                if let Some(bar) = bar.as_deref_mut().filter(|_| covers) {
+                    bar.unring(earlier.id);
                 }
                 return !covers;
             };
             found.fails(format!("line {} has cut its corners: {left}", earlier.line));
-            if let (Some(left), Some(first)) = (earlier.left_by(&later, reach), first) {
-                first.destroyed(later.line, &format!("{} was cut over it: {left}", later.name));
+            if let Some(left) = earlier.left_by(&later, reach) {
+                let how = format!("{} was cut over it: {left}", later.name);
+                match first {
+                    Some(first) => first.destroyed(later.line, &how),
+                    None => undone.extend(earlier.undone(later.line, &how)),
+                }
             }
             true
         });
-        if self.0.len() == MOST {
-            self.0.remove(0);
+        if self.all.len() == MOST {
+            let oldest = self.all.remove(0);
+            if let Some(bar) = bar {
+                bar.unring(oldest.id);
+            }
         }
-        self.0.push(later);
+        self.all.push(later);
+        undone
+    }
+
+    /// Looks at those that tools have come near to since.
+    pub(crate) fn look(&mut self, bar: &mut TurnedBar) {
+        if !bar.is_ring_cut() {
+            return;
+        }
+        let step = bar.places().1;
+        for polygon in self.all.iter_mut().filter(|polygon| !polygon.is_off) {
+            let Some(line) = bar.ring_of(polygon.id).and_then(|(_, line)| line) else { continue };
+            bar.looked_at(polygon.id);
+            if polygon.spoilt.is_none() && polygon.left_of(&polygon.bar(bar), step).is_some() {
+                polygon.spoilt = Some((line, false));
+            }
+        }
+    }
+
+    /// Nothing is left to say of them.
+    pub(crate) fn is_settled(&self, bar: Option<&TurnedBar>) -> bool {
+        bar.is_none_or(|bar| !bar.is_ring_cut())
+            && self.all.iter().all(|polygon| polygon.spoilt.is_none_or(|(_, said)| said))
+    }
+
+    /// What tools about the axis have done to them since, as they stand now.
+    pub(crate) fn settle(&mut self, bar: &mut TurnedBar) -> Vec<Undone> {
+        self.look(bar);
+        let step = bar.places().1;
+        let mut undone = Vec::new();
+        for polygon in &mut self.all {
+            let Some((line, false)) = polygon.spoilt else { continue };
+            polygon.spoilt = Some((line, true));
+            if let Some(left) = polygon.left_of(&polygon.bar(bar), step) {
+                undone.extend(polygon.undone(line, &left));
+            }
+        }
+        undone
+    }
+
+    /// The bar is cut through at a place: what is in front comes off.
+    pub(crate) fn come_off(&mut self, through: usize, bar: &mut TurnedBar) -> Vec<Undone> {
+        let undone = self.settle(bar);
+        let z = bar.z(through);
+        for polygon in self.all.iter_mut().filter(|polygon| polygon.heights[1] > z) {
+            polygon.is_off = true;
+            bar.unring(polygon.id);
+        }
+        undone
+    }
+
+    /// The facets on the bar: line, name, and how far from the axis they are by height.
+    pub(crate) fn facets(&self) -> impl Iterator<Item = Facets<'_>> {
+        self.all.iter().filter(|polygon| !polygon.is_off).map(|polygon| Facets {
+            line: polygon.line,
+            name: &polygon.name,
+            at: Box::new(|z| polygon.facets(z)),
+        })
     }
 }
 
@@ -174,12 +347,7 @@ fn blunt(own: &[Face], others: &[Face], reach: f64) -> Option<String> {
     let mut worst: Option<[f64; 2]> = None;
     for [x, y] in corners {
         let far = x.hypot(y).min(reach);
-        let direction = y.atan2(x);
-        let ends = others.iter().filter_map(|face| {
-            let cosine = turned(direction, face.normal).cos();
-            (cosine > 0.0).then(|| face.distance / cosine)
-        });
-        let left = ends.fold(far, f64::min);
+        let left = reach_of(others, y.atan2(x)).min(far);
         if left < far * share && worst.is_none_or(|[least, _]| left < least) {
             worst = Some([left, far * share]);
         }
@@ -204,6 +372,15 @@ fn least_share(own: &[Face]) -> f64 {
     // IT13 = 250·i
     let tolerance = 0.25 * (0.45 * width.cbrt() + 0.001 * width);
     least * (width - tolerance) / (sharp * width)
+}
+
+/// How far out the material is in a direction.
+fn reach_of(faces: &[Face], direction: f64) -> f64 {
+    let ends = faces.iter().filter_map(|face| {
+        let cosine = turned(direction, face.normal).cos();
+        (cosine > 0.0).then(|| face.distance / cosine)
+    });
+    ends.fold(f64::INFINITY, f64::min)
 }
 
 /// Where two neighbouring facets meet; `None` of opposite ones.

@@ -35,12 +35,16 @@ impl TakenBack {
         features.iter().map(|feature| feature.verdict.clone()).collect()
     }
 
-    /// Features of these ops are part of another one that follows; the verdicts that are left.
-    pub(crate) fn absorb(&mut self, ops: &[u32], features: &mut Vec<Feature>) -> Vec<Verdict> {
-        let all = features.len();
-        features.retain(|feature| !ops.contains(&feature.op));
-        self.changed.extend(std::iter::repeat_n(Judge::REMOVED, all - features.len()));
-        Self::known(features)
+    /// Features of these ops are part of another one that follows: those that were in the list.
+    pub(crate) fn absorb(&mut self, ops: &[u32], features: &mut Vec<Feature>) -> Vec<u32> {
+        let mut absorbed = Vec::new();
+        features.retain(|feature| {
+            let stays = !ops.contains(&feature.op);
+            absorbed.extend((!stays).then_some(feature.op));
+            stays
+        });
+        self.changed.extend(absorbed.iter().map(|_| Judge::REMOVED));
+        absorbed
     }
 
     /// Which of them have been changed since.
@@ -93,10 +97,13 @@ impl Judge {
         }
         let mut undone = std::mem::take(&mut self.taken_back.to_come);
         undone.extend(self.work.take_undone());
+        self.take_back_of(undone);
+    }
+
+    /// Cuts of another kind have changed these.
+    pub(crate) fn take_back_of(&mut self, undone: Vec<Undone>) {
         for undone in undone {
-            let made = |f: &Feature| {
-                f.op == undone.op && matches!(f.kind, FeatureKind::Hole(_) | FeatureKind::Thread(_))
-            };
+            let made = |f: &Feature| f.op == undone.op && !matches!(f.kind, FeatureKind::Milled(_));
             if let Some(place) = self.features.iter().rposition(made) {
                 self.features[place].destroyed(undone.line, &undone.how);
                 self.taken_back.changed.push(place);
@@ -108,8 +115,18 @@ impl Judge {
         }
     }
 
-    /// Turned threads are judged as they stand.
-    pub(crate) fn settle_threads(&mut self) {
+    /// What turns with the work is judged as it stands.
+    pub(crate) fn settle_turned(&mut self) {
+        let mut undone = self.gears.settle();
+        undone.extend(self.ground.settle());
+        if let Some(bar) = &mut self.bar {
+            undone.extend(self.polygons.settle(bar));
+        }
+        self.take_back_of(undone);
+        self.settle_threads();
+    }
+
+    fn settle_threads(&mut self) {
         for change in self.threads.settle(self.bar.as_mut(), &self.config) {
             let (instead, found) = match change {
                 turned::ListChange::New(found) => (None, found),

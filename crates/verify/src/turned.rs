@@ -53,7 +53,7 @@ mod sizes;
 mod verdict;
 
 pub use feature::{LeadOfTurn, TurnedThread};
-pub(crate) use places::{ListChange, Places, ThreadCut};
+pub(crate) use places::{Facets, ListChange, Places, ThreadCut};
 pub use size::TurnedLimits;
 pub use sizes::TurnedSizes;
 

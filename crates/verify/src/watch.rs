@@ -120,6 +120,8 @@ pub struct Watch {
     against_mm: f64,
     /// What was said of the tool that is broken.
     broken: Option<String>,
+    /// Numbers of all that were in the spindle broken.
+    all_broken: std::collections::BTreeSet<u32>,
     /// The breach that goes on.
     open: Option<String>,
     periods: u64,
@@ -143,6 +145,7 @@ impl Watch {
             before: None,
             against_mm: 0.0,
             broken: None,
+            all_broken: std::collections::BTreeSet::new(),
             open: None,
             periods: 0,
             breaches: Vec::new(),
@@ -269,11 +272,17 @@ impl Watch {
         &self.breaches
     }
 
+    /// Numbers of the tools that were in the spindle broken.
+    pub const fn broken_tools(&self) -> &std::collections::BTreeSet<u32> {
+        &self.all_broken
+    }
+
     fn look(&mut self, sample: &Sample, op: u32) -> Option<String> {
         if sample.truth.as_ref().is_some_and(|truth| !truth.tool_broken) {
             self.broken = None; // another tool
         }
         if sample.truth.as_ref().is_some_and(|truth| truth.tool_broken) {
+            self.all_broken.extend(sample.feedback.tool.filter(|number| *number != 0));
             let said = self.broken.take().unwrap_or_else(|| breakage::text(sample, &self.config));
             return self.broken.insert(said).clone().into();
         }

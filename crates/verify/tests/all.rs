@@ -5,6 +5,7 @@ mod common;
 mod lathe;
 
 mod contact;
+mod cut_again;
 mod gear;
 mod hole;
 mod polygon;

@@ -716,3 +716,111 @@ fn teeth_that_another_hob_has_roughed_are_not_judged() {
     assert_eq!(features.len(), 1);
     check("two hobs", &features[0], NotJudged("another hob cut these teeth in line 1"));
 }
+
+/// A gear, then another tool on its way over or through it; `at`: places of its tip.
+fn then(tool: Tool, at: &[[f64; 3]], hob: &Hob) -> Feature {
+    let cut = Cut { hob: *hob, ..CUT };
+    let number = tool.number;
+    let length = tool.length.value();
+    let tools = ToolLibrary::new([cut.tool(), tool]);
+    let mut judge = Judge::new(Config { tools, ..config(&[cut], TIP) });
+    let from = cut.run(&mut judge, 0, 0.0);
+    let op = |kind| Op { span: Span { line: 50, ..Span::default() }, kind };
+    judge.op(10, &op(OpKind::ChangeTool { number }));
+    let mut time = from;
+    for (k, pair) in at.windows(2).enumerate() {
+        let first = 11 + k as u32;
+        let to = Position::xyz(pair[1][0], pair[1][1], pair[1][2] + length);
+        judge.op(first, &op(OpKind::Rapid { to }));
+        for step in 0..=100 {
+            let share = f64::from(step) / 100.0;
+            let place = [0, 1, 2].map(|i| pair[0][i] + share * (pair[1][i] - pair[0][i]));
+            time += 1e-3;
+            let mut sample = Sample::default();
+            sample.feedback.time = Time::s(time);
+            sample.feedback.tool = Some(number);
+            (sample.report.op, sample.report.line) = (first, 50);
+            let mut truth = Truth::default();
+            for (axis, at) in place.iter().enumerate() {
+                truth.axes[axis] = Coordinate::new(*at);
+            }
+            truth.axes[2] = Coordinate::new(place[2] + length);
+            sample.truth = Some(truth);
+            judge.sample(&sample);
+        }
+    }
+    let end = 11 + at.len() as u32;
+    judge.op(end, &Op { span: Span { line: 60, ..Span::default() }, kind: OpKind::End });
+    judge.finish().into_iter().find(|f| matches!(f.kind, FeatureKind::Gear(_))).unwrap()
+}
+
+#[test]
+fn what_other_tools_take_off_teeth_takes_their_verdict_back() {
+    let tool = |kind, diameter| Tool {
+        number: 52,
+        diameter: Length::mm(diameter),
+        kind,
+        length: Length::mm(40.0),
+        ..CUT.tool()
+    };
+    let drill = || tool(ToolKind::Drill { point_angle: Angle::deg(118.0) }, 8.0);
+    let mill = || {
+        let form = Some(canon::MillForm::FLAT);
+        tool(ToolKind::EndMill(canon::Mill { form, ..canon::Mill::default() }), 12.0)
+    };
+    let over = |z: f64| vec![[60.0, 0.0, z], [-60.0, 0.0, z]];
+    let down = |x: f64| vec![[x, 0.0, 5.0], [x, 0.0, -29.0], [x, 0.0, 5.0]];
+    let other = tool(ToolKind::Other, 0.0);
+    let asked = |width| with_width(width);
+    for (name, tool, way, hob, expected) in [
+        ("faced by eight millimetres", mill(), over(-8.0), HOB, Fail("destroyed in line 50")),
+        (
+            "faced below the width asked",
+            mill(),
+            over(-4.0),
+            asked(18.0),
+            Fail("destroyed in line 50"),
+        ),
+        ("drilled in its teeth", drill(), down(42.0), HOB, Fail("its teeth are left over 0.00")),
+        (
+            "a rapid through it",
+            other,
+            vec![[60.0, 0.0, -9.0], [20.0, 0.0, -9.0]],
+            HOB,
+            Fail("line 50"),
+        ),
+        ("faced down to the width asked", mill(), over(-2.0), asked(18.0), Pass),
+        ("faced by a millimetre", mill(), over(-1.0), HOB, Pass),
+        ("passed over", mill(), over(0.5), HOB, Pass),
+        ("passed below", mill(), vec![[70.0, 0.0, -9.0], [55.0, 0.0, -9.0]], HOB, Pass),
+        ("bored", drill(), down(0.0), HOB, Pass),
+        ("a hole in its web", drill(), down(30.0), HOB, Pass),
+    ] {
+        check(name, &then(tool, &way, &hob), expected);
+    }
+}
+
+const fn with_width(width: f64) -> Hob {
+    Hob { asked: GearAsked { width: Some(Length::mm(width)), ..HOB.asked }, ..HOB }
+}
+
+#[test]
+fn a_gear_that_was_taken_before_is_told_when_another_one_is_cut_over_it() {
+    let beside = Cut { off: |_, _| 0.4 / 40.0, ..CUT };
+    let told = |second: Cut| {
+        let mut judge = Judge::new(config(&[CUT], TIP));
+        let from = CUT.run(&mut judge, 0, 0.0);
+        judge.settle(10);
+        let features = judge.take_features();
+        assert!(features.len() == 1 && features[0].verdict.is_pass(), "{features:?}");
+        second.run(&mut judge, 10, from);
+        judge.settle(20);
+        judge.take_undone()
+    };
+    let undone = told(beside);
+    assert_eq!((undone.len(), undone[0].op, undone[0].line), (1, 1, 11), "{undone:?}");
+    assert!(undone[0].how.contains("is cut over it"), "{undone:?}");
+    let deeper = told(Cut { deeper: 0.5, ..CUT });
+    assert!(deeper.len() == 1 && deeper[0].how.contains("hobbed again"), "{deeper:?}");
+    assert!(told(CUT).is_empty());
+}

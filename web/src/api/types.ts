@@ -828,6 +828,10 @@ cut_mm: number,
  */
 most_cut_mm: number | null, 
 /**
+ * It broke, and no one has said that a new one is in its place.
+ */
+is_broken: boolean, 
+/**
  * The limit that is reached, in words.
  */
 reached: string | null, 

@@ -212,6 +212,8 @@ export const offsetTexts = {
   uses: (used: number, most: number | null) => (most === null ? `${used}` : `${used} of ${most}`),
   cutFor: (minutes: string, metres: string) => `${minutes} min, ${metres} m`,
   atLimit: 'at its limit',
+  broken: 'broken',
+  brokenWhy: 'No program uses it before a new one is in its place: New tool says so.',
   renew: 'New tool',
   renewWhy: (tool: number) => `A new T${tool} is in its place: hold for 0.6 s, and its life begins anew and its wear is 0.`,
   noUses: (text: string) => `"${text}" is no number of holes: type a whole one such as 500, or nothing for no limit.`,

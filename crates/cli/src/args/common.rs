@@ -31,6 +31,10 @@ pub(crate) struct ProgramArgs {
     /// Holes that the program taps and does not drill are there, as the comment (PRE-DRILLED) says
     #[arg(long)]
     pub(crate) pre_drilled: bool,
+    /// The stock, in place of the program's comment (STOCK …) and of the machine's file: a bar such
+    /// as 'DIA 32 LENGTH 80', two corners in G54 such as 'X0 Y0 Z-20 X100 Y60 Z0', or a size; mm
+    #[arg(long, value_name = "STOCK", allow_hyphen_values = true)]
+    pub(crate) stock: Option<String>,
     /// How taps are driven that no clutch holder holds [default: the machine's]
     #[arg(long, value_enum)]
     pub(crate) tapping: Option<Tapping>,

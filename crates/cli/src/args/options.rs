@@ -26,6 +26,7 @@ impl ProgramArgs {
                 MissingTools::StandIn => interp::MissingTools::StandIn,
             },
             pre_drilled: self.pre_drilled,
+            stock: self.stock.clone(),
             tapping: self.tapping.map(|asked| match asked {
                 Tapping::Synchronised => plan::TapMethod::Synchronised,
                 Tapping::Floating => plan::TapMethod::Floating,

@@ -55,6 +55,10 @@ pub(crate) struct RunArgs {
     /// Folder of the sync record [default with --simulator: see below; else none is kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
+    /// A new one is in the place of this tool, which broke before: with --state, whose folder keeps
+    /// which tools are broken; several as in 3,5
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub(crate) renew_tool: Vec<u32>,
     /// Begin at a line, as in 27, at a hole, as in "hole 5", or at a tool, as in "tool 3": tool,
     /// spindle and modes as they would be there; never within a cycle
     #[arg(long, value_name = "LINE|hole N|tool N")]

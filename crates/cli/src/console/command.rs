@@ -80,7 +80,10 @@ pub(crate) const WORDS: [(&str, &str); 46] = [
     ("tool 3 wear length|radius -0.02", "its wear, mm, which is added"),
     ("tool 3 length|diameter 120.5", "what the control believes of a tool, mm"),
     ("tool 3 limit 500|none", "holes or threads that it may cut"),
-    ("tool 3 renew", "a new one is in its place: its life begins anew, its wear is 0"),
+    (
+        "tool 3 renew",
+        "a new one is in its place: its life begins anew, its wear is 0, it is not broken",
+    ),
     ("wait STATE [within 60 s]", "until the control is so; see below"),
     ("wait 2 s", "let machine time pass"),
     ("status [json]", "how it is"),

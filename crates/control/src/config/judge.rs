@@ -22,6 +22,7 @@ pub fn judge(
             zero: zero.linear,
         }),
         work_axis: [zero.linear[0], zero.linear[1]],
+        wheel_width: machine.grinding.as_ref().map(|grinding| grinding.wheel.width),
         stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
         bar: bar(machine, zero),
         ..Config::new(known_tools(tools))

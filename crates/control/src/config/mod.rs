@@ -22,5 +22,5 @@ pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};
 pub use scatter::{alignment, judged_tools, real_tools};
 pub use simulator::{
-    bar, clamp, inputs, left_alone, plain_drive, simulator, simulator_of_part, start, touched,
+    bar, inputs, left_alone, plain_drive, simulator, simulator_of_part, start, touched,
 };

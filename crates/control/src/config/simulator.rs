@@ -1,6 +1,6 @@
 //! The simulated machine: axes, spindles, magazine and workpiece for the simulator.
 use super::scatter::{alignment, real_tools};
-use canon::{Flute, Holder, Material, Position, Tool, ToolKind, ToolLibrary};
+use canon::{Flute, Holder, Material, PolygonCutter, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
     Axis, InputModel, InputSource, MachineFile, Motor, PositionFrom, Round, Spindle, StockMaterial,
     TapSeat, eccentric,
@@ -76,18 +76,6 @@ pub fn simulator_of_part(
         // a program that is simulated begins on a machine that has been homed
         power_on: sim::PowerOn::Known,
     }
-}
-
-/// Another block is clamped than the machine's file states, in the same holes.
-pub fn clamp(work: &mut sim::Stock, block: &verify::Stock) {
-    work.top = block.top();
-    work.thickness = Some(block.thickness());
-    work.sides = Some(sim::Sides {
-        x_from: block.from[0],
-        x_to: block.to[0],
-        y_from: block.from[1],
-        y_to: block.to[1],
-    });
 }
 
 /// What the drives of that machine do by themselves.
@@ -286,7 +274,12 @@ fn tool(tool: &Tool, seat: &TapSeat, material: StockMaterial) -> sim::Tool {
             lobing: probe.lobing,
         }),
         ToolKind::EndMill(_) => sim::ToolKind::Mill { diameter: tool.diameter },
-        ToolKind::PolygonCutter(_) | ToolKind::Hob(_) | ToolKind::Other => sim::ToolKind::Other,
+        ToolKind::PolygonCutter(cutter) => {
+            let PolygonCutter { radius, inserts, nose_radius } = cutter;
+            sim::PolygonCutter::new(*radius, *nose_radius, inserts)
+                .map_or(sim::ToolKind::Other, sim::ToolKind::PolygonCutter)
+        }
+        ToolKind::Hob(_) | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.worn_length(), kind }
 }

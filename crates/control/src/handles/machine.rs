@@ -97,6 +97,22 @@ impl MachineHandle {
         }
     }
 
+    /// [`Plant::renew_tool`].
+    pub fn renew_tool(&mut self, number: u32) {
+        match self {
+            Self::Here(machine) => machine.renew_tool(number),
+            Self::There(link) => link.renew_tool(number),
+        }
+    }
+
+    /// [`Plant::clamp_stock`].
+    pub fn clamp_stock(&mut self, stock: sim::Stock, bar: Option<sim::Bar>) {
+        match self {
+            Self::Here(machine) => machine.clamp_stock(&stock, bar),
+            Self::There(link) => link.clamp_stock(stock, bar),
+        }
+    }
+
     /// [`Plant::renew_work`].
     pub fn renew_work(&mut self) {
         match self {

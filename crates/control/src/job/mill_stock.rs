@@ -46,7 +46,7 @@ impl MilledStock {
     /// Of a program, on a machine where this tool is in the spindle.
     pub fn new(source: &[u8], session: &Session) -> Self {
         Self {
-            stated: stated_by(source),
+            stated: session.stock.stated.or_else(|| stated_by(source)),
             mounted: session.tool(),
             at: session.interp_setup().start,
             reach: None,
@@ -142,7 +142,7 @@ impl MilledStock {
                 let block = laid(size, &self.low.unwrap_or(reach), zero.map(Length::value));
                 return Some(placed(&block, zero, StockSource::Size));
             }
-            Some(Stated::Block(_)) | None => {}
+            Some(Stated::Block(_) | Stated::Round { .. }) | None => {}
         }
         if self.fits(&own.block, &reach) {
             return Some(own);
@@ -213,7 +213,8 @@ impl MilledStock {
 
     /// The block that comments state, for planners and judges: in machine coordinates.
     pub fn stated_in(source: &[u8], session: &Session) -> Option<Stock> {
-        let Some(Stated::Block(block)) = stated_by(source) else { return None };
+        let stated = session.stock.stated.or_else(|| stated_by(source));
+        let Some(Stated::Block(block)) = stated else { return None };
         let own = machine_stock(session)?;
         Some(placed(&block, own.block.zero, StockSource::Comment).block)
     }

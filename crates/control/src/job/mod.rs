@@ -7,6 +7,7 @@
 //!       subprograms, cams   restart
 //! ```
 pub mod cams;
+mod clamped;
 mod described;
 pub mod dialect;
 pub mod drawn;

@@ -30,6 +30,9 @@ pub struct ProgramOptions {
     pub missing_tools: interp::MissingTools,
     /// Holes that the program taps and does not drill are there.
     pub pre_drilled: bool,
+    /// The stock, as a comment `(STOCK …)` has it, in mm; `None`: as the program's comment says,
+    /// else the machine's file.
+    pub stock: Option<String>,
     /// How taps are driven that no clutch holder holds; `None` is as the machine's file says.
     pub tapping: Option<plan::TapMethod>,
     /// What to do with a dwell that a clutch holder does not work with.
@@ -76,6 +79,7 @@ impl ProgramOptions {
             inputs: None,
             missing_tools: interp::MissingTools::Refuse,
             pre_drilled: false,
+            stock: None,
             tapping: None,
             clutch_dwell: plan::DwellCheck::Refuse,
             dialect: None,

@@ -331,6 +331,7 @@ fn read(
     findings.extend(planner.take_findings());
     findings.extend(table.take());
     findings.extend(milled.remark(session));
+    findings.extend(session.stock.remark());
     add(&mut findings, interp::lint(source, &session.interp_setup()));
     if findings.iter().any(|finding| finding.code == OTHER_MACHINE) {
         findings.retain(|finding| finding.code == OTHER_MACHINE);

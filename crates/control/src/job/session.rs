@@ -3,6 +3,7 @@
 use crate::Refused;
 use crate::config::machine_file::MachineSource;
 use crate::job::cams::CamSetup;
+use crate::job::clamped::ClampedStock;
 use crate::job::dialect;
 use crate::job::drawn::Drawn;
 use crate::job::interruption::Interruption;
@@ -59,6 +60,8 @@ pub struct Session {
     pub missing_tools: interp::MissingTools,
     /// Holes that the program taps and does not drill are there: it states it, or its operator.
     pub pre_drilled: bool,
+    /// The stock that is stated for it.
+    pub(super) stock: ClampedStock,
     /// How taps are driven that are not tied to the spindle.
     pub taps: plan::Unsynchronised,
     /// How the program is read.
@@ -135,6 +138,7 @@ impl Session {
                 dialect.grammar(),
             )?,
             pre_drilled: options.pre_drilled || super::stock_comments::states_pre_drilled(text),
+            stock: ClampedStock::of(options.stock.as_deref(), text)?,
             taps: taps(options, &machine),
             machine,
             plant,
@@ -152,11 +156,34 @@ impl Session {
             leaves: options.leaves,
             block_skip: options.block_skip.clone(),
         };
+        session.clamp_stock();
         session.cams.recall(&session.machine)?;
         if !session.depends_on_program() {
             session.prepare(&[]);
         }
         Ok(session)
+    }
+
+    /// The beginning of a program that is read in pieces states its stock.
+    pub fn is_stated_by(&mut self, head: &[u8]) {
+        if self.stock.stated.is_none()
+            && let Ok(stock) = ClampedStock::of(None, head)
+        {
+            self.stock = stock;
+            self.clamp_stock();
+        }
+    }
+
+    fn clamp_stock(&mut self) {
+        self.stock.clamp(&mut self.machine);
+        if let Some(plant) = &mut self.plant {
+            self.stock.clamp(plant);
+        }
+    }
+
+    /// A stock is stated for this program, that the machine clamps.
+    pub fn has_stated_stock(&self) -> bool {
+        self.stock.is_stated()
     }
 
     /// The machine that is simulated.

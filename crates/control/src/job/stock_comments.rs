@@ -7,6 +7,7 @@
 //! | `(stockMin: 0mm, 0mm, -20mm)` and `(stockMax: 100mm, 60mm, 0mm)` | two corners | Carbide Create |
 //! | `(STOCK 100X60X20)`, `(STOCK = 4. X 2.4 X 0.8)`, `(WORKPIECE SIZE 100X60X20)` | size | hand |
 //! | `(STOCK 6061AL DX 4IN DY 2.4IN DZ 0.8IN)` | size | hand |
+//! | `(STOCK DIA 32 LENGTH 80)`, `(BAR D32 X 80)`, `(STOCK DIA 32 BORE 12)` | a bar about the work's axis, its face where the machine's file has it | hand |
 //! | `( Material Size)` and `( X= 100.000, Y= 60.000, Z= 20.000)` | size | Vectric |
 //!
 //! Numbers are in the program's unit, where none stands behind them (`MM`, `IN`, `"`). A comment
@@ -30,12 +31,21 @@ pub(super) enum Stated {
     Block(Extent),
     /// How large it is along X, Y and Z, mm; where it lies is not told.
     Size([f64; 3]),
+    /// A bar about the zero of G54 along X and Y, mm.
+    Round {
+        /// Over all.
+        diameter: f64,
+        /// Of the hole through it; `None`: it is solid.
+        bore: Option<f64>,
+        /// From its face on; `None`: as the machine's file has it.
+        length: Option<f64>,
+    },
 }
 
 /// Of a program's text.
 pub(super) fn stated(text: &str) -> Option<Stated> {
     let unit = unit_of(text);
-    let (mut least, mut most, mut size) = (None, None, None);
+    let (mut least, mut most, mut size, mut round) = (None, None, None, None);
     let mut is_next = false; // the comment before announced a size
     for comment in comments(text) {
         let upper = comment.trim().to_ascii_uppercase();
@@ -51,11 +61,73 @@ pub(super) fn stated(text: &str) -> Option<Stated> {
             return block(a.map(|at| at * unit), b.map(|at| at * unit)).map(Stated::Block);
         } else if size.is_none() {
             size = size_of(&upper, is_next, unit);
+            round = round.or_else(|| round_of(&upper, unit).filter(|_| size.is_none()));
         }
         is_next = upper.trim_end_matches(':') == "MATERIAL SIZE";
     }
     let between = least.zip(most).and_then(|(a, b)| block(a, b)).map(Stated::Block);
-    between.or(size.map(Stated::Size))
+    between.or(size.map(Stated::Size)).or(round)
+}
+
+/// `STOCK DIA 32 LENGTH 80`, `BAR 32 MM DIA X 80 LONG`: numbers by the word before or behind them.
+fn round_of(upper: &str, unit: f64) -> Option<Stated> {
+    let names = ["STOCK", "RAW STOCK", "BAR STOCK", "BAR", "BLANK", "ROUND STOCK"];
+    let rest = names.iter().find_map(|name| {
+        upper.strip_prefix(name).filter(|rest| !rest.starts_with(|c: char| c.is_alphanumeric()))
+    })?;
+    let tokens = tokens(rest, unit);
+    let of = |words: &[&str]| {
+        let at = tokens.iter().position(|t| matches!(t, Token::Word(w) if words.contains(w)))?;
+        let number = |at: Option<usize>| match tokens.get(at?) {
+            Some(Token::Number(value)) if *value > 0.0 && *value < LARGEST => Some((at?, *value)),
+            _ => None,
+        };
+        number(Some(at + 1)).or_else(|| number(at.checked_sub(1)))
+    };
+    let (at, diameter) = of(&["DIA", "DIAMETER", "DIAM", "D", "OD", "Ø", "⌀", "ROUND"])?;
+    let crossed = || {
+        // "DIA 32 X 80"
+        let times = tokens.iter().skip(at + 1).position(|t| matches!(t, Token::Word("X")))?;
+        match tokens.get(at + 2 + times) {
+            Some(Token::Number(value)) if *value > 0.0 && *value < LARGEST => Some(*value),
+            _ => None,
+        }
+    };
+    let length = of(&["LENGTH", "LEN", "LG", "LONG", "L"]).map(|(_, value)| value).or_else(crossed);
+    let bore = of(&["BORE", "ID"]).map(|(_, value)| value);
+    (bore.is_none_or(|bore| bore < diameter)).then_some(Stated::Round { diameter, bore, length })
+}
+
+/// A word or a number of a comment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Token<'a> {
+    Word(&'a str),
+    /// mm.
+    Number(f64),
+}
+
+fn tokens(text: &str, unit: f64) -> Vec<Token<'_>> {
+    let (mut all, mut rest) = (Vec::new(), text);
+    while let Some(first) = rest.chars().next() {
+        if let Some((value, behind)) = first_number(rest, unit) {
+            all.push(Token::Number(value));
+            rest = behind;
+        } else if first.is_alphabetic() || first == '⌀' {
+            let is_symbol = matches!(first, 'Ø' | '⌀');
+            let end = rest.find(|c: char| !c.is_alphabetic()).unwrap_or(rest.len());
+            let end = if is_symbol { first.len_utf8() } else { end };
+            all.push(Token::Word(&rest[..end]));
+            rest = &rest[end..];
+        } else {
+            rest = &rest[first.len_utf8()..];
+        }
+    }
+    all
+}
+
+/// A number at the beginning, with its unit, if one begins there.
+fn first_number(text: &str, unit: f64) -> Option<(f64, &str)> {
+    text.starts_with(|c: char| c.is_ascii_digit() || c == '.').then(|| number(text, unit))?
 }
 
 /// A comment states that the holes which the program taps are there: `(PRE-DRILLED)`.
@@ -221,6 +293,32 @@ mod tests {
     }
 
     #[test]
+    fn comments_state_a_bar() {
+        let bar = |text: &str| match stated(text) {
+            Some(Stated::Round { diameter, bore, length }) => (diameter, bore, length),
+            other => panic!("{text}: {other:?}"),
+        };
+        let (plain, long) = ((32.0, None, None), (32.0, None, Some(80.0)));
+        for text in
+            ["(STOCK DIA 32)", "(Stock: dia. 32 mm)", "(BAR D32)", "(STOCK ⌀32)", "(STOCK 32 DIA)"]
+        {
+            assert_eq!(bar(text), plain, "{text}");
+        }
+        for text in [
+            "(STOCK DIA 32 LENGTH 80)",
+            "(STOCK DIAMETER=32 LENGTH=80)",
+            "(BAR STOCK 32 MM DIA X 80 MM LONG)",
+            "(STOCK D32 L80)",
+            "(STOCK ROUND 32 X 80)",
+        ] {
+            assert_eq!(bar(text), long, "{text}");
+        }
+        assert_eq!(bar("(STOCK DIA 32 BORE 12.5 LENGTH 80)"), (32.0, Some(12.5), Some(80.0)));
+        assert_eq!(bar("G20\n(STOCK DIA 1.25 LENGTH 3)"), (31.75, None, Some(76.2)));
+        assert_eq!(bar("G21\n(STOCK DIA 1.25 IN)"), (31.75, None, None));
+    }
+
+    #[test]
     fn what_states_no_size_is_no_stock() {
         for text in [
             "(STOCK/BLOCK, 100, 60, 20)",
@@ -228,6 +326,10 @@ mod tests {
             "(STOCK X0 Y0 Z0)",
             "(STOCK X100 Y60 Z-20)",
             "(STOCK DIAMETER)",
+            "(STOCK DIA 0)",
+            "(STOCK DIA 20 BORE 25)",
+            "(STOCK REMOVAL D1)",
+            "(BARREL DIA 32)",
             "(STOCK 6061AL DX 3.8IN DY 1.8N DZ 0.9IN)",
             "(STOCK 100X80)",
             "(STOCK 100X80X20X5)",

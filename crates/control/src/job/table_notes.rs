@@ -14,16 +14,23 @@ pub struct TableNotes {
     /// Uses in this program so far, by the tool's number.
     used: BTreeMap<u32, u32>,
     at_limit: BTreeSet<u32>,
+    broken: BTreeSet<u32>,
+    has_begun: bool,
 }
 
 impl TableNotes {
     /// An operation of the program.
     pub fn see(&mut self, session: &Session, op: &Op) {
+        if !std::mem::replace(&mut self.has_begun, true) {
+            self.uses = canon::UseCount::with(session.tool());
+        }
         if let Some(tool) = self.uses.counts(op) {
             *self.used.entry(tool).or_default() += 1;
+            self.is_whole(session, tool, op.span);
         }
         let OpKind::ChangeTool { number: number @ 1.. } = op.kind else { return };
         let Some(tool) = session.tools.get(number) else { return };
+        self.is_whole(session, number, op.span);
         let used = self.used.get(&number).copied().unwrap_or(0);
         if let Some(finding) = end_of_life(tool, used, op.span)
             && self.at_limit.insert(number)
@@ -48,6 +55,18 @@ impl TableNotes {
                     }
                 }));
             }
+        }
+    }
+
+    /// A tool that is broken is neither called nor used.
+    fn is_whole(&mut self, session: &Session, number: u32, span: diag::Span) {
+        let tool = session.tools.get(number).filter(|tool| tool.life.is_broken);
+        if tool.is_some() && self.broken.insert(number) {
+            let text =
+                format!("T{number} is broken: it is not used before a new one is in its place");
+            self.found.push(Diagnostic::error("A0112", span, text).with_help(format!(
+                "put in a new one and say so: `tool {number} renew` at the console, \"New tool\" on the page, renew_tool over the network, --renew-tool {number} of `run`; in a tool table take `broken` out of its life"
+            )));
         }
     }
 

@@ -21,7 +21,7 @@ use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
 use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
 use bus::{AXES, State};
-use canon::{Axis, Position, ToolUse, ToolWear};
+use canon::{Axis, Position};
 use kernel::{Kernel, Pause, WaitFor};
 use servo::StopLane;
 use sim::Faulty;
@@ -117,6 +117,8 @@ pub struct Control {
     /// Which of the machines of this file it is: what is simulated scatters by it.
     pub(super) seed: u64,
     drives_were_ready: bool,
+    /// The tool in the spindle, if it is broken.
+    pub(super) broken_in_spindle: Option<u32>,
     pub(super) told_features: usize,
     pub(super) told_changes: usize,
 }
@@ -201,6 +203,7 @@ impl Control {
             message: None,
             seed,
             drives_were_ready: false,
+            broken_in_spindle: None,
             told_features: 0,
             told_changes: 0,
             base,
@@ -289,9 +292,7 @@ impl Control {
             Request::TouchOff(axis, at) => self.touch_off(*axis, *at),
             Request::SetWorkOffset(system, axis, at) => self.set_work_offset(*system, *axis, *at),
             Request::EditTool(number, field, value) => self.edit_tool(*number, *field, *value),
-            Request::RenewTool(number) => self.change_tool(*number, |tool| {
-                (tool.life.used, tool.wear) = (ToolUse::default(), ToolWear::default());
-            }),
+            Request::RenewTool(number) => self.renew_tool(*number),
             Request::LimitTool(number, uses) => {
                 self.change_tool(*number, |tool| tool.life.limit.uses = *uses)
             }
@@ -425,6 +426,7 @@ impl Control {
             self.go_on_without_program();
         }
         self.take_alarms();
+        self.follow_broken_tool();
         self.say_unkept();
         self.follow_machine();
         let is_ready = self.executor.kernel.is_ready();

@@ -30,6 +30,7 @@ impl Control {
         if let Some(tools) = state.tools {
             self.data.tools = tools;
         }
+        self.take_broken_tools();
         self.alarms = state.alarms.into_iter().map(remembered).collect();
         self.raise_state_changes(state.changes);
         if let Some(Settings {
@@ -356,6 +357,8 @@ pub(super) fn take_left(control: &mut Control, left: Left) {
         if takes("diameter", entry.diameter, worn.1, 0.0) {
             tool.diameter = Length::mm(entry.diameter) - tool.wear.radius * 2.0;
         }
+        // its life went on meanwhile: it may have broken
+        tool.life = control.data.tools.get(tool.number).map_or(tool.life, |own| own.life);
         control.data.tools.insert(tool);
     }
     if !wrong.is_empty() {

@@ -30,6 +30,7 @@
 //! | `hosted` | a control in a thread of its own, paced by the clock, for any number of clients |
 #![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
 
+mod broken_tools;
 mod control;
 mod data;
 mod drives;

@@ -15,7 +15,6 @@ use super::state::{ExecutionEvent, Mode};
 use super::tool_path::ToolPath;
 use super::under_way::{Loaded, LoadedProgram, UnderWay, count_from};
 use crate::job::Session;
-use crate::job::mill_stock::MilledStock;
 use crate::job::preflight::wrong_from;
 use crate::job::restart::{self, Restart};
 use crate::observers::use_up;
@@ -167,13 +166,11 @@ impl Control {
             }
             Mode::ManualDataInput | Mode::Manual => self.put_aside_features(),
         }
+        self.clamp_stated(&session, &text, proved.operations.all());
         let first = self.next_op;
         let mut workpiece = self.workpiece.clone();
         workpiece.watch.begin_program();
         workpiece.judge.may_grind(session.cams.library.clone());
-        if let Some(blank) = MilledStock::stated_in(&text, &session) {
-            workpiece.judge.may_hob(blank);
-        }
         workpiece.judge.holes_are_there(session.pre_drilled);
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());

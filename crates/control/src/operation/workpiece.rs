@@ -14,6 +14,8 @@ use super::request::{Accepted, Refusal};
 use super::writer::Key;
 use crate::clock::unix_ms;
 use crate::config;
+use crate::job::Session;
+use crate::job::mill_stock::MilledStock;
 use store::begun_run::{BegunRun, CutFeature};
 use store::state::{StateFolder, WorkpieceRecord, message_log};
 use verify::{Feature, Judge, Verdict};
@@ -127,7 +129,28 @@ impl Control {
             ..self.base.judge(material, &self.work_zero)
         });
         (self.told_features, self.told_changes) = (0, 0);
+        if let Some((stock, bar)) = simulated_stock(&self.base, self.seed, &self.work_zero) {
+            self.executor.machine.clamp_stock(stock, bar);
+        }
         self.executor.machine.renew_work();
+    }
+
+    /// A program begins that states its stock: judge and simulated machine have it as `run` does.
+    pub(super) fn clamp_stated(&mut self, session: &Session, text: &[u8], ops: &[canon::Op]) {
+        if !session.has_stated_stock() {
+            return;
+        }
+        let zero = session.work_zero();
+        let material = session.machine.setup.stock.material;
+        let config = session.judge(material, &zero);
+        let block = MilledStock::stated_in(text, session);
+        let milled = MilledStock::of(text, session, ops).found(session);
+        let (stock, gear_blank) = (block.or(config.stock), block);
+        let stated = verify::Config { stock, gear_blank, mill_stock: milled, ..config };
+        self.workpiece.judge.is_clamped(&stated);
+        if let Some((stock, bar)) = simulated_stock(session, self.seed, &zero) {
+            self.executor.machine.clamp_stock(stock, bar);
+        }
     }
 
     /// Another workpiece is clamped.
@@ -224,4 +247,16 @@ impl Control {
             self.events.notice(why);
         }
     }
+}
+
+/// What a simulated machine clamps for a session.
+fn simulated_stock(
+    session: &Session,
+    seed: u64,
+    zero: &canon::Position,
+) -> Option<(sim::Stock, Option<sim::Bar>)> {
+    let (plant, material) = (session.plant(), session.machine.setup.stock.material);
+    let simulated = config::simulator(plant, &session.tools, material, seed, zero);
+    let bar = config::bar(plant, &simulated);
+    simulated.stock.map(|stock| (stock, bar))
 }

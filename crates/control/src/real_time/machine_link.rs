@@ -21,7 +21,9 @@ const WAITING: usize = 64;
 #[derive(Clone, Debug)]
 pub(super) enum MachineRequest {
     Clamp(Box<sim::Grinding>),
+    ClampStock(Box<(sim::Stock, Option<sim::Bar>)>),
     RenewWork,
+    RenewTool(u32),
     Strike(Fault),
     Repair(Fault),
     Mend,
@@ -107,6 +109,14 @@ impl MachineLink {
 
     pub(crate) fn clamp(&mut self, grinding: sim::Grinding) {
         self.ask(MachineRequest::Clamp(Box::new(grinding)));
+    }
+
+    pub(crate) fn renew_tool(&mut self, number: u32) {
+        self.ask(MachineRequest::RenewTool(number));
+    }
+
+    pub(crate) fn clamp_stock(&mut self, stock: sim::Stock, bar: Option<sim::Bar>) {
+        self.ask(MachineRequest::ClampStock(Box::new((stock, bar))));
     }
 
     pub(crate) fn renew_work(&mut self) {

@@ -203,6 +203,8 @@ impl Servo {
         while let Ok(request) = self.seat.rings.of_machine.pop() {
             match request {
                 MachineRequest::Clamp(grinding) => self.machine.clamp(*grinding)?,
+                MachineRequest::ClampStock(stock) => self.machine.clamp_stock(&stock.0, stock.1),
+                MachineRequest::RenewTool(number) => self.machine.renew_tool(number),
                 MachineRequest::RenewWork => self.machine.renew_work(),
                 MachineRequest::Strike(fault) => self.machine.strike(fault),
                 MachineRequest::Repair(fault) => self.machine.repair(fault),

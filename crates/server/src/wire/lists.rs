@@ -101,6 +101,8 @@ pub(crate) struct ToolLifeBody {
     pub cut_mm: f64,
     /// At most, mm.
     pub most_cut_mm: Option<f64>,
+    /// It broke, and no one has said that a new one is in its place.
+    pub is_broken: bool,
     /// The limit that is reached, in words.
     pub reached: Option<String>,
     /// A program that takes it at its limit is refused; else it is said.
@@ -109,7 +111,7 @@ pub(crate) struct ToolLifeBody {
 
 impl ToolLifeBody {
     fn of(life: &ToolLife) -> Self {
-        let ToolLife { used, limit, at_limit } = life;
+        let ToolLife { used, limit, at_limit, .. } = life;
         Self {
             uses: used.uses,
             most_uses: limit.uses,
@@ -117,6 +119,7 @@ impl ToolLifeBody {
             most_time_s: limit.time.map(Time::value),
             cut_mm: used.length.value(),
             most_cut_mm: limit.length.map(Length::value),
+            is_broken: life.is_broken,
             reached: life.reached(),
             is_refused_at_limit: *at_limit == AtLimit::Refuse,
         }

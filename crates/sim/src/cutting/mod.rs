@@ -131,6 +131,21 @@ impl Cutting {
         self.milled.clone_from(&other.milled);
     }
 
+    /// A new tool of this number is in the magazine, or in the spindle.
+    pub(crate) fn renew_tool(&mut self, number: u32) {
+        self.broken.retain(|broken| *broken != number);
+        let is_mounted = self.mounted.is_some_and(|tool| tool.number == number);
+        if is_mounted && self.is_broken() {
+            (self.engagement, self.broken_by) = (Engagement::Clear, None);
+        }
+    }
+
+    /// A block of these dimensions is clamped.
+    pub(crate) const fn clamp(&mut self, stock: &Stock) {
+        (self.stock.top, self.stock.thickness) = (stock.top, stock.thickness);
+        self.stock.sides = stock.sides;
+    }
+
     /// Another workpiece is clamped, with the holes that it comes with.
     pub(crate) fn renew(&mut self, holes: &[Hole]) {
         self.leave();
@@ -264,6 +279,7 @@ impl Cutting {
             | ToolKind::Insert(_)
             | ToolKind::Probe(_)
             | ToolKind::Mill { .. }
+            | ToolKind::PolygonCutter(_)
             | ToolKind::Other => Engagement::Clear,
         };
     }
@@ -358,7 +374,17 @@ impl Cutting {
             | ToolKind::Tap(_)
             | ToolKind::Probe(_)
             | ToolKind::Mill { .. }
+            | ToolKind::PolygonCutter(_)
             | ToolKind::Other => None,
+        }
+    }
+
+    /// The polygon cutter in the spindle, and its length.
+    pub(crate) fn polygon_cutter(&self) -> Option<(u32, crate::PolygonCutter, Length)> {
+        let tool = self.mounted?;
+        match tool.kind {
+            ToolKind::PolygonCutter(cutter) => Some((tool.number, cutter, tool.length)),
+            _ => None,
         }
     }
 

@@ -20,6 +20,7 @@
 //! acknowledged. Nothing that was in the folder is removed: what was not believed is kept as
 //! `NAME.rejected-1`, `-2` …
 mod alarms;
+pub mod broken_tools;
 mod changes;
 mod data;
 pub mod lock;

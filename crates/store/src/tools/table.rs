@@ -136,7 +136,8 @@ fn read_life(keys: &mut Keys<'_>) -> ToolLife {
     };
     let names = [("remark", AtLimit::Remark), ("refuse", AtLimit::Refuse)];
     let at_limit = keys.optional_choice("at_limit", &names).unwrap_or_default();
-    ToolLife { used, limit, at_limit }
+    let is_broken = keys.has("broken") && keys.flag("broken");
+    ToolLife { used, limit, at_limit, is_broken }
 }
 
 /// Whatever is stated of what stands behind the edges.

@@ -92,6 +92,7 @@ fn life(life: &ToolLife) -> String {
         AtLimit::Refuse => "refuse",
     };
     parts.push(format!("at_limit = \"{at_limit}\""));
+    parts.extend(life.is_broken.then(|| "broken = true".to_owned()));
     format!("{{ {} }}", parts.join(", "))
 }
 

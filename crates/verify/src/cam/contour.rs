@@ -65,6 +65,12 @@ pub(super) fn lagrange([a, b, c, d]: [f64; 4], f: f64) -> f64 {
         + (f + 1.0) * f * (f - 1.0) / 6.0 * d
 }
 
+/// Where the wheel's edge is asked to come nearest to the axis, by steps of the work's turn, mm.
+pub(super) fn asked_over(profile: &CamProfile, centre: Length, shift: usize) -> Vec<f64> {
+    let at = |k: usize| centre.value() + asked(profile, (k + STEPS - shift) % STEPS);
+    (0..STEPS).map(at).collect()
+}
+
 /// A profile's value at a step, whatever its own number of nodes.
 fn asked(profile: &CamProfile, step: usize) -> f64 {
     let n = profile.nodes.len();

@@ -6,6 +6,7 @@
 //!     ╲    ╱╲    ╱                         ╲  ╱╲╳ ╱╲╱
 //!      ╲  ╱  ╲  ╱   one feature             ╲╱  ╲╱      both are destroyed
 //! ```
+use super::crossed::Teeth;
 use super::track::Pass;
 use super::{Generator, wrapped};
 use core::f64::consts::PI;
@@ -19,11 +20,13 @@ const BESIDE_MM: f64 = 0.02;
 /// A gear as it was cut.
 #[derive(Clone, Debug)]
 pub(super) struct CutGear {
-    pub(super) op: u32,
+    /// `None`: a program before has hobbed it, whose operations are not numbered any more.
+    pub(super) op: Option<u32>,
     pub(super) line: u32,
     pub(super) tool: Option<u32>,
     pub(super) rack: Generator,
     pub(super) passes: Vec<Pass>,
+    pub(super) teeth: Teeth,
 }
 
 impl CutGear {
@@ -74,7 +77,7 @@ pub(crate) struct Earlier {
 /// The gears of one workpiece.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cuts {
-    cuts: Vec<CutGear>,
+    pub(super) cuts: Vec<CutGear>,
 }
 
 impl Cuts {
@@ -94,11 +97,12 @@ impl Cuts {
                 ));
             }
             if let Some(passes) = merged(&old, &new) {
-                earlier.absorbed.push(old.op);
+                earlier.absorbed.extend(old.op);
                 new.passes.splice(0..0, passes);
+                new.teeth = Teeth::of(&new.rack, &new.passes, new.teeth.width()).after(&old.teeth);
             } else {
                 let name = new.name();
-                earlier.destroyed.push((old.op, format!("{name} is cut over it")));
+                earlier.destroyed.extend(old.op.map(|op| (op, format!("{name} is cut over it"))));
                 earlier.findings.push(format!("cut over {} of line {}", old.name(), old.line));
                 kept.push(old);
             }

@@ -19,6 +19,7 @@ use super::lie::{Lie, Relation};
 use super::verdict::{self, UNCUT_PITCHES};
 use crate::Config;
 use crate::bar::{BarPart, TurnedBar};
+use crate::insert::Side;
 use crate::judged::Judged;
 use crate::verdict::Verdict;
 use canon::Hand;
@@ -62,6 +63,8 @@ struct ThreadPlace {
     changed: Option<u32>,
     /// Another thread crosses it: its line.
     crossed: Option<u32>,
+    /// Facets have taken its crests.
+    faceted: Option<Faceted>,
     /// It has come off with a part: nothing happens to it any more.
     is_off: bool,
     /// Nothing is left of it.
@@ -79,6 +82,26 @@ pub(crate) enum ListChange {
     /// In place of the feature of this operation.
     Instead(u32, Judged<TurnedThread>),
 }
+
+/// The facets of a polygon on a bar.
+pub(crate) struct Facets<'a> {
+    pub(crate) line: u32,
+    pub(crate) name: &'a str,
+    /// Least distance from the axis at a machine Z; `None`: there are none.
+    pub(crate) at: Box<dyn Fn(f64) -> Option<f64> + 'a>,
+}
+
+/// What facets have done to a thread.
+#[derive(Clone, Debug)]
+struct Faceted {
+    line: u32,
+    how: String,
+    /// They were cut after the thread.
+    is_later: bool,
+}
+
+/// Facets below the crests of a thread by less take nothing that counts, mm.
+const FACET_MM: f64 = 0.1;
 
 /// The threads on a bar.
 #[derive(Clone, Debug, Default)]
@@ -191,6 +214,7 @@ impl Places {
             listed,
             changed: None,
             crossed: None,
+            faceted: None,
             is_off: false,
             is_gone: false,
             is_settled: false,
@@ -200,6 +224,22 @@ impl Places {
             && let Some(oldest) = self.all.iter().position(|place| place.listed != Listed::No)
         {
             bar.unwatch(self.all.remove(oldest).id);
+        }
+    }
+
+    /// Facets were cut where threads are.
+    pub(crate) fn are_faceted(&mut self, by: &Facets<'_>, bar: &TurnedBar) {
+        self.all.iter_mut().for_each(|place| place.is_faceted(by, bar, true));
+    }
+
+    /// The last thread was cut where facets are.
+    pub(crate) fn is_on_facets<'a>(
+        &mut self,
+        facets: impl Iterator<Item = Facets<'a>>,
+        bar: &TurnedBar,
+    ) {
+        if let Some(place) = self.all.last_mut() {
+            facets.for_each(|by| place.is_faceted(&by, bar, false));
         }
     }
 
@@ -234,6 +274,7 @@ impl Places {
             if !place.is_off {
                 place.look(bar, config);
             }
+            place.lose_to_facets();
             let is_new = !std::mem::replace(&mut place.is_settled, true);
             let changes = before != place.now.verdict;
             let now = place.now.clone();
@@ -261,6 +302,48 @@ impl ThreadPlace {
     /// Nothing happens to it any more.
     const fn is_done(&self) -> bool {
         self.is_off || self.is_gone
+    }
+
+    /// Facets lie below its crests, over more of it than the bar's end and the run-out may spoil.
+    fn is_faceted(&mut self, by: &Facets<'_>, bar: &TurnedBar, is_later: bool) {
+        let (side, [low, high]) = (self.cut.lie.side, self.cut.lie.span);
+        if self.is_done() || self.faceted.is_some() || side == Side::Internal {
+            return;
+        }
+        let [first, _] = self.cut.left.places();
+        let heights = self.cut.left.heights(side);
+        let at = |k: usize| bar.z(first + k);
+        let within = |k: &usize| (low..=high).contains(&at(*k));
+        let crest = (0..heights.len()).filter(within).map(|k| heights[k]).fold(0.0, f64::max);
+        let below = |k: usize| (by.at)(at(k)).map(|facet| crest - facet);
+        let taken = (0..heights.len()).filter(within).filter_map(below);
+        let (count, most) = taken.fold((0_usize, 0.0_f64), |(count, most), off| {
+            (count + usize::from(off > FACET_MM), most.max(off))
+        });
+        let length = count as f64 * bar.places().1;
+        if length <= UNCUT_PITCHES * self.cut.lie.lead.abs() {
+            return;
+        }
+        let how = format!(
+            "the facets of the {} lie {most:.2} mm below its crests, over {length:.2} mm",
+            by.name
+        );
+        self.faceted = Some(Faceted { line: by.line, how, is_later });
+        self.is_settled = false;
+    }
+
+    /// What facets have taken is in the verdict.
+    fn lose_to_facets(&mut self) {
+        let Some(Faceted { line, how, is_later }) = &self.faceted else { return };
+        if self.now.verdict.reason().is_some_and(|reason| reason.contains(how.as_str())) {
+            return;
+        }
+        if *is_later {
+            self.changed.get_or_insert(*line);
+            self.now.destroyed(*line, how);
+        } else {
+            self.now.fails(format!("cut over line {line}: {how}"));
+        }
     }
 
     /// Measure it as it stands, if something was taken off it.

@@ -25,7 +25,8 @@ use crate::stroke::{axis_mm, edge_of};
 use crate::{Config, Stock};
 use bus::Sample;
 use canon::{Tool, ToolKind};
-use cut::{ToolCut, apart};
+pub(crate) use cut::ToolCut;
+use cut::apart;
 use places::{NOISE_MM, same_side};
 use units::Length;
 

@@ -1,11 +1,11 @@
 //! A lathe made up for tests: what a program orders, and the motion that carries it out exactly.
 use bus::{Sample, Truth};
 use canon::{
-    Axis, Feed, Insert, InsertOrientation, InsertPoint, Op, OpKind, Position, Span, Threading,
-    Tool, ToolKind, ToolLibrary,
+    Axis, Feed, Insert, InsertOrientation, InsertPoint, Op, OpKind, PolygonCutter, Position, Ratio,
+    Span, Threading, Tool, ToolKind, ToolLibrary,
 };
 use units::{Angle, Coordinate, Lead, LeadGrowth, Length, Time};
-use verify::{Bar, Config, Feature, FeatureKind, Judge, Verdict};
+use verify::{Bar, Config, Feature, FeatureKind, Judge, Stock, Verdict};
 
 const TOOL_LENGTH: f64 = 60.0;
 /// Samples of a turn.
@@ -22,6 +22,8 @@ pub const BACK: u32 = 37;
 pub const BORE: u32 = 38;
 pub const DRILL_8: u32 = 40;
 pub const DRILL_19: u32 = 41;
+/// Three inserts, 50 mm from its axis.
+pub const CUTTER: u32 = 21;
 
 fn tool(number: u32, kind: ToolKind, diameter: f64) -> Tool {
     Tool {
@@ -63,6 +65,12 @@ fn tools() -> ToolLibrary {
         inserts.into_iter().map(|(n, i)| tool(n, ToolKind::Insert(i), 0.0)).collect();
     tools.push(tool(DRILL_8, drill.clone(), 8.0));
     tools.push(tool(DRILL_19, drill, 19.0));
+    let cutter = PolygonCutter {
+        radius: Length::mm(50.0),
+        inserts: [0.0, 1.0 / 3.0, 2.0 / 3.0].map(Angle::rev).to_vec(),
+        nose_radius: Length::mm(0.8),
+    };
+    tools.push(tool(CUTTER, ToolKind::PolygonCutter(cutter), 100.0));
     ToolLibrary::new(tools)
 }
 
@@ -83,7 +91,10 @@ pub struct Lathe {
 fn config(bore: f64) -> Config {
     let [radius, bore, face, rear] = [10.0, bore, 0.0, -60.0].map(Length::mm);
     let bar = Some(Bar { radius, bore, face, rear });
-    Config { bar, ..Config::new(tools()) }
+    let mm = |v: [f64; 3]| v.map(Length::mm);
+    let (from, to) = (mm([-10.0, -10.0, -60.0]), mm([10.0, 10.0, 0.0]));
+    let stock = Some(Stock { from, to, zero: mm([0.0; 3]) });
+    Config { bar, stock, stock_radius: Some(radius), ..Config::new(tools()) }
 }
 
 fn place([x, z]: [f64; 2]) -> Position {
@@ -103,6 +114,24 @@ impl Lathe {
     fn of(judge: Judge) -> Self {
         let (at, tool) = ([30.0, 50.0], FULL);
         Self { judge, op: 0, line: 0, time: 0.0, turn: 0.0, sense: 1.0, tool, at }
+    }
+
+    /// What a control does that counts features by program: it has taken those so far, and gets
+    /// told what happens to them.
+    pub fn counted(mut self) -> (Self, Vec<Feature>) {
+        self.order(OpKind::Dwell { time: Time::s(0.1) });
+        self.see(self.at, self.turn);
+        self.judge.settle(self.op);
+        let features = self.judge.take_features();
+        (self, features)
+    }
+
+    /// Lines that have destroyed features which were taken, and how.
+    pub fn undone(mut self) -> Vec<(u32, String)> {
+        self.order(OpKind::Dwell { time: Time::s(0.1) });
+        self.see(self.at, self.turn);
+        self.judge.settle(self.op);
+        self.judge.take_undone().into_iter().map(|undone| (undone.line, undone.how)).collect()
     }
 
     /// The next program on the same work.
@@ -133,7 +162,11 @@ impl Lathe {
         self.op += 1;
     }
 
-    fn see(&mut self, [x, z]: [f64; 2], turn: f64) {
+    fn see(&mut self, at: [f64; 2], turn: f64) {
+        self.see_geared(at, turn, 0.0);
+    }
+
+    fn see_geared(&mut self, [x, z]: [f64; 2], turn: f64, cutter: f64) {
         let mut sample = Sample::default();
         (sample.report.op, sample.report.line) = (self.op - 1, self.line);
         sample.feedback.time = Time::s(self.time);
@@ -141,7 +174,7 @@ impl Lathe {
         let mut truth = Truth::default();
         truth.axes[0] = Coordinate::new(x);
         truth.axes[2] = Coordinate::new(z + TOOL_LENGTH);
-        truth.spindles[0] = Angle::rev(self.sense * turn);
+        truth.spindles = [self.sense * turn, cutter].map(Angle::rev);
         sample.truth = Some(truth);
         self.judge.sample(&sample);
         (self.at, self.turn) = ([x, z], turn);
@@ -234,6 +267,40 @@ impl Lathe {
         self.with(FULL).passes(&[9.6, 9.25, 9.015], -25.0)
     }
 
+    /// A hexagon of 17 mm across flats, turned by an angle of the cutter, fed 0.25 mm a turn.
+    pub fn hexagon(mut self, [from, to]: [f64; 2], phase_deg: f64) -> Self {
+        const STEPS: f64 = 120.0;
+        self = self.with(CUTTER).rapid(75.0, from);
+        let (work, tool) = (0, 1);
+        let phase = Angle::deg(phase_deg);
+        let kind = OpKind::Polygon(canon::Polygon {
+            work,
+            tool,
+            ratio: Ratio { follower: 2, master: 1 },
+            phase,
+            oscillations: Vec::new(),
+            auto: None,
+            by_distance: Vec::new(),
+            wanted: Vec::new(),
+            compensated: false,
+            zero: place([0.0, 0.0]),
+            own_zero: None,
+        });
+        self.order(kind);
+        let feed = Feed::PerRevolution(Lead::mm_per_rev(0.25));
+        self.order(OpKind::Line { to: place([58.5, to]), feed });
+        let (began, way) = (self.turn, from - to);
+        let count = (way / 0.25 * STEPS).ceil();
+        for k in 0..=count as u32 {
+            let share = f64::from(k) / count;
+            let turn = began + share * way / 0.25;
+            self.see_geared([58.5, from - share * way], turn, 2.0 * turn + phase.value());
+        }
+        self.at = [58.5, to];
+        self.order(OpKind::PolygonEnd);
+        self.rapid(75.0, to).rapid(75.0, 50.0).rapid(30.0, 50.0)
+    }
+
     /// Turned along Z from before the face, or from the place given, and out.
     pub fn turned(self, tool: u32, radius: f64, [from, to]: [f64; 2]) -> Self {
         self.with(tool)
@@ -274,6 +341,14 @@ impl Lathe {
         self.order(OpKind::End);
         self.see(self.at, self.turn + 0.1);
         self.judge.finish()
+    }
+
+    /// What is not good: kind, line, why.
+    pub fn wrong(self) -> Vec<String> {
+        let of = |f: &Feature| {
+            f.verdict.reason().map(|why| format!("{} of line {}: {why}", f.kind_name(), f.line))
+        };
+        self.features().iter().filter_map(of).collect()
     }
 
     /// The verdicts' names of all turned threads.
