@@ -137,6 +137,11 @@ impl Dialect {
         self.rules().turret
     }
 
+    /// Whether tools are clamped by hand, so that a program need not name any.
+    pub const fn has_tools_by_hand(self) -> bool {
+        self.rules().tools_by_hand
+    }
+
     /// Where its cycles measure Z from under G91, unless the machine says otherwise.
     pub const fn depth_from(self) -> DepthFrom {
         self.rules().depth_from

@@ -15,6 +15,7 @@
 //! (stand-ins) and of no known form are not looked at.
 use super::{Job, Planner};
 use crate::bar::Outline;
+use crate::bodies::Bodies;
 use crate::chip::Drill;
 use crate::stock::{Removed, Stock};
 use alloc::vec::Vec;
@@ -27,6 +28,7 @@ mod body;
 mod form;
 mod hobbing;
 mod say;
+mod solid;
 mod turned;
 
 use form::{Form, form};
@@ -79,6 +81,7 @@ enum Mills {
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
     stock: Stock,
+    bodies: Bodies,
     removed: Removed,
     /// What is left of a bar that is turned; `None`: it is none, or not known.
     outline: Option<Outline>,
@@ -124,6 +127,7 @@ impl Contact {
     fn new(stock: Stock, rotary: [Angle; 3]) -> Self {
         Self {
             stock,
+            bodies: Bodies::default(),
             removed: Removed::default(),
             outline: stock.bar.map(|bar| Outline::new(&stock, bar)),
             passes: None,
@@ -325,6 +329,26 @@ impl Planner {
         self
     }
 
+    /// One that also looks at these bodies of the machine.
+    #[must_use]
+    pub const fn with_bodies(mut self, bodies: Bodies) -> Self {
+        if let Some(contact) = &mut self.contact {
+            contact.bodies = bodies;
+        }
+        self
+    }
+
+    /// One whose work has holes already: where, how wide and how deep from its top, mm.
+    #[must_use]
+    pub fn with_holes(mut self, holes: impl IntoIterator<Item = ([f64; 2], [f64; 2])>) -> Self {
+        if let Some(contact) = &mut self.contact {
+            for (at, [diameter, depth]) in holes {
+                contact.removed.bore(at, diameter, 0.0, depth);
+            }
+        }
+        self
+    }
+
     /// Another tool is in the spindle.
     pub(super) const fn tool_mounted(&mut self) {
         if let Some(contact) = &mut self.contact {
@@ -338,10 +362,12 @@ impl Planner {
 
     /// Tool and stock along a path that the axes can go.
     pub(super) fn sweep(&mut self, job: &Job, path: &Path, run: Sweep) {
+        self.sweep_clamping(job, path, run);
         if self.sweep_bar(job, path, run) {
             return;
         }
         self.sweep_body(job, path);
+        self.sweep_solid(job, path, run);
         let Some(tool) = self.tools.get(self.tool) else { return };
         let stated = self.contact.as_ref().is_some_and(|contact| contact.mills == Mills::All);
         let pressure = self.options.cutting_pressure_n_per_mm2;
