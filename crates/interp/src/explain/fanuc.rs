@@ -120,7 +120,7 @@ pub(super) const ROWS: &[Finding] = &[
     ),
     lathe(
         "I1033",
-        "A profile holds no other cycle.",
+        "A profile holds no other cycle, and no call of a subprogram or macro.",
         "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nM30\nN10 G0 X10.\nG71 U2. R1.\nN20 G1 Z-10.",
         "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nM30\nN10 G0 X10.\nN20 G1 Z-10.",
     ),

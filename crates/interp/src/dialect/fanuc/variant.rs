@@ -16,6 +16,8 @@ pub(crate) struct Variant {
     pub(crate) has_m29: bool,
     /// `,R1` makes a tap rigid.
     pub(crate) taps_by_r: bool,
+    /// P of M19 is the angle of the spindle, degrees.
+    pub(crate) orients_by_p: bool,
     /// Times with a point are seconds.
     pub(crate) waits_in_seconds: bool,
     /// A cycle without R feeds from where the tool stands.
@@ -61,6 +63,7 @@ pub(crate) const FANUC: Variant = Variant {
     begins_calls_by_h: false,
     has_m29: true,
     taps_by_r: false,
+    orients_by_p: false,
     waits_in_seconds: false,
     cycles_without_r: false,
     g53_by_increments: MachinePlace::Ignored,

@@ -9,6 +9,7 @@
 //! | `G81 Z-5.` without R | feeds from where the tool stands, or from the R of before | refused |
 //! | `G91 … G53 Z0` | goes to the machine's zero: G53 is never an increment | ignored |
 //! | `G187 P E` | corners to within E | – |
+//! | `M19 P90`, `M19 R90.5` | the spindle stops at this angle, degrees | the builder's |
 //! | `G103` | look-ahead: no effect | – |
 //! | `G47`, `G70` – `G72`, `G77`, `G87`, `G107`, `G112`, `G136`, `G150`, `G35` – `G37` | refused, each by its name | other codes, or none |
 //! | `M29` | the builder's | a rigid tap follows |
@@ -43,6 +44,7 @@ pub(crate) const RULES: Rules = Rules {
             codes: &["G154"],
             what: "which of the work offsets beyond G59, 1 to 99",
         },
+        Role { letter: b'P', codes: &["M19"], what: "where the spindle stops, whole degrees" },
         Role { letter: b'P', codes: &["G187"], what: "1 rough, 2 medium, 3 finish" },
         Role { letter: b'E', codes: &["G187"], what: "how far the path may leave a corner" },
         Role {

@@ -9,6 +9,7 @@ pub(crate) const VARIANT: Variant = Variant {
     own,
     calls_by_m97: true,
     has_m29: false,
+    orients_by_p: true,
     waits_in_seconds: true,
     cycles_without_r: true,
     g53_by_increments: MachinePlace::Absolute,
