@@ -303,4 +303,10 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nG97 S500 M3\nG0 X20. Z2.\nG1 X40. A180. F0.2\nM30",
         "O1\nG97 S500 M3\nG0 X20. Z2.\nG1 X40. A135. F0.2\nM30",
     ),
+    f(
+        "I1070",
+        "A work offset beyond G59 is called that was never set: its zero is the machine's.",
+        "O1\nG54.1 P3\nM30",
+        "O1\nG10 L20 P3 X10.\nG54.1 P3\nM30",
+    ),
 ];

@@ -214,8 +214,6 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("S0901", "The learning file is damaged, or is none."),
     ("S0902", "The learning file is of another machine."),
     ("S0903", "The machine's file has been changed since this was learnt."),
-    ("S1001", "The cam library is not what its format asks for."),
-    ("S1002", "A number of the cam library cannot be meant."),
     ("S1003", "A row of a lift table is no angle and lift."),
     ("S1101", "The table of phase errors is damaged."),
     ("S1102", "The table of phase errors is of another machine."),

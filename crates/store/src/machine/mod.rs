@@ -176,6 +176,19 @@ pub fn parse(text: &str, file: u16) -> Result<MachineFile, Vec<Diagnostic>> {
     keys::read_over(text, file, "extends", &embedded, MachineFile::read)
 }
 
+/// All keys that the reader of machine files asks for, by the built-in machines.
+pub fn asked_keys() -> Vec<crate::AskedKey> {
+    let mut all: Vec<crate::AskedKey> = Vec::new();
+    for text in EMBEDDED.iter().filter_map(|name| embedded(name)) {
+        for key in keys::asked(text, "extends", &embedded, MachineFile::read) {
+            if !all.iter().any(|one| one.table == key.table && one.key == key.key) {
+                all.push(key);
+            }
+        }
+    }
+    all
+}
+
 /// Read a machine from its file.
 ///
 /// # Errors

@@ -22,6 +22,8 @@ pub(crate) struct Variant {
     pub(crate) waits_in_seconds: bool,
     /// A cycle without R feeds from where the tool stands.
     pub(crate) cycles_without_r: bool,
+    /// R of a lathe's drilling and tapping cycles is a place, and no way from the initial level.
+    pub(crate) levels_are_places: bool,
     /// What G53 does where words are increments.
     pub(crate) g53_by_increments: MachinePlace,
     /// How work offsets beyond the sixth are called, and how many there are.
@@ -66,6 +68,7 @@ pub(crate) const FANUC: Variant = Variant {
     orients_by_p: false,
     waits_in_seconds: false,
     cycles_without_r: false,
+    levels_are_places: false,
     g53_by_increments: MachinePlace::Ignored,
     more_offsets: ("G54.1", 48),
     circles: Circles::None,
