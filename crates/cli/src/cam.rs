@@ -171,9 +171,11 @@ fn form_keys(args: &CamArgs) -> Vec<String> {
     let (base, lift, half) = (args.base.unwrap_or(25.0), args.lift, args.half_angle);
     let number = |key: &str, value: f64| format!("{key} = {value}");
     let (kind, numbers, has_follower) = match args.form.unwrap_or(CamFormName::Automotive) {
-        CamFormName::Eccentric => {
-            ("eccentric", vec![number("radius_mm", base), number("eccentricity_mm", lift / 2.0)], false)
-        }
+        CamFormName::Eccentric => (
+            "eccentric",
+            vec![number("radius_mm", base), number("eccentricity_mm", lift / 2.0)],
+            false,
+        ),
         CamFormName::Harmonic => {
             ("harmonic", vec![number("base_mm", base), number("lift_mm", lift)], true)
         }

@@ -221,10 +221,24 @@ fn a_generated_program_runs_as_it_was_printed() {
     let forms: [&[&str]; 6] = [
         &["--form", "automotive", "--base", "34", "--lift", "9", "--half-angle", "65"],
         &["--form", "eccentric", "--base", "20", "--lift", "4"],
-        &["--form", "harmonic", "--base", "22", "--lift", "6", "--follower", "roller", "--roller-radius", "15"],
-        &["--form", "lobes", "--base", "25", "--lift", "3", "--lobes", "5"],
+        &[
+            "--form",
+            "harmonic",
+            "--base",
+            "22",
+            "--lift",
+            "6",
+            "--follower",
+            "roller",
+            "--roller-radius",
+            "15",
+        ],
+        &["--form", "lobes", "--base", "25", "--lift", "3", "--lobes", "3"],
         &["--form", "polynomial", "--base", "30", "--lift", "5", "--half-angle", "80"],
-        &["--form", "lobes", "--base", "28", "--lift", "2", "--lobes", "3", "--nodes", "1440", "--number", "77"],
+        &[
+            "--form", "lobes", "--base", "28", "--lift", "2", "--lobes", "3", "--nodes", "1440",
+            "--number", "77",
+        ],
     ];
     for machine in ["cam-grinder", "cam-grinder-coarse"] {
         for form in size::first_of(4, &forms) {
@@ -255,5 +269,9 @@ fn a_generated_program_runs_as_it_was_printed() {
     // too large for the machine: said before it is printed
     let large = leadscrew(&["cam", "--form", "eccentric", "--base", "60", "--lift", "4"]);
     assert!(!large.status.success(), "{}", said(&large));
-    assert!(complained(&large).contains("the travel of X on cam-grinder ends at X250"), "{}", complained(&large));
+    assert!(
+        complained(&large).contains("the travel of X on cam-grinder ends at X250"),
+        "{}",
+        complained(&large)
+    );
 }

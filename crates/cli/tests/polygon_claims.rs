@@ -324,7 +324,17 @@ fn a_printed_block_is_a_program() {
     let sizes = ["17", "30"];
     for across in size::first_of(1, &sizes) {
         for sides in ["4", "6"] {
-            let words = ["polygon", "--sides", sides, "--across-flats", across, "--length", "2", "--format", "json"];
+            let words = [
+                "polygon",
+                "--sides",
+                sides,
+                "--across-flats",
+                across,
+                "--length",
+                "2",
+                "--format",
+                "json",
+            ];
             let told: Value = serde_json::from_str(&said(&leadscrew(&words))).unwrap();
             let folder = tempfile::tempdir().unwrap();
             let program = folder.path().join("part.ngc");

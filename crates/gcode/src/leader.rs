@@ -25,7 +25,11 @@ pub(crate) fn before_end_mark(source: &[u8]) -> &[u8] {
 /// The leader of a tape: text for people before the line that begins with the percent sign. `from`
 /// is where the text begins. It is none where what stands there can be a program: a block, without
 /// a numbered program behind the sign; a numbered program; or its end.
-pub(crate) fn leader(source: &[u8], from: usize, grammar: Grammar) -> Option<core::ops::Range<usize>> {
+pub(crate) fn leader(
+    source: &[u8],
+    from: usize,
+    grammar: Grammar,
+) -> Option<core::ops::Range<usize>> {
     if grammar != Grammar::Fanuc {
         return None;
     }
@@ -44,11 +48,13 @@ pub(crate) fn leader(source: &[u8], from: usize, grammar: Grammar) -> Option<cor
     let (mut block, mut is_text) = (Block::new(), false);
     while parser.next(&mut block) {
         let ends = |word: &Word| {
-            let code = matches!(word.value, Value::Number(n) if [2.0, 30.0, 98.0, 99.0].contains(&n));
+            let code =
+                matches!(word.value, Value::Number(n) if [2.0, 30.0, 98.0, 99.0].contains(&n));
             word.letter == b'M' && code
         };
         let is_program = block.o.is_some() || block.words.iter().any(ends);
-        let is_block = !block.words.is_empty() || block.control.is_some() || !block.assignments.is_empty();
+        let is_block =
+            !block.words.is_empty() || block.control.is_some() || !block.assignments.is_empty();
         if !block.faulty && (is_program || is_block && !is_numbered) {
             return None;
         }

@@ -82,7 +82,8 @@ impl<'a> Parser<'a> {
     /// text up to the first percent sign.
     fn skip_leader(&mut self) {
         let rest = self.source.get(self.offset..).unwrap_or_default();
-        let blank = rest.iter().take_while(|byte| **byte == 0 || byte.is_ascii_whitespace()).count();
+        let blank =
+            rest.iter().take_while(|byte| **byte == 0 || byte.is_ascii_whitespace()).count();
         let blank = memchr::memrchr(0, &rest[..blank]).map_or(0, |last| last + 1);
         self.line += memchr::memchr_iter(b'\n', &rest[..blank]).count() as u32;
         self.offset += blank;

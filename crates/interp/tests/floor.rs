@@ -461,7 +461,10 @@ fn words_that_count_are_read_alike_with_a_point_and_without() {
             "G51.4" => &["S500 M3\nG51.2 P1 Q2\nG51.4 P4{}\nG50.2"],
             "G51.3" => &["S500 M3\nG51.2 P1 Q2\nG51.3 L6{} A0.81\nG50.2"],
             "G65" | "G66" => &["G65 P9010{} L2{} A1.\nM30\nO9010\nG91 G0 X#1\nM99"],
-            "M98" => &["M98 P20{} L3{}\nM30\nO20\nG0 W1.\nM99", "M98 P20{} Q5{}\nM30\nO20\nG0 X9.\nN5 G0 X1.\nM99"],
+            "M98" => &[
+                "M98 P20{} L3{}\nM30\nO20\nG0 W1.\nM99",
+                "M98 P20{} Q5{}\nM30\nO20\nG0 X9.\nN5 G0 X1.\nM99",
+            ],
             "M99" => &["M98 P20\nG0 X5.\nN7 G0 X1.\nM30\nO20\nM99 P7{}"],
             "M19" => &["M19 R90{}"],
             "G81" => &["S300 M3\nG81 T40{} L1{} Q2{} P20{}\nG80"],
@@ -474,20 +477,32 @@ fn words_that_count_are_read_alike_with_a_point_and_without() {
     for dialect in Dialect::ALL {
         let is_lathe = dialect.has_turret();
         for (code, letters) in interp::counting_words(dialect) {
-            if matches!(code.as_str(), "M97" | "M198") || dialect == Dialect::FanucLatheC && code.starts_with("G7") {
+            if matches!(code.as_str(), "M97" | "M198")
+                || dialect == Dialect::FanucLatheC && code.starts_with("G7")
+            {
                 continue; // M97 is Haas' alone, a file is not at hand, and C writes G72 for G70
             }
             let texts = programs(&code, is_lathe);
-            assert!(!texts.is_empty(), "{code} {letters} of {} has no program here", dialect.name());
+            assert!(
+                !texts.is_empty(),
+                "{code} {letters} of {} has no program here",
+                dialect.name()
+            );
             for text in texts {
-                let text = if is_lathe { text.replace("G91 ", "") } else { text.replace(" W1.", " X1.") };
+                let text =
+                    if is_lathe { text.replace("G91 ", "") } else { text.replace(" W1.", " X1.") };
                 let both = ["", "."].map(|point| {
                     let text = format!("O1\nG21\n{}\nM30\n", text.replace("{}", point));
                     let text = text.replacen("M30\nO", "M30\nO", 1);
                     let setup = setup(dialect);
                     let mut ops = Ops::new(text.as_bytes(), &setup);
                     let kinds: Vec<_> = ops.by_ref().map(|op| format!("{:?}", op.kind)).collect();
-                    let codes: Vec<_> = ops.diagnostics().iter().map(|d| d.code).filter(|code| *code != "I1023").collect();
+                    let codes: Vec<_> = ops
+                        .diagnostics()
+                        .iter()
+                        .map(|d| d.code)
+                        .filter(|code| *code != "I1023")
+                        .collect();
                     (kinds, codes)
                 });
                 assert_eq!(both[0], both[1], "{code} {letters} of {}: {text}", dialect.name());
@@ -501,7 +516,9 @@ fn words_that_count_are_what_they_say() {
     let hobs = |text: &str| {
         let kinds = ops(&format!("O1\nG21 G90\nS300 M3\n{text}\nG80\nM30\n"), Dialect::Fanuc);
         kinds.into_iter().find_map(|kind| match kind {
-            OpKind::Hob(hob) => Some((hob.teeth, hob.starts, hob.module.value(), hob.helix.in_deg())),
+            OpKind::Hob(hob) => {
+                Some((hob.teeth, hob.starts, hob.module.value(), hob.helix.in_deg()))
+            }
             _ => None,
         })
     };
@@ -512,7 +529,9 @@ fn words_that_count_are_what_they_say() {
     }
     let degrees = |text: &str, dialect| {
         ops(&format!("O1\n{text}\nM30\n"), dialect).into_iter().find_map(|kind| match kind {
-            OpKind::Spindle { order: canon::SpindleOrder::Orient { to, .. }, .. } => Some(to.angle.in_deg()),
+            OpKind::Spindle { order: canon::SpindleOrder::Orient { to, .. }, .. } => {
+                Some(to.angle.in_deg())
+            }
             _ => None,
         })
     };
@@ -527,7 +546,8 @@ fn words_that_count_are_what_they_say() {
         assert!((found - 90.0).abs() < 1e-9, "{text} in {}: {found}", dialect.name());
     }
     // a depth and a wait are none of them
-    let text = "O1\nG21 G90 G94 F100 S500 M3\nG0 Z50.\nG99 G83 X0 Y0 Z-10000 R2000 Q3000\nG80\nM30\n";
+    let text =
+        "O1\nG21 G90 G94 F100 S500 M3\nG0 Z50.\nG99 G83 X0 Y0 Z-10000 R2000 Q3000\nG80\nM30\n";
     let hole = holes(text, Dialect::Fanuc)[0];
     assert_eq!([hole.at.linear[2], hole.bottom].map(units::Length::value), [2.0, -10.0]);
 }
@@ -548,7 +568,14 @@ fn a_call_inside_of_a_profile_is_refused_with_its_place() {
         "G70 P10 Q20",
     ];
     for cycle in cycles {
-        for inside in ["M98 P349", "M98 P0349 L2", "M98 P1234", "G65 P349 A1.", "G66 P349", "G1 X25. M98 P349"] {
+        for inside in [
+            "M98 P349",
+            "M98 P0349 L2",
+            "M98 P1234",
+            "G65 P349 A1.",
+            "G66 P349",
+            "G1 X25. M98 P349",
+        ] {
             if inside == "M98 P1234" && cycle.starts_with("G70") {
                 continue; // behind a G70 its profile's blocks are executed once more, by themselves
             }
@@ -605,14 +632,20 @@ fn the_leader_of_a_tape_is_skipped() {
 #[test]
 fn what_can_be_a_program_is_no_leader() {
     // no sign at the begin; a sign between two tapes; a block that nothing numbered follows
-    for text in [
-        "O1\nG21 G90\nG0 X10.\nM30\n%\n",
-        "O1\nG21 G90\nG0 X10.\nM30\n%\nO2\nG0 X20.\nM30\n%\n",
-    ] {
+    for text in
+        ["O1\nG21 G90\nG0 X10.\nM30\n%\n", "O1\nG21 G90\nG0 X10.\nM30\n%\nO2\nG0 X20.\nM30\n%\n"]
+    {
         assert_eq!(places(&ops(text, Dialect::Fanuc)), [[10.0, 0.0, 0.0]], "{text}");
     }
-    assert!(found("G21 G90 oops\n%\nG0 X1.\nM30\n%\n", Dialect::LinuxCnc).iter().any(|c| c.starts_with('P')));
-    assert!(found("G0 X1.\0\0Y2.\nM30\n", Dialect::Fanuc).contains(&"P0191"), "NULs within a program");
+    assert!(
+        found("G21 G90 oops\n%\nG0 X1.\nM30\n%\n", Dialect::LinuxCnc)
+            .iter()
+            .any(|c| c.starts_with('P'))
+    );
+    assert!(
+        found("G0 X1.\0\0Y2.\nM30\n", Dialect::Fanuc).contains(&"P0191"),
+        "NULs within a program"
+    );
     assert!(found("\0G\x000\0 \0X\x001\0\n\0", Dialect::Fanuc).contains(&"P0191"), "UTF-16");
 }
 
@@ -660,10 +693,7 @@ fn what_grbl_answers_with_an_error_is_said() {
         let setup = setup(Dialect::Grbl);
         let text = format!("{head}{neighbour}\nM30\n");
         let right = interp::check(text.as_bytes(), &setup);
-        assert!(
-            !right.iter().any(|d| d.is_error() || d.code == code),
-            "{neighbour}: {right:?}"
-        );
+        assert!(!right.iter().any(|d| d.is_error() || d.code == code), "{neighbour}: {right:?}");
     }
     let full = "G20\nG90\nG17\nG0 X10.375 Y5.8438\nM3 S1000\nG3 I-4.5312 F100.0\nM30\n";
     let all = interp::check(full.as_bytes(), &setup(Dialect::Grbl));
@@ -683,7 +713,12 @@ fn probing_tells_no_more_of_linuxcnc_than_of_grbl() {
 
 #[test]
 fn a_code_of_mach3_has_its_name_in_the_finding() {
-    for (block, what) in [("G31 Z-1 F50", "Mach3"), ("G12 I5", "Mach3"), ("G68 A0 B0 R45", "Mach3"), ("G16", "Mach3")] {
+    for (block, what) in [
+        ("G31 Z-1 F50", "Mach3"),
+        ("G12 I5", "Mach3"),
+        ("G68 A0 B0 R45", "Mach3"),
+        ("G16", "Mach3"),
+    ] {
         for dialect in [Dialect::Grbl, Dialect::LinuxCnc] {
             let text = format!("G21\n{block}\nM30\n");
             let all = interp::check(text.as_bytes(), &setup(dialect));

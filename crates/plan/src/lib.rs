@@ -83,8 +83,8 @@ mod way_out;
 mod words;
 
 pub use bar::Bar;
-pub use bodies::{Bodies, Cylinder};
 pub use beside::SideBySide;
+pub use bodies::{Bodies, Cylinder};
 pub use boxed::{Boxed, SpindleStep, Step, StepKind};
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;

@@ -55,11 +55,8 @@ fn all_tools() -> ToolLibrary {
     tools.insert(tool(9, 10.0, ToolKind::SpotDrill { point_angle: Angle::deg(90.0) }));
     let probe = canon::TouchProbe { pretravel: mm(0.012), lobing: mm(0.001) };
     tools.insert(tool(13, 6.0, ToolKind::Probe(probe)));
-    let cutter = canon::PolygonCutter {
-        radius: mm(50.0),
-        inserts: vec![Angle::ZERO],
-        nose_radius: mm(0.8),
-    };
+    let cutter =
+        canon::PolygonCutter { radius: mm(50.0), inserts: vec![Angle::ZERO], nose_radius: mm(0.8) };
     tools.insert(tool(14, 100.0, ToolKind::PolygonCutter(cutter)));
     tools.insert(tool(15, 70.0, ToolKind::Other));
     tools.insert(tool(16, 40.0, ToolKind::Other));
@@ -419,11 +416,7 @@ fn advice_to_incremental_blocks_is_incremental() {
 }
 
 /// The same with what the machine has beside it.
-fn said_with(
-    bodies: Bodies,
-    number: u32,
-    kinds: impl IntoIterator<Item = OpKind>,
-) -> String {
+fn said_with(bodies: Bodies, number: u32, kinds: impl IntoIterator<Item = OpKind>) -> String {
     let start = Start { position: Position::xyz(0.0, 0.0, -10.0), tool: 0 };
     let planner = Planner::new(machine(), all_tools(), common::OPTIONS, start);
     let mut planner = planner.with_stock(STOCK).with_bodies(bodies).only_judging();
@@ -473,13 +466,26 @@ fn what_cuts_nothing_is_not_fed_into_the_stock_and_a_cutter_at_rest_neither() {
 }
 
 #[test]
+fn behind_a_probing_move_a_probe_is_where_it_has_touched() {
+    let order = canon::Probe {
+        to: Position::xyz(5.0, 0.0, TOP + 120.0 - 10.0),
+        feed: units::Speed::mm_per_min(100.0),
+        until_contact: true,
+        required: true,
+    };
+    assert!(!said(13, [to(5.0, 10.0), OpKind::Probe(order), to(5.0, -9.0)]).contains("M0360"));
+    assert!(said(13, [to(5.0, 10.0), to(5.0, -9.0), OpKind::Probe(order)]).contains("M0360"));
+}
+
+#[test]
 fn an_empty_spindle_has_a_nose() {
     let at = |x: f64, z: f64| rapid(x, 0.0, TOP + z);
     let cut = |x: f64, z: f64| line(x, 0.0, TOP + z, 300.0);
     let none = Bodies::default();
     let rapid = said_with(none, 0, [at(5.0, 10.0), at(5.0, -5.0)]);
     assert!(rapid.starts_with("M0360 Error: the rapid takes the nose of the spindle, in which no tool is, 5 mm into the stock"), "{rapid}");
-    let contour = said_with(none, 0, [at(5.0, 10.0), cut(5.0, -5.0), cut(40.0, -5.0), at(40.0, 10.0)]);
+    let contour =
+        said_with(none, 0, [at(5.0, 10.0), cut(5.0, -5.0), cut(40.0, -5.0), at(40.0, 10.0)]);
     assert_eq!(contour.lines().count(), 1, "{contour}");
     assert!(contour.starts_with("M0373 Warning: this cuts with no tool: the program has called none, and the spindle's nose goes 5 mm"), "{contour}");
     assert_eq!(said_with(none, 0, [at(5.0, 10.0), cut(5.0, 0.0), cut(40.0, 0.0)]), "");
@@ -499,7 +505,10 @@ fn the_nose_behind_a_short_tool_meets_the_stock() {
     let deep = [to(60.0, 10.0), to(60.0, -30.0)];
     assert_eq!(said_with(wide, 8, deep), "", "120 mm long, 30 mm deep beside the stock");
     let deeper = said_with(wide, 8, [to(60.0, 10.0), to(60.0, -125.0)]);
-    assert!(deeper.contains("M0367 Error") && deeper.contains("the spindle's nose of 80 mm"), "{deeper}");
+    assert!(
+        deeper.contains("M0367 Error") && deeper.contains("the spindle's nose of 80 mm"),
+        "{deeper}"
+    );
 }
 
 #[test]
@@ -508,7 +517,12 @@ fn a_wheel_keeps_off_its_work_by_rapid() {
     let at = |x: f64| rapid(x, 0.0, TOP + 100.0);
     assert_eq!(said_with(wheel, 0, [at(240.0), at(205.0)]), "");
     let into = said_with(wheel, 0, [at(240.0), at(190.0)]);
-    assert!(into.starts_with("M0360 Error: the rapid takes the grinding wheel 10 mm into the stock at X190"), "{into}");
+    assert!(
+        into.starts_with(
+            "M0360 Error: the rapid takes the grinding wheel 10 mm into the stock at X190"
+        ),
+        "{into}"
+    );
     assert!(into.contains(": X202 is clear of it"), "{into}");
 }
 

@@ -16,7 +16,8 @@ pub struct AskedKey {
 
 /// Bounds, for people.
 pub(crate) fn span(bounds: &RangeInclusive<f64>) -> String {
-    let said = |value: f64| if value.abs() >= 1e7 { format!("{value:e}") } else { value.to_string() };
+    let said =
+        |value: f64| if value.abs() >= 1e7 { format!("{value:e}") } else { value.to_string() };
     format!("{} to {}", said(*bounds.start()), said(*bounds.end()))
 }
 

@@ -199,7 +199,8 @@ fn read(keys: &mut Keys<'_>) -> CamFile {
         numbers.push(cam.number);
         cam
     };
-    let cam = if keys.has("cam") { keys.sections("cam", MOST_CAMS, &mut entry) } else { Vec::new() };
+    let cam =
+        if keys.has("cam") { keys.sections("cam", MOST_CAMS, &mut entry) } else { Vec::new() };
     CamFile { wheel_radius_mm, nodes, cam }
 }
 

@@ -27,8 +27,8 @@ pub mod sync_record;
 pub mod tools;
 pub mod trace;
 
-mod error;
 mod asked_key;
+mod error;
 mod keys;
 mod text;
 

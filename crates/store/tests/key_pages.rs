@@ -43,7 +43,8 @@ const HEAD: &str = "\n| key | value | must |\n|---|---|---|\n";
 fn by_section<'k>(keys: impl IntoIterator<Item = &'k AskedKey>) -> String {
     let mut sections: Vec<(String, String)> = Vec::new();
     for key in keys {
-        let title = if key.table.is_empty() { "at the top".into() } else { format!("`{}`", key.table) };
+        let title =
+            if key.table.is_empty() { "at the top".into() } else { format!("`{}`", key.table) };
         match sections.iter_mut().find(|(name, _)| *name == title) {
             Some((_, rows)) => *rows += &row(key),
             None => sections.push((title, row(key))),
@@ -59,7 +60,8 @@ fn the_page_of_machine_files_has_each_key_that_is_asked_for() {
     let other = ["y", "z", "a", "b", "u", "v", "w"];
     let is_shown = |key: &&AskedKey| {
         !other.iter().any(|axis| {
-            key.table == format!("[axes.{axis}]") || key.table.starts_with(&format!("[axes.{axis}."))
+            key.table == format!("[axes.{axis}]")
+                || key.table.starts_with(&format!("[axes.{axis}."))
         })
     };
     let shown: Vec<_> = keys.iter().filter(is_shown).collect();
@@ -75,7 +77,12 @@ fn the_page_of_machine_files_has_each_key_that_is_asked_for() {
 #[test]
 fn the_page_of_tool_tables_has_each_key_of_each_kind() {
     let kinds = store::tools::asked_keys();
-    let of_all = |key: &AskedKey| kinds.iter().all(|(_, keys)| keys.iter().any(|one| one.key == key.key && one.table == key.table && one.must == key.must));
+    let of_all = |key: &AskedKey| {
+        kinds.iter().all(|(_, keys)| {
+            keys.iter()
+                .any(|one| one.key == key.key && one.table == key.table && one.must == key.must)
+        })
+    };
     let common = kinds[0].1.iter().filter(|key| of_all(key));
     let mut tables = by_section(common);
     for (kind, keys) in &kinds {
@@ -86,7 +93,8 @@ fn the_page_of_tool_tables_has_each_key_of_each_kind() {
     }
     hold("tool-tables.md", &tables);
     for example in examples("tool-tables.md") {
-        store::tools::parse_toml(&example, 0).unwrap_or_else(|found| panic!("{example}: {found:?}"));
+        store::tools::parse_toml(&example, 0)
+            .unwrap_or_else(|found| panic!("{example}: {found:?}"));
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::{
     call::{Call, Sink, out::Out},
     codes::{GGroup, Letters, MGroup, set},
-    fault::{Outcome, refuse},
+    fault::{Outcome, refuse, unknown::Unknown},
     modes::Motion,
     state::executor::Executor,
     words::Words,
@@ -24,6 +24,9 @@ pub(crate) fn assume_feed<S: Sink>(
     let rate = feed.in_mm_per_min() / modes.units.in_mm();
     modes.feed = rate;
     out.say(&Call::FeedRate { rate, duration_s: None });
+    if modes.unknown.has(Unknown::FEED) {
+        return; // a refused block has the F
+    }
     let text =
         format!("no F before this move: it goes with F{}", crate::codes::spelling::short(rate));
     ex.remarks.push(

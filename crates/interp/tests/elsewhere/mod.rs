@@ -123,7 +123,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "M0356",
         "A thread is cut under G96: each pass turns at one speed, that of the X where it begins.",
     ),
-    ("M0360", "A rapid takes the tool into the stock; the height that is clear of it is said."),
+    (
+        "M0360",
+        "A rapid takes what is in the spindle into the stock: a tool, a probe, a grinder's wheel, an empty spindle's nose. Or a feed takes a probe there, or any move a lathe's tool into chuck or tailstock. The place that is clear of it is said.",
+    ),
     ("M0361", "A tool that cuts along its axis only moves sideways in the stock."),
     ("M0362", "A drill is fed into the stock while the spindle stands still or turns backwards."),
     ("M0363", "A feed per turn is more than the drill's core bears; the F that works is said."),
@@ -142,7 +145,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0370", "The machine has no such input."),
     ("M0371", "The machine has no such output."),
     ("M0372", "The machine has no probe."),
-    ("M0373", "A cut with no tool in the spindle: T has selected one, and no M6 has brought it."),
+    (
+        "M0373",
+        "A cut with no tool in the spindle: T has selected one and no M6 has brought it, or the program has called none.",
+    ),
     ("M0374", "A deep hole is drilled without pecks; the depth that the drill bears is said."),
     ("M0401", "Polygon turning needs a work spindle and a tool spindle."),
     ("M0402", "The ratio of polygon turning is not of whole numbers above zero."),

@@ -98,6 +98,9 @@ pub(super) struct Contact {
     /// The tools are not known to be the shop's: nothing is sure to break.
     doubtful: bool,
     mills: Mills,
+    /// A probing move was made: where it touches, and all that follows from it, is known when the
+    /// program runs.
+    probed: bool,
     /// It was said that the length offset is not the tool's.
     offset_said: bool,
     /// Code of what the length offset was blamed for: whatever else it causes is no finding of its
@@ -138,6 +141,7 @@ impl Contact {
             rotary,
             doubtful: false,
             mills: Mills::OfTable,
+            probed: false,
             offset_said: false,
             blamed: None,
             crashed: false,
@@ -347,6 +351,13 @@ impl Planner {
             }
         }
         self
+    }
+
+    /// A probing move is made.
+    pub(super) const fn has_probed(&mut self) {
+        if let Some(contact) = &mut self.contact {
+            contact.probed = true;
+        }
     }
 
     /// Another tool is in the spindle.

@@ -66,7 +66,9 @@ pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
 pub use scatter::Scatter;
-pub use setup::{Clamp, Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapSeat, TapWear};
+pub use setup::{
+    Clamp, Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapSeat, TapWear,
+};
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
@@ -289,7 +291,10 @@ impl MachineFile {
             );
         }
         if (self.setup.chuck.is_some() || self.setup.tailstock.is_some()) && !self.is_lathe {
-            keys.conflict("setup", "`chuck` and `tailstock` are a lathe's: expected `lathe = true`");
+            keys.conflict(
+                "setup",
+                "`chuck` and `tailstock` are a lathe's: expected `lathe = true`",
+            );
         }
         if stock.bore > units::Length::ZERO && !self.is_lathe {
             keys.conflict("setup", "`bore_mm` is for the bar of a lathe: expected `lathe = true`");

@@ -16,11 +16,7 @@
 //! "Subprogram", "Multiple repetitive cycle"; Haas, mill operator's manual, M19.
 use crate::{
     codes::number::tenths,
-    dialect::{
-        Dialect,
-        fanuc::kind::Kind,
-        rules::FrontEndKind,
-    },
+    dialect::{Dialect, fanuc::kind::Kind, rules::FrontEndKind},
 };
 
 /// Codes, in tenths, and the letters that count or name something beside them.
@@ -38,13 +34,13 @@ const fn row(letter: u8, codes: &'static [u16], letters: &'static [u8]) -> Count
 
 /// By code.
 const TABLE: &[Counting] = &[
-    row(b'G', &[100], b"LPQ"),           // offsets: which, and the number of a nose
-    row(b'G', &[300, 541], b"P"),        // the second reference point, further work offsets
+    row(b'G', &[100], b"LPQ"),    // offsets: which, and the number of a nose
+    row(b'G', &[300, 541], b"P"), // the second reference point, further work offsets
     row(b'G', &[512, 514, 2510], b"LPQ"), // turns of a polygon
-    row(b'G', &[513], b"L"),             // periods of its oscillation
-    row(b'G', &[650, 660], b"LP"),       // macros: which, and how often
+    row(b'G', &[513], b"L"),      // periods of its oscillation
+    row(b'G', &[650, 660], b"LP"), // macros: which, and how often
     row(b'M', &[970, 980, 990, 1980], b"HLPQ"), // subprograms: which, how often, from which block on
-    row(b'M', &[190], b"PR"),            // degrees
+    row(b'M', &[190], b"PR"),                   // degrees
     Counting { on_lathes: true, ..row(b'G', &[700, 710, 720, 730], b"PQ") }, // blocks of a profile
 ];
 /// Teeth, starts, module and helix of G81 that hobs.

@@ -31,8 +31,28 @@ use gcode::Grammar;
 /// What neither Grbl 1.1 nor grblHAL has, which answer error 20: cutter compensation, cycles with a
 /// spindle that turns back, G52, G90.1, NURBS, G61.1, G92.3.
 const LACKS: [u16; 22] = [
-    52, 53, 331, 410, 411, 420, 421, 512, 520, 611, 740, 810 + 30, 842, 843, 870, 880, 901, 923, 962,
-    1510, 1530, 1540,
+    52,
+    53,
+    331,
+    410,
+    411,
+    420,
+    421,
+    512,
+    520,
+    611,
+    740,
+    810 + 30,
+    842,
+    843,
+    870,
+    880,
+    901,
+    923,
+    962,
+    1510,
+    1530,
+    1540,
 ];
 
 /// Where they differ from the shared language.

@@ -104,11 +104,7 @@ const LATHE_ROLES: [Role; 8] = [
         what: "the block N of this program with which it begins",
     },
     Role { letter: b'L', codes: &["M97"], what: "how often it is called" },
-    Role {
-        letter: b'P',
-        codes: &["G154"],
-        what: "which of the work offsets beyond G59, 1 to 99",
-    },
+    Role { letter: b'P', codes: &["G154"], what: "which of the work offsets beyond G59, 1 to 99" },
     Role { letter: b'P', codes: &["M19"], what: "where the spindle stops, whole degrees" },
     Role {
         letter: b'R',

@@ -161,7 +161,11 @@ impl Planner {
                 advice(frame, Axis::Z, deepest, Rounding::Up)
             ),
         ];
-        let which = [contact.mounted, 1, u32::from(part.name == "holder") + 2 * u32::from(part.name == "nose")];
+        let which = [
+            contact.mounted,
+            1,
+            u32::from(part.name == "holder") + 2 * u32::from(part.name == "nose"),
+        ];
         self.say_part(span, which, over, said);
     }
 

@@ -8,6 +8,9 @@
 //!   ◄─ R ─►            what cuts nothing has no feed into the stock
 //! ```
 //!
+//! Behind a probing move neither probe nor nose is looked at: where they are then, and what was set
+//! by the contact, is known when the program runs.
+//!
 //! A grinder's wheel stands beside its work: its axis is parallel to the work's, and no Z takes it
 //! clear. Chuck and tailstock are never cut: any tool in them, by rapid or feed, is said.
 use super::{Job, Planner, Point, SCRAPES, Sweep, places};
@@ -61,10 +64,9 @@ impl super::Contact {
         if let Some(outline) = &self.outline {
             return bored.max(self.stock.top() - outline.front_beside(at, radius));
         }
-        bored.max(self.solid_places(at, radius).map(|p| self.depth_open(p)).fold(
-            f64::INFINITY,
-            f64::min,
-        ))
+        bored.max(
+            self.solid_places(at, radius).map(|p| self.depth_open(p)).fold(f64::INFINITY, f64::min),
+        )
     }
 
     /// Places under a round body that may be solid: its middle, its rim, half way to it, and the
@@ -119,6 +121,9 @@ impl Planner {
         let Some(solid) = self.solid() else { return };
         let is_mounted = self.limits.tapping.axis == Axis::Z;
         let Some(contact) = self.contact.as_mut().filter(|_| is_mounted) else { return };
+        if contact.probed && matches!(solid.kind, Kind::Probe | Kind::Nose) {
+            return;
+        }
         if solid.kind == Kind::Wheel {
             return self.sweep_wheel(job, path, run, solid.radius);
         }
@@ -368,8 +373,8 @@ impl Planner {
         let frame = &self.frame;
         let how = if run == Sweep::Rapid { "rapid" } else { "feed" };
         let tool = self.tools.get(self.tool);
-        let tool =
-            tool.map_or_else(|| "the turret, with no tool in it,".into(), |t| format!("{}", t.name()));
+        let tool = tool
+            .map_or_else(|| "the turret, with no tool in it,".into(), |t| format!("{}", t.name()));
         let is_chuck = name == "chuck";
         let (end, side, rounding) = if is_chuck {
             (cylinder.to.value() + CLEAR, "or more", Rounding::Up)
@@ -385,7 +390,11 @@ impl Planner {
                 place(frame, Axis::Z, at[2] + long),
                 word(frame, Axis::X, axis + outward * cylinder.radius.value()),
                 if is_chuck { "up to" } else { "from" },
-                word(frame, Axis::Z, if is_chuck { cylinder.to } else { cylinder.from }.value() + long),
+                word(
+                    frame,
+                    Axis::Z,
+                    if is_chuck { cylinder.to } else { cylinder.from }.value() + long
+                ),
             ),
             format!(": {} {side} is clear of it", advice(frame, Axis::Z, end + long, rounding)),
         ];
