@@ -16,6 +16,11 @@
 //! | S0406 | values that contradict each other |
 //! | S0407 | unknown name where one of a list is expected |
 //! | S0408 | how many findings are not shown (note) |
+mod recording;
+mod values;
+pub(crate) use recording::asked;
+use values::{as_number, type_name};
+
 use crate::asked_key::{AskedKey, choices, numbers, span, wholes};
 use crate::bases::bases;
 use crate::nearest::nearest;
@@ -29,25 +34,6 @@ use toml::{
     Spanned,
     de::{DeTable, DeValue},
 };
-
-/// All keys that a reader asks for, whether the text has them or not; what is wrong with the text
-/// is not said.
-pub(crate) fn asked<T>(
-    text: &str,
-    extends: &'static str,
-    base_of: &dyn Fn(&str) -> Option<&'static str>,
-    read: impl FnOnce(&mut Keys<'_>) -> T,
-) -> Vec<AskedKey> {
-    let (root, _) = DeTable::parse_recoverable(text);
-    let Ok(bases) = bases(root.get_ref(), extends, base_of) else { return Vec::new() };
-    let recorder = RefCell::default();
-    let below = bases.iter().collect();
-    let mut keys = Keys::new(String::new(), root.get_ref(), 0..0, None, below);
-    keys.recorder = Some(&recorder);
-    read(&mut keys);
-    drop(keys);
-    recorder.into_inner()
-}
 
 /// Read a document whole: the value, or everything that is wrong with it in the order of the text.
 pub(crate) fn read<T>(
@@ -127,15 +113,6 @@ impl<'d> Keys<'d> {
     /// A table that is missing: nothing is found in it, and one finding for that is enough.
     pub(crate) fn missing(empty: &'d DeTable<'d>) -> Self {
         Self::new(String::new(), empty, 0..0, None, Vec::new())
-    }
-
-    /// Note what may stand at a key.
-    fn record(&self, key: &'static str, must: bool, value: impl FnOnce() -> String) {
-        let Some(recorder) = self.recorder else { return };
-        let mut seen = recorder.borrow_mut();
-        if !seen.iter().any(|one| one.table == self.name && one.key == key) {
-            seen.push(AskedKey { table: self.name.clone(), key, value: value(), must });
-        }
     }
 
     /// What a key is, here or in the nearest base that states it.
@@ -491,15 +468,7 @@ impl<'d> Keys<'d> {
     }
 
     fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
-        let found = match value.get_ref().type_str() {
-            "integer" => "a whole number",
-            "float" => "a number",
-            "string" => "text",
-            "boolean" => "true or false",
-            "datetime" => "a date",
-            "array" => "a list",
-            _ => "a table",
-        };
+        let found = type_name(value.get_ref());
         let message = format!("`{key}` is {found}: expected {expected}");
         self.note("S0404", &value.span(), message);
     }
@@ -526,16 +495,5 @@ impl<'d> Keys<'d> {
             };
             self.note("S0402", &key.span(), message);
         }
-    }
-}
-
-fn as_number(value: &DeValue<'_>) -> Option<f64> {
-    match value {
-        DeValue::Float(f) => f.as_str().parse().ok(),
-        DeValue::Integer(i) => i128::from_str_radix(i.as_str(), i.radix())
-            .ok()
-            .map(|n| n as f64)
-            .or(Some(f64::INFINITY)),
-        _ => None,
     }
 }
