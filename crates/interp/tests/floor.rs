@@ -649,8 +649,8 @@ fn what_can_be_a_program_is_no_leader() {
     assert!(found("\0G\x000\0 \0X\x001\0\n\0", Dialect::Fanuc).contains(&"P0191"), "UTF-16");
 }
 
-/// Grbl 1.1, `gcode.c`, and grblHAL: errors 20 to 38. Each row: what fails there, the code here; and
-/// a neighbour that works there.
+/// Grbl 1.1, `gcode.c`, and grblHAL: errors 20 to 38. Each row: what fails there, the code here;
+/// and a neighbour that works there.
 #[test]
 fn what_grbl_answers_with_an_error_is_said() {
     let head = "G21 G90 G94\nF100\nM3 S1000\nG0 X10 Y0 Z5\n";

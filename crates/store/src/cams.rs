@@ -169,7 +169,7 @@ pub fn asked_keys() -> Vec<(&'static str, Vec<AskedKey>)> {
 
 /// Which form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum FormKind {
     Table,
     Eccentric,
     Harmonic,
@@ -178,13 +178,13 @@ enum Kind {
     Automotive,
 }
 
-const KINDS: [(&str, Kind); 6] = [
-    ("table", Kind::Table),
-    ("eccentric", Kind::Eccentric),
-    ("harmonic", Kind::Harmonic),
-    ("lobes", Kind::Lobes),
-    ("polynomial", Kind::Polynomial),
-    ("automotive", Kind::Automotive),
+const KINDS: [(&str, FormKind); 6] = [
+    ("table", FormKind::Table),
+    ("eccentric", FormKind::Eccentric),
+    ("harmonic", FormKind::Harmonic),
+    ("lobes", FormKind::Lobes),
+    ("polynomial", FormKind::Polynomial),
+    ("automotive", FormKind::Automotive),
 ];
 
 fn read(keys: &mut Keys<'_>) -> CamFile {
@@ -219,33 +219,33 @@ fn read_cam(keys: &mut Keys<'_>) -> CamEntry {
     }
 }
 
-fn read_form(kind: Kind, keys: &mut Keys<'_>) -> CamForm {
+fn read_form(kind: FormKind, keys: &mut Keys<'_>) -> CamForm {
     let mm = |keys: &mut Keys<'_>, key| keys.number(key, 0.0..=LARGEST_MM);
     let deg = |keys: &mut Keys<'_>, key| keys.number(key, -360.0..=360.0);
     match kind {
-        Kind::Table => CamForm::Table {
+        FormKind::Table => CamForm::Table {
             file: keys.text("file"),
             base_mm: mm(keys, "base_mm"),
             follower: follower(keys),
             roller_radius_mm: roller(keys),
         },
-        Kind::Eccentric => CamForm::Eccentric {
+        FormKind::Eccentric => CamForm::Eccentric {
             radius_mm: mm(keys, "radius_mm"),
             eccentricity_mm: mm(keys, "eccentricity_mm"),
         },
-        Kind::Harmonic => CamForm::Harmonic {
+        FormKind::Harmonic => CamForm::Harmonic {
             base_mm: mm(keys, "base_mm"),
             lift_mm: mm(keys, "lift_mm"),
             follower: follower(keys),
             roller_radius_mm: roller(keys),
         },
-        Kind::Lobes => CamForm::Lobes {
+        FormKind::Lobes => CamForm::Lobes {
             radius_mm: mm(keys, "radius_mm"),
             amplitude_mm: mm(keys, "amplitude_mm"),
             count: keys.whole("count", 1..=MOST_LOBES),
             phase_deg: deg(keys, "phase_deg"),
         },
-        Kind::Polynomial => CamForm::Polynomial {
+        FormKind::Polynomial => CamForm::Polynomial {
             base_mm: mm(keys, "base_mm"),
             lift_mm: mm(keys, "lift_mm"),
             rise_deg: deg(keys, "rise_deg"),
@@ -254,7 +254,7 @@ fn read_form(kind: Kind, keys: &mut Keys<'_>) -> CamForm {
             follower: follower(keys),
             roller_radius_mm: roller(keys),
         },
-        Kind::Automotive => CamForm::Automotive {
+        FormKind::Automotive => CamForm::Automotive {
             base_mm: mm(keys, "base_mm"),
             lift_mm: mm(keys, "lift_mm"),
             half_angle_deg: deg(keys, "half_angle_deg"),

@@ -78,7 +78,8 @@ pub(crate) struct Rules {
     pub(crate) ends_scaling: bool,
     /// Arcs and G43.1 without an axis word are refused; block numbers have seven digits at most.
     pub(crate) needs_axis_words: bool,
-    /// Codes, in tenths, that the controls of this dialect lack, and that are executed all the same.
+    /// Codes, in tenths, that the controls of this dialect lack, and that are executed all the
+    /// same.
     pub(crate) lacks: &'static [u16],
     /// Tools are changed by hand: T names the one that is clamped, and needs no M6.
     pub(crate) tools_by_hand: bool,

@@ -12,8 +12,8 @@
 //! times and depths that a code makes of P and D; the table has what would be a length or an angle
 //! elsewhere, and what a code counts beside it.
 //!
-//! Source: Fanuc, operator's manual of series 30i (B-63944EN), "Polygon turning", "Hobbing function",
-//! "Subprogram", "Multiple repetitive cycle"; Haas, mill operator's manual, M19.
+//! Source: Fanuc, operator's manual of series 30i (B-63944EN), "Polygon turning", "Hobbing
+//! function", "Subprogram", "Multiple repetitive cycle"; Haas, mill operator's manual, M19.
 use crate::{
     codes::number::tenths,
     dialect::{Dialect, fanuc::kind::Kind, rules::FrontEndKind},

@@ -26,7 +26,8 @@
 //! | `G154`, `G110` – `G129`, `M97`, `G103`, `G187`, G53, seconds, `M19 P` | as on its mills | other words |
 //! | `G95`, `G186`, `G195`, `G196`, `G241` – `G249`, `G14`, `G15`, `G105`, `G199` | refused, each by its name | other codes, or none |
 //!
-//! Source: Haas, lathe operator's manual, "G codes"; mill operator's manual, "G codes" and "M codes".
+//! Source: Haas, lathe operator's manual, "G codes"; mill operator's manual, "G codes" and
+//! "M codes".
 pub(crate) mod variant;
 
 use crate::{

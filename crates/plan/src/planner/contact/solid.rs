@@ -1,5 +1,5 @@
-//! Whatever is in the spindle against the stock, where it is no drill, tap, mill or insert of a bar:
-//! probes, polygon cutters, hobs, wheels, and the spindle's own nose where no tool is in it.
+//! Whatever is in the spindle against the stock, where it is no drill, tap, mill or insert of a
+//! bar: probes, polygon cutters, hobs, wheels, and the spindle's own nose where no tool is in it.
 //!
 //! ```text
 //!     │  │ axis        a round body of radius R about the tool's axis, from its tip upwards
@@ -28,7 +28,7 @@ const CLEAR: f64 = 2.0;
 
 /// What a body is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum BodyKind {
     /// The spindle's nose: no tool is in it.
     Nose,
     /// A grinder's wheel.
@@ -41,8 +41,8 @@ enum Kind {
 
 /// A round body about the tool's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Solid {
-    kind: Kind,
+struct SolidBody {
+    kind: BodyKind,
     /// mm.
     radius: f64,
     /// From the gauge line to its lower end, mm.
@@ -51,7 +51,7 @@ struct Solid {
 
 /// Where a body is deepest in what is not open.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Deepest {
+struct DeepestPlace {
     over: f64,
     open: f64,
     at: Point,
@@ -89,31 +89,31 @@ impl super::Contact {
 
 impl Planner {
     /// What is in the spindle, where it is a body of its own.
-    fn solid(&self) -> Option<Solid> {
+    fn solid(&self) -> Option<SolidBody> {
         let bodies = self.contact.as_ref()?.bodies;
         if self.tool == 0 {
             let solid = |kind, radius: Option<Length>| {
                 let radius = radius.map_or(0.0, Length::value);
-                Some(Solid { kind, radius, long: 0.0 })
+                Some(SolidBody { kind, radius, long: 0.0 })
             };
             return match bodies.wheel {
-                Some(radius) => solid(Kind::Wheel, Some(radius)),
+                Some(radius) => solid(BodyKind::Wheel, Some(radius)),
                 None if bodies.tools_by_hand || self.turns_work => None,
-                None => solid(Kind::Nose, bodies.nose.map(|nose| nose / 2.0)),
+                None => solid(BodyKind::Nose, bodies.nose.map(|nose| nose / 2.0)),
             };
         }
         let tool = self.tools.get(self.tool).filter(|tool| !tool.stand_in)?;
         let (kind, radius) = match &tool.kind {
-            ToolKind::Probe(_) => (Kind::Probe, tool.diameter / 2.0),
-            ToolKind::PolygonCutter(cutter) => (Kind::Cutter, cutter.radius),
-            ToolKind::Hob(_) | ToolKind::Other => (Kind::Cutter, tool.diameter / 2.0),
+            ToolKind::Probe(_) => (BodyKind::Probe, tool.diameter / 2.0),
+            ToolKind::PolygonCutter(cutter) => (BodyKind::Cutter, cutter.radius),
+            ToolKind::Hob(_) | ToolKind::Other => (BodyKind::Cutter, tool.diameter / 2.0),
             ToolKind::Drill { .. }
             | ToolKind::SpotDrill { .. }
             | ToolKind::EndMill(_)
             | ToolKind::Tap(_)
             | ToolKind::Insert(_) => return None,
         };
-        Some(Solid { kind, radius: radius.value(), long: tool.worn_length().value() })
+        Some(SolidBody { kind, radius: radius.value(), long: tool.worn_length().value() })
     }
 
     /// A body of its own along a path.
@@ -121,10 +121,10 @@ impl Planner {
         let Some(solid) = self.solid() else { return };
         let is_mounted = self.limits.tapping.axis == Axis::Z;
         let Some(contact) = self.contact.as_mut().filter(|_| is_mounted) else { return };
-        if contact.probed && matches!(solid.kind, Kind::Probe | Kind::Nose) {
+        if contact.probed && matches!(solid.kind, BodyKind::Probe | BodyKind::Nose) {
             return;
         }
-        if solid.kind == Kind::Wheel {
+        if solid.kind == BodyKind::Wheel {
             return self.sweep_wheel(job, path, run, solid.radius);
         }
         let top = contact.stock.top();
@@ -136,7 +136,7 @@ impl Planner {
         }
         let across = contact.stock.bar.map_or(0.0, |_| self.frame.tool.linear[0].value());
         let cuts = matches!(run, Sweep::Feed(_) | Sweep::Thread(_));
-        let mut deepest: Option<Deepest> = None;
+        let mut deepest: Option<DeepestPlace> = None;
         let mut before: Option<Point> = None;
         places(path, solid.long, |[x, y, z]| {
             let to = [x - across, y, z];
@@ -149,7 +149,7 @@ impl Planner {
                 let open = contact.open_about([at[0], at[1]], solid.radius);
                 let over = depth - open;
                 if over > SCRAPES && deepest.is_none_or(|d| over > d.over) {
-                    deepest = Some(Deepest { over, open, at });
+                    deepest = Some(DeepestPlace { over, open, at });
                 }
             }
             if cuts || deepest.is_some() {
@@ -162,22 +162,29 @@ impl Planner {
         self.say_solid(job, solid, deepest, run, sure);
     }
 
-    fn say_solid(&mut self, job: &Job, solid: Solid, worst: Deepest, run: Sweep, sure: Severity) {
+    fn say_solid(
+        &mut self,
+        job: &Job,
+        solid: SolidBody,
+        worst: DeepestPlace,
+        run: Sweep,
+        sure: Severity,
+    ) {
         let is_rapid = run == Sweep::Rapid;
         match solid.kind {
-            Kind::Cutter if !is_rapid => {
+            BodyKind::Cutter if !is_rapid => {
                 if !self.is_at_rest() {
                     return;
                 }
                 return self.say_still(job, worst, sure);
             }
-            Kind::Nose if !is_rapid => {
+            BodyKind::Nose if !is_rapid => {
                 if !self.is_at_rest() && self.selected.is_none() {
                     self.say_no_tool(job, worst);
                 }
                 return;
             }
-            Kind::Cutter | Kind::Nose | Kind::Probe | Kind::Wheel => {}
+            BodyKind::Cutter | BodyKind::Nose | BodyKind::Probe | BodyKind::Wheel => {}
         }
         let Some(contact) = &mut self.contact else { return };
         contact.crashed = true;
@@ -196,9 +203,9 @@ impl Planner {
             format!("{} or higher works", advice(frame, Axis::Z, clear, Rounding::Up))
         };
         let beside = match solid.kind {
-            Kind::Probe => ", or a probing move (G38.2, G31)",
-            Kind::Cutter => ", or a feed (G1)",
-            Kind::Nose | Kind::Wheel => "",
+            BodyKind::Probe => ", or a probing move (G38.2, G31)",
+            BodyKind::Cutter => ", or a feed (G1)",
+            BodyKind::Nose | BodyKind::Wheel => "",
         };
         let how = if is_rapid { "rapid" } else { "feed" };
         let touches = word(frame, Axis::Z, axis(stock.top()));
@@ -218,7 +225,7 @@ impl Planner {
     }
 
     /// No tool is in the spindle, which turns and is fed into the stock.
-    fn say_no_tool(&mut self, job: &Job, worst: Deepest) {
+    fn say_no_tool(&mut self, job: &Job, worst: DeepestPlace) {
         let Some(contact) = &mut self.contact else { return };
         contact.crashed = true;
         let text = format!(
@@ -229,14 +236,14 @@ impl Planner {
         self.findings.add_once(finding);
     }
 
-    fn say_still(&mut self, job: &Job, worst: Deepest, sure: Severity) {
+    fn say_still(&mut self, job: &Job, worst: DeepestPlace, sure: Severity) {
         let Some(contact) = &mut self.contact else { return };
         contact.crashed = true;
         let mounted = contact.mounted;
         let said = [
             format!(
                 "{} is fed {} into the stock with the spindle at rest",
-                self.body_name(Kind::Cutter),
+                self.body_name(BodyKind::Cutter),
                 length(&self.frame, worst.over)
             ),
             ": M3 with an S above zero works".into(),
@@ -249,30 +256,30 @@ impl Planner {
         });
     }
 
-    fn body_name(&self, kind: Kind) -> String {
+    fn body_name(&self, kind: BodyKind) -> String {
         match kind {
-            Kind::Nose => "the nose of the spindle, in which no tool is,".into(),
-            Kind::Wheel => "the grinding wheel".into(),
-            Kind::Probe | Kind::Cutter => {
+            BodyKind::Nose => "the nose of the spindle, in which no tool is,".into(),
+            BodyKind::Wheel => "the grinding wheel".into(),
+            BodyKind::Probe | BodyKind::Cutter => {
                 self.tools.get(self.tool).map_or_else(String::new, |t| format!("{}", t.name()))
             }
         }
     }
 
-    fn help_of(&self, kind: Kind) -> Option<String> {
+    fn help_of(&self, kind: BodyKind) -> Option<String> {
         match (kind, &self.selected) {
-            (Kind::Nose, Some(selected)) => {
+            (BodyKind::Nose, Some(selected)) => {
                 let (line, number) = (selected.line(), selected.number());
                 Some(format!(
                     "line {line} selects T{number}, and no M6 brings it into the spindle: write T{number} M6"
                 ))
             }
-            (Kind::Nose, None) => Some(NO_TOOL.into()),
-            (Kind::Probe, _) => Some(
+            (BodyKind::Nose, None) => Some(NO_TOOL.into()),
+            (BodyKind::Probe, _) => Some(
                 "a hole that the work has before the program begins is stated under [[setup.holes]] in the machine's file"
                     .into(),
             ),
-            (Kind::Cutter | Kind::Wheel, _) => Some(SMALLER.into()),
+            (BodyKind::Cutter | BodyKind::Wheel, _) => Some(SMALLER.into()),
         }
     }
 
