@@ -80,6 +80,7 @@ enum Mills {
 
 /// The tool in the spindle and the stock.
 #[derive(Clone, Debug)]
+#[allow(clippy::struct_excessive_bools)] // each on its own: any of them may hold with any other
 pub(super) struct Contact {
     stock: Stock,
     bodies: Bodies,

@@ -17,7 +17,10 @@ use super::{Job, Planner, Point, SCRAPES, Sweep, places};
 use crate::bodies::Cylinder;
 use crate::findings::Cause;
 use crate::words::{Rounding, advice, length, place, word};
-use alloc::{format, string::String};
+use alloc::{
+    format,
+    string::{String, ToString},
+};
 use canon::{Axis, ToolKind};
 use diag::{Diagnostic, Severity};
 use motion::Path;
@@ -215,11 +218,11 @@ impl Planner {
             ),
             format!(": {level}{beside}"),
         ];
-        let help = self.offset_cause().or_else(|| self.help_of(solid.kind));
+        let help = self.offset_cause().unwrap_or_else(|| self.help_of(solid.kind));
         let cause = Cause { code: "M0360", which: [mounted, sure as u32, 2] };
         self.findings.merge(cause, worst.over, || {
             let mut finding = Diagnostic::error("M0360", job.span, "");
-            (finding.severity, finding.help) = (sure, help);
+            (finding.severity, finding.help) = (sure, Some(help));
             (finding, said)
         });
     }
@@ -261,25 +264,22 @@ impl Planner {
             BodyKind::Nose => "the nose of the spindle, in which no tool is,".into(),
             BodyKind::Wheel => "the grinding wheel".into(),
             BodyKind::Probe | BodyKind::Cutter => {
-                self.tools.get(self.tool).map_or_else(String::new, |t| format!("{}", t.name()))
+                self.tools.get(self.tool).map_or_else(String::new, |t| t.name().to_string())
             }
         }
     }
 
-    fn help_of(&self, kind: BodyKind) -> Option<String> {
+    fn help_of(&self, kind: BodyKind) -> String {
         match (kind, &self.selected) {
             (BodyKind::Nose, Some(selected)) => {
                 let (line, number) = (selected.line(), selected.number());
-                Some(format!(
+                format!(
                     "line {line} selects T{number}, and no M6 brings it into the spindle: write T{number} M6"
-                ))
+                )
             }
-            (BodyKind::Nose, None) => Some(NO_TOOL.into()),
-            (BodyKind::Probe, _) => Some(
-                "a hole that the work has before the program begins is stated under [[setup.holes]] in the machine's file"
-                    .into(),
-            ),
-            (BodyKind::Cutter | BodyKind::Wheel, _) => Some(SMALLER.into()),
+            (BodyKind::Nose, None) => NO_TOOL.into(),
+            (BodyKind::Probe, _) => HOLES.into(),
+            (BodyKind::Cutter | BodyKind::Wheel, _) => SMALLER.into(),
         }
     }
 
@@ -380,8 +380,8 @@ impl Planner {
         let frame = &self.frame;
         let how = if run == Sweep::Rapid { "rapid" } else { "feed" };
         let tool = self.tools.get(self.tool);
-        let tool = tool
-            .map_or_else(|| "the turret, with no tool in it,".into(), |t| format!("{}", t.name()));
+        let tool =
+            tool.map_or_else(|| "the turret, with no tool in it,".into(), |t| t.name().to_string());
         let is_chuck = name == "chuck";
         let (end, side, rounding) = if is_chuck {
             (cylinder.to.value() + CLEAR, "or more", Rounding::Up)
@@ -428,6 +428,8 @@ fn between(from: Point, to: Point) -> impl Iterator<Item = Point> {
     })
 }
 
+/// Of a probe.
+const HOLES: &str = "a hole that the work has before the program begins is stated under [[setup.holes]] in the machine's file";
 /// Of an empty spindle.
 const NO_TOOL: &str = "write T and M6 before it, such as T1 M6; a program whose tools are clamped by hand names the one that is";
 /// Of what the machine's file states as larger than it is.
