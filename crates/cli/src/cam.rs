@@ -324,7 +324,7 @@ impl Result {
         } else {
             String::new()
         };
-        let library: String = self.entry.iter().map(|line| format!("({line})\n")).collect();
+        let library = format!("({})\n", self.entry.join(")\n("));
         format!(
             "(cam {} on {}; the cam library, cams.toml beside this program or --cams FILE, has)\n\
              {library}{slower}G21 G90 G54\n\

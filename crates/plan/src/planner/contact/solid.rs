@@ -17,10 +17,7 @@ use super::{Job, Planner, Point, SCRAPES, Sweep, places};
 use crate::bodies::Cylinder;
 use crate::findings::Cause;
 use crate::words::{Rounding, advice, length, place, word};
-use alloc::{
-    format,
-    string::{String, ToString},
-};
+use alloc::{format, string::String};
 use canon::{Axis, ToolKind};
 use diag::{Diagnostic, Severity};
 use motion::Path;
@@ -264,7 +261,7 @@ impl Planner {
             BodyKind::Nose => "the nose of the spindle, in which no tool is,".into(),
             BodyKind::Wheel => "the grinding wheel".into(),
             BodyKind::Probe | BodyKind::Cutter => {
-                self.tools.get(self.tool).map_or_else(String::new, |t| t.name().to_string())
+                self.tools.get(self.tool).map_or_else(String::new, canon::Tool::name)
             }
         }
     }
@@ -380,8 +377,7 @@ impl Planner {
         let frame = &self.frame;
         let how = if run == Sweep::Rapid { "rapid" } else { "feed" };
         let tool = self.tools.get(self.tool);
-        let tool =
-            tool.map_or_else(|| "the turret, with no tool in it,".into(), |t| t.name().to_string());
+        let tool = tool.map_or_else(|| "the turret, with no tool in it,".into(), canon::Tool::name);
         let is_chuck = name == "chuck";
         let (end, side, rounding) = if is_chuck {
             (cylinder.to.value() + CLEAR, "or more", Rounding::Up)
