@@ -14,7 +14,7 @@ Path: TypeAlias = str | os.PathLike[str]
 
 Dialect: TypeAlias = Literal[
     "linuxcnc", "grbl", "brother", "fanuc", "haas", "mitsubishi",
-    "fanuc-lathe-a", "fanuc-lathe-b", "fanuc-lathe-c", "toyoda"
+    "haas-lathe", "fanuc-lathe-a", "fanuc-lathe-b", "fanuc-lathe-c", "toyoda"
 ]
 
 

@@ -13,10 +13,21 @@ use forms::cam::{AxisBounds, Cam, ClosedForm, Follower, Rhythm, WheelPath};
 use report::CamPage;
 use serde_json::json;
 use std::fmt::Write;
+use store::machine::MachineFile;
 use units::{Angle, Length, Spin};
 
+/// Steps of a turn of a library that says nothing else.
+const USUAL_NODES: usize = 720;
+/// How far the wheel stands off the top of a cam, and how far at least; mm.
+const CLEAR_MM: f64 = 10.0;
+const LEAST_CLEAR_MM: f64 = 1.0;
 /// Steps of the curves that are drawn.
 const DRAWN: usize = 720;
+
+/// A name within a comment of a program, which ends at its first closing bracket.
+fn in_comment(name: &str) -> String {
+    name.replace(['(', ')'], "_")
+}
 
 /// Everything that was computed.
 struct Result {
@@ -26,6 +37,12 @@ struct Result {
     spin: Spin,
     bounds: AxisBounds,
     even: Rhythm,
+    /// Machine that it is for.
+    machine: String,
+    /// X of G54 at which the wheel stands clear of the work.
+    clear: f64,
+    /// What the cam library has of it, behind its number.
+    entry: Vec<String>,
 }
 
 /// Do it.
@@ -54,7 +71,7 @@ pub(crate) fn answer(
 }
 
 fn computed(args: &CamArgs, machine: MachineSource) -> std::result::Result<Result, Refused> {
-    let (name, cam) = cam(args)?;
+    let (name, cam, form) = cam(args)?;
     let machine = control::config::machine_file::load(machine)?;
     let mounted = machine.grinding.map(|grinding| grinding.wheel);
     let radius = args.wheel_radius.map_or_else(
@@ -76,10 +93,36 @@ fn computed(args: &CamArgs, machine: MachineSource) -> std::result::Result<Resul
     }
     let spin = Spin::rpm(args.speed);
     let even = path.rhythm(spin, &bounds, swing_hz);
-    Ok(Result { name, cam, path, spin, bounds, even })
+    let clear = clear(&path, &machine)?;
+    let mut entry = vec!["[[cam]]".to_owned(), format!("number = {}", args.number)];
+    entry.extend(form);
+    if args.wheel_radius.is_some() || args.wheel_wear.is_some() {
+        entry.insert(0, format!("wheel_radius_mm = {}", wheel.value()));
+    }
+    if args.nodes != USUAL_NODES {
+        entry.insert(0, format!("nodes = {}", args.nodes));
+    }
+    let machine = machine.name;
+    Ok(Result { name, cam, path, spin, bounds, even, machine, clear, entry })
 }
 
-fn cam(args: &CamArgs) -> std::result::Result<(String, Cam), Refused> {
+/// Where the wheel stands clear of the work, in G54 and within the travel of X.
+fn clear(path: &WheelPath, machine: &MachineFile) -> std::result::Result<f64, Refused> {
+    let top = path.centre.iter().copied().fold(0.0, f64::max);
+    let zero = machine.setup.g54.linear[0].value();
+    let most = machine.axes[0].as_ref().map_or(f64::INFINITY, |x| x.travel.to.value() - zero);
+    let clear = (top + CLEAR_MM).ceil().min(most);
+    if clear >= top + LEAST_CLEAR_MM {
+        return Ok(clear);
+    }
+    Err(Refused::because(format!(
+        "the wheel's centre stands X{top:.3} from the work's axis at the top of this cam, and the travel of X on {} ends at X{most:.3}: a smaller wheel or base circle works",
+        machine.name
+    )))
+}
+
+/// The cam, and what a library says of its form.
+fn cam(args: &CamArgs) -> std::result::Result<(String, Cam, Vec<String>), Refused> {
     let roller = args.roller_radius;
     let follower = cams::of_kind(args.follower.into(), roller)?;
     let mm = Length::mm;
@@ -87,7 +130,14 @@ fn cam(args: &CamArgs) -> std::result::Result<(String, Cam), Refused> {
         let base = args.base.ok_or_else(|| {
             Refused::because("a lift table needs --base, the radius of the base circle in mm")
         })?;
-        return Ok((path.display().to_string(), cams::table(path, mm(base), follower)?));
+        let file = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+        let mut form = vec![
+            "kind = \"table\"".to_owned(),
+            format!("file = {}", serde_json::Value::from(file.display().to_string())),
+            format!("base_mm = {base}"),
+        ];
+        form.extend(follower_keys(args));
+        return Ok((path.display().to_string(), cams::table(path, mm(base), follower)?, form));
     }
     let (base, lift) = (mm(args.base.unwrap_or(25.0)), mm(args.lift));
     let form = match args.form.unwrap_or(CamFormName::Automotive) {
@@ -113,7 +163,63 @@ fn cam(args: &CamArgs) -> std::result::Result<(String, Cam), Refused> {
     };
     let name = format!("{:?}", args.form.unwrap_or(CamFormName::Automotive)).to_lowercase();
     let cam = form.cam().map_err(|e| Refused::because(format!("{name}: {e}")))?;
-    Ok((name, cam))
+    Ok((name, cam, form_keys(args)))
+}
+
+/// A closed form in the keys of a cam library.
+fn form_keys(args: &CamArgs) -> Vec<String> {
+    let (base, lift, half) = (args.base.unwrap_or(25.0), args.lift, args.half_angle);
+    let number = |key: &str, value: f64| format!("{key} = {value}");
+    let (kind, numbers, has_follower) = match args.form.unwrap_or(CamFormName::Automotive) {
+        CamFormName::Eccentric => (
+            "eccentric",
+            vec![number("radius_mm", base), number("eccentricity_mm", lift / 2.0)],
+            false,
+        ),
+        CamFormName::Harmonic => {
+            ("harmonic", vec![number("base_mm", base), number("lift_mm", lift)], true)
+        }
+        CamFormName::Lobes => (
+            "lobes",
+            vec![
+                number("radius_mm", base),
+                number("amplitude_mm", lift / 2.0),
+                format!("count = {}", args.lobes),
+                number("phase_deg", 0.0),
+            ],
+            false,
+        ),
+        CamFormName::Polynomial => (
+            "polynomial",
+            vec![
+                number("base_mm", base),
+                number("lift_mm", lift),
+                number("rise_deg", half),
+                number("dwell_deg", 0.0),
+                number("fall_deg", half),
+            ],
+            true,
+        ),
+        CamFormName::Automotive => (
+            "automotive",
+            vec![number("base_mm", base), number("lift_mm", lift), number("half_angle_deg", half)],
+            true,
+        ),
+    };
+    let mut keys = vec![format!("kind = \"{kind}\"")];
+    keys.extend(numbers);
+    keys.extend(follower_keys(args).into_iter().filter(|_| has_follower));
+    keys
+}
+
+fn follower_keys(args: &CamArgs) -> Vec<String> {
+    let name = match args.follower.into() {
+        store::cams::FollowerKind::Flat => "flat",
+        store::cams::FollowerKind::Roller => "roller",
+        store::cams::FollowerKind::Knife => "knife",
+    };
+    let radius = args.roller_radius.map(|radius| format!("roller_radius_mm = {radius}"));
+    [Some(format!("follower = \"{name}\"")), radius].into_iter().flatten().collect()
 }
 
 impl Result {
@@ -210,14 +316,25 @@ impl Result {
     }
 
     fn gcode(&self, number: u32) -> String {
-        let top = self.path.centre.iter().copied().fold(0.0, f64::max);
-        let speed = self.spin.in_rpm();
+        let fastest = (self.path.highest_speed(&self.bounds).0.in_rpm() * 10.0).floor() / 10.0;
+        let asked = self.spin.in_rpm();
+        let speed = asked.min(fastest);
+        let slower = if speed < asked {
+            format!("(S{speed} and not S{asked}: it is the highest speed that works)\n")
+        } else {
+            String::new()
+        };
+        let library = format!("({})\n", self.entry.join(")\n("));
         format!(
-            "(measure once, in the air: the phase error goes into the table of --phase-table)\n\
-             G0 X{:.0}\nG151 P{number}\nG152\nG153\nG154 S{speed} P2\nG155\n\
+            "(cam {} on {}; the cam library, cams.toml beside this program or --cams FILE, has)\n\
+             {library}{slower}G21 G90 G54\n\
+             (measure once, in the air: the phase error goes into the table of --phase-table)\n\
+             G0 X{}\nG151 P{number}\nG152\nG153\nG154 S{speed} P2\nG155\n\
              (then grind 0.1 mm in two turns, and spark out three)\n\
-             G150\nG154 X-0.1 F0.05 S{speed}\nG154 P3\nG151 P0\n",
-            (top + 10.0).ceil()
+             G150\nG154 X-0.1 F0.05 S{speed}\nG154 P3\nG151 P0\nM30\n",
+            in_comment(&self.name),
+            self.machine,
+            self.clear,
         )
     }
 
@@ -231,6 +348,7 @@ impl Result {
             "wheel_radius_mm": self.path.wheel.value(),
             "tightest_hollow_mm": self.cam.tightest_hollow().map(|h| h.1.value()),
             "rpm": self.spin.in_rpm(),
+            "library": self.entry.join("\n") + "\n",
             "stroke_mm": motion.stroke.value(),
             "speed_mm_per_s": motion.speed.value(),
             "acceleration_m_per_s2": motion.accel.value() * 1e-3,

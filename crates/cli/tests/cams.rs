@@ -213,3 +213,65 @@ fn a_wheel_too_big_for_a_hollow_is_refused_with_the_one_that_fits() {
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(complained(&output).contains("wheel"), "{}", complained(&output));
 }
+
+/// What `leadscrew cam` prints is a program with its library in comments: put where they say, it is
+/// checked and run without a word, whatever is asked for.
+#[test]
+fn a_generated_program_runs_as_it_was_printed() {
+    let forms: [&[&str]; 6] = [
+        &["--form", "automotive", "--base", "34", "--lift", "9", "--half-angle", "65"],
+        &["--form", "eccentric", "--base", "20", "--lift", "4"],
+        &[
+            "--form",
+            "harmonic",
+            "--base",
+            "22",
+            "--lift",
+            "6",
+            "--follower",
+            "roller",
+            "--roller-radius",
+            "15",
+        ],
+        &["--form", "lobes", "--base", "25", "--lift", "3", "--lobes", "3"],
+        &["--form", "polynomial", "--base", "30", "--lift", "5", "--half-angle", "80"],
+        &[
+            "--form", "lobes", "--base", "28", "--lift", "2", "--lobes", "3", "--nodes", "1440",
+            "--number", "77",
+        ],
+    ];
+    for machine in ["cam-grinder", "cam-grinder-coarse"] {
+        for form in size::first_of(4, &forms) {
+            for speed in ["10", "60", "400"] {
+                let words = [&["cam", "--machine", machine, "--speed", speed], *form].concat();
+                let printed = said(&leadscrew(&[&words[..], &["--format", "gcode"]].concat()));
+                let folder = tempfile::tempdir().unwrap();
+                let library: String = printed
+                    .lines()
+                    .skip_while(|line| !(line.starts_with("(nodes") || line.starts_with("([[")))
+                    .take_while(|line| !line.starts_with("(S") && !line.starts_with('G'))
+                    .map(|line| format!("{}\n", line.trim_start_matches('(').trim_end_matches(')')))
+                    .collect();
+                std::fs::write(folder.path().join("cams.toml"), library).unwrap();
+                let program = folder.path().join("cam.ngc");
+                std::fs::write(&program, &printed).unwrap();
+                let program = program.to_str().unwrap();
+                let output = leadscrew(&["check", program, "--machine", machine]);
+                assert!(output.status.success(), "{words:?}\n{printed}\n{}", complained(&output));
+                let is_run = size::of(speed == "60" && machine == "cam-grinder", true);
+                if is_run {
+                    let output = leadscrew(&["run", program, "--machine", machine, "-q"]);
+                    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", complained(&output));
+                }
+            }
+        }
+    }
+    // too large for the machine: said before it is printed
+    let large = leadscrew(&["cam", "--form", "eccentric", "--base", "60", "--lift", "4"]);
+    assert!(!large.status.success(), "{}", said(&large));
+    assert!(
+        complained(&large).contains("the travel of X on cam-grinder ends at X250"),
+        "{}",
+        complained(&large)
+    );
+}

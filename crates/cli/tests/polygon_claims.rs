@@ -317,3 +317,33 @@ fn an_oscillation_that_is_measured_in_the_air_cuts_no_worse_than_one_that_is_not
         assert!(measured <= plain - gains + 0.01, "{by}: {measured} µm, {plain} µm without");
     }
 }
+
+/// The block that is printed ends itself: it is checked and run as it stands.
+#[test]
+fn a_printed_block_is_a_program() {
+    let sizes = ["17", "30"];
+    for across in size::first_of(1, &sizes) {
+        for sides in ["4", "6"] {
+            let words = [
+                "polygon",
+                "--sides",
+                sides,
+                "--across-flats",
+                across,
+                "--length",
+                "2",
+                "--format",
+                "json",
+            ];
+            let told: Value = serde_json::from_str(&said(&leadscrew(&words))).unwrap();
+            let folder = tempfile::tempdir().unwrap();
+            let program = folder.path().join("part.ngc");
+            std::fs::write(&program, told["gcode"].as_str().unwrap()).unwrap();
+            let program = program.to_str().unwrap();
+            let checked = leadscrew(&["check", program, "--machine", "polygon-lathe"]);
+            assert!(checked.status.success(), "{}", complained(&checked));
+            let ran = leadscrew(&["run", program, "--machine", "polygon-lathe", "-q"]);
+            assert!(matches!(ran.status.code(), Some(0 | 1)), "{}", complained(&ran));
+        }
+    }
+}

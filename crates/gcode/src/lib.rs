@@ -29,6 +29,7 @@ mod comment;
 mod expression;
 mod fanuc;
 mod format;
+mod leader;
 mod line;
 mod number;
 mod o_word;

@@ -9,6 +9,7 @@ use crate::Block;
 use crate::block::{Assignment, Word};
 use crate::expression::Value;
 use crate::fanuc::{Grammar, is_for_people};
+use crate::leader::{before_end_mark, leader};
 use crate::line::{Line, Read};
 use crate::number;
 use crate::problem::{Fault, Problem};
@@ -49,7 +50,22 @@ impl<'a> Parser<'a> {
     /// The same, by other rules.
     #[must_use]
     pub fn with_grammar(source: &'a [u8], file: u16, grammar: Grammar) -> Self {
-        let mut parser = Self {
+        let mut parser = Self::of_part(source, file, grammar);
+        if u32::try_from(source.len()).is_err() {
+            parser.report(Problem::FileTooLong, &[], 0, parser.place(0, 0));
+            parser.source = &[];
+        }
+        parser.source = before_end_mark(parser.source);
+        if parser.source.starts_with(b"\xEF\xBB\xBF") {
+            parser.offset = 3; // the byte order mark some editors write
+        }
+        parser.skip_leader();
+        parser
+    }
+
+    /// A reader of a text that has neither leader nor end mark.
+    pub(crate) const fn of_part(source: &'a [u8], file: u16, grammar: Grammar) -> Self {
+        Self {
             source,
             file,
             grammar,
@@ -59,16 +75,29 @@ impl<'a> Parser<'a> {
             reported: Vec::new(),
             more: 0,
             more_up_to: 0,
-        };
-        if u32::try_from(source.len()).is_err() {
-            parser.report(Problem::FileTooLong, &[], 0, parser.place(0, 0));
-            parser.source = &[];
         }
-        parser.source = before_end_mark(parser.source);
-        if parser.source.starts_with(b"\xEF\xBB\xBF") {
-            parser.offset = 3; // the byte order mark some editors write
-        }
-        parser
+    }
+
+    /// Goes past what stands on a tape before its program: blank tape, and to Fanuc's controls all
+    /// text up to the first percent sign.
+    fn skip_leader(&mut self) {
+        let rest = self.source.get(self.offset..).unwrap_or_default();
+        let blank =
+            rest.iter().take_while(|byte| **byte == 0 || byte.is_ascii_whitespace()).count();
+        let blank = memchr::memrchr(0, &rest[..blank]).map_or(0, |last| last + 1);
+        self.line += memchr::memchr_iter(b'\n', &rest[..blank]).count() as u32;
+        self.offset += blank;
+        let Some(leader) = leader(self.source, self.offset, self.grammar) else { return };
+        let text = &self.source[self.offset..leader.end];
+        let first = text.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
+        let lines = |text: &[u8]| memchr::memchr_iter(b'\n', text).count() as u32;
+        let start = self.offset + first;
+        let length = memchr::memchr(b'\n', &self.source[start..]).unwrap_or(0);
+        let length = self.source[start..start + length].trim_ascii_end().len();
+        let span = Span { line: self.line + lines(&text[..first]), ..self.place(start, length) };
+        self.line += lines(text);
+        self.offset = leader.end;
+        self.report(Problem::BeforePercent, &[], 0, span);
     }
 
     /// Reads the next line into `block`; false at the end of the file.
@@ -243,6 +272,7 @@ impl<'a> Parser<'a> {
                 | Problem::ForTheSender
                 | Problem::BehindSemicolon
                 | Problem::BehindPercent
+                | Problem::BeforePercent
         );
         let again = once && self.diagnostics.iter().any(|d| d.code == problem.code());
         if self.reported.len() < MAX_DIAGNOSTICS && !again {
@@ -254,6 +284,7 @@ impl<'a> Parser<'a> {
                 | Problem::ForTheSender
                 | Problem::BehindSemicolon
                 | Problem::BehindPercent
+                | Problem::BeforePercent
         ) {
             self.more += 1;
             self.more_up_to = span.end;
@@ -431,17 +462,6 @@ impl Line<'_, '_> {
                 _ => return self.fault_here(otherwise),
             }
         }
-    }
-}
-
-/// A text without the byte by which old systems marked the end of a file (Ctrl-Z), and what they
-/// filled it up with.
-fn before_end_mark(source: &[u8]) -> &[u8] {
-    let is_filling = |byte: &u8| matches!(byte, 0x1A | 0 | b' ' | b'\t' | b'\r' | b'\n');
-    let text = source.iter().rposition(|byte| !is_filling(byte)).map_or(0, |last| last + 1);
-    match memchr::memchr(0x1A, &source[text..]) {
-        Some(mark) => &source[..text + mark],
-        None => source,
     }
 }
 

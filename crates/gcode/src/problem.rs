@@ -51,6 +51,7 @@ pub(crate) enum Problem {
     ForTheSender,
     BehindSemicolon,
     BehindPercent,
+    BeforePercent,
     LoneReturn,
     CommentNotUtf8,
     FileTooLong,
@@ -118,7 +119,7 @@ impl Problem {
             Self::NotText => "P0192",
             Self::ForTheSender => "P0196",
             Self::BehindSemicolon => "P0197",
-            Self::BehindPercent => "P0198",
+            Self::BehindPercent | Self::BeforePercent => "P0198",
             Self::LoneReturn => "P0193",
             Self::CommentNotUtf8 => "P0194",
             Self::FileTooLong => "P0195",
@@ -217,6 +218,7 @@ impl Problem {
             Self::Binary => "expected a text file, found a NUL byte: this is binary data".into(),
             Self::ForTheSender => format!("{here} is for a sender, its controller or a simulator, and is left out"),
             Self::BehindPercent => format!("{here} stands in the line of the percent sign: it is not read"),
+            Self::BeforePercent => "this stands before the percent sign, where a tape has its leader: it is not read".into(),
             Self::BehindSemicolon => "behind the semicolon stands no block: it is left out".into(),
             Self::NotText => format!("expected plain ASCII text outside comments, found {found}"),
             Self::LoneReturn => "expected lines that end with LF or CR LF, found a CR in the middle".into(),
@@ -240,6 +242,8 @@ impl Problem {
             Self::BehindPercent => Diagnostic::warning(self.code(), span, message).with_help(
                 "Fanuc's controls skip what stands beside it: write the program's number in a line of its own. Said once",
             ),
+            Self::BeforePercent => Diagnostic::warning(self.code(), span, message)
+                .with_help("Fanuc's controls skip what comes before the first percent sign. Said once"),
             Self::BehindSemicolon => Diagnostic::warning(self.code(), span, message)
                 .with_help("Fanuc's controls have comments in brackets, (like this). Said once"),
             Self::UnknownFunction(_) | Self::KeywordUnknown => {

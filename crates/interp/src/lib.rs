@@ -52,6 +52,7 @@ pub use call::{
     Call, CamCall, ControlPoint, Corners, CycleHole, CycleTap, GrowingThread, HobOrder, Place,
     PolygonOrder, ReturnSpeed, Sense, Silence, Sink, StrokeZone, ToolEntry, Units,
 };
+pub use dialect::fanuc::counts::counting_words;
 pub use dialect::{DepthFrom, Dialect};
 pub use evidence::other_dialect::{looks_like, other_dialect, telling_words};
 pub use evidence::other_machine::{is_turned, unended};

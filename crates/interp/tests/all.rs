@@ -23,6 +23,7 @@ mod fanuc_turning;
 mod floor;
 mod grbl;
 mod lathe_systems;
+mod one_fault;
 mod one_mistake;
 mod operations;
 mod other_dialect;

@@ -85,6 +85,7 @@ fn hold(page: &str) -> usize {
         let expected = expected.unwrap_or_else(|| panic!("no meaning behind {program}")).0;
         let dialect = match options.split_whitespace().next() {
             Some("haas") => Dialect::Haas,
+            Some("haas-lathe") => Dialect::HaasLathe,
             Some("mitsubishi") => Dialect::Mitsubishi,
             Some("fanuc-lathe") => Dialect::FanucLatheA,
             _ => Dialect::Fanuc,

@@ -115,7 +115,17 @@ impl Outline {
 
     /// Z of the free end of what a round tool of this radius meets about the axis.
     pub(crate) fn front(&self, radius: f64) -> f64 {
-        let meets = |i: &usize| self.outer[*i] > self.inner[*i] && self.inner[*i] < radius;
+        self.front_beside(self.axis, radius)
+    }
+
+    /// Z of the free end of what a round tool of this radius meets, whose axis is at this place.
+    pub(crate) fn front_beside(&self, at: [f64; 2], radius: f64) -> f64 {
+        let off = libm::hypot(at[0] - self.axis[0], at[1] - self.axis[1]);
+        let meets = |i: &usize| {
+            self.outer[*i] > self.inner[*i]
+                && self.inner[*i] < off + radius
+                && self.outer[*i] > off - radius
+        };
         let last = (0..self.outer.len()).rev().find(meets);
         last.map_or(self.rear, |i| (self.rear + (i + 1) as f64 * self.cell).min(self.face))
     }

@@ -50,6 +50,7 @@ extern crate alloc;
 mod along;
 mod bar;
 mod beside;
+mod bodies;
 mod boxed;
 mod cams;
 mod chip;
@@ -83,6 +84,7 @@ mod words;
 
 pub use bar::Bar;
 pub use beside::SideBySide;
+pub use bodies::{Bodies, Cylinder};
 pub use boxed::{Boxed, SpindleStep, Step, StepKind};
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;

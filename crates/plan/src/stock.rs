@@ -38,6 +38,27 @@ impl Stock {
         (0..2).all(|i| (self.from[i].value()..=self.to[i].value()).contains(&at[i]))
     }
 
+    /// Whether there is material at a place, before anything is cut: a bar is round.
+    pub(crate) fn holds(&self, at: [f64; 2]) -> bool {
+        self.is_below(at)
+            && self.bar.is_none_or(|bar| {
+                let [x, y] =
+                    [0, 1].map(|i| at[i] - f64::midpoint(self.from[i].value(), self.to[i].value()));
+                (bar.bore.value()..=bar.radius.value()).contains(&libm::hypot(x, y))
+            })
+    }
+
+    /// The place over it that is nearest to another one.
+    pub(crate) fn nearest(&self, at: [f64; 2]) -> [f64; 2] {
+        if let Some(bar) = self.bar {
+            let centre = [0, 1].map(|i| f64::midpoint(self.from[i].value(), self.to[i].value()));
+            let [x, y] = [0, 1].map(|i| at[i] - centre[i]);
+            let share = (bar.radius.value() / libm::hypot(x, y)).min(1.0);
+            return [centre[0] + x * share, centre[1] + y * share];
+        }
+        [0, 1].map(|i| at[i].clamp(self.from[i].value(), self.to[i].value()))
+    }
+
     /// How far a circle about a place reaches over the nearest side, mm; negative: by so much it is
     /// inside.
     pub(crate) fn over_side(&self, at: [f64; 2], radius: f64) -> f64 {
@@ -138,6 +159,16 @@ impl Removed {
             .fold(0.0, f64::max)
     }
 
+    /// How deep a round body of this radius gets in one bore without cutting.
+    pub(crate) fn open_round(&self, at: [f64; 2], radius: f64) -> f64 {
+        let fits = |bore: &&Bore| {
+            libm::hypot(bore.at[0] - at[0], bore.at[1] - at[1]) + radius
+                <= bore.diameter / 2.0 + SAME_HOLE
+        };
+        let bores = self.bores.values().flatten().filter(fits);
+        bores.map(|bore| bore.tip_depth - bore.cone).fold(0.0, f64::max)
+    }
+
     /// Diameter that is open at a depth, of the bores narrower than this.
     pub(crate) fn open_diameter(&self, at: [f64; 2], depth: f64, below: f64) -> f64 {
         self.near(at)
@@ -191,7 +222,9 @@ impl Milled {
 
     fn index(&self, axis: usize, x: f64) -> Option<usize> {
         let at = libm::floor((x - self.from[axis]) / self.cell);
-        (at >= 0.0 && at < self.count[axis] as f64).then_some(at as usize)
+        let count = self.count[axis];
+        // its very end belongs to the last cell
+        (at >= 0.0 && at <= count as f64).then_some((at as usize).min(count - 1))
     }
 
     fn depth(&self, at: [f64; 2]) -> f64 {

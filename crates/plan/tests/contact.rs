@@ -5,7 +5,7 @@ use crate::common::{TOP, change, hole, line, machine, mm, program, rapid, tap, t
 use canon::{
     Axis, LengthUnit, OpKind, Position, ProgramFrame, Threading, Tool, ToolKind, ToolLibrary,
 };
-use plan::{Planner, Start, Stock};
+use plan::{Bodies, Planner, Start, Stock};
 use units::{Angle, Lead, LeadGrowth, Length};
 
 /// 100 mm square, 40 mm thick, its top at Z0 of G54.
@@ -53,6 +53,13 @@ fn all_tools() -> ToolLibrary {
     tools.insert(Tool { body, ..tool(11, 5.0, ToolKind::Drill { point_angle }) });
     tools.insert(Tool { body, ..tool(12, 10.0, ToolKind::EndMill(canon::Mill::default())) });
     tools.insert(tool(9, 10.0, ToolKind::SpotDrill { point_angle: Angle::deg(90.0) }));
+    let probe = canon::TouchProbe { pretravel: mm(0.012), lobing: mm(0.001) };
+    tools.insert(tool(13, 6.0, ToolKind::Probe(probe)));
+    let cutter =
+        canon::PolygonCutter { radius: mm(50.0), inserts: vec![Angle::ZERO], nose_radius: mm(0.8) };
+    tools.insert(tool(14, 100.0, ToolKind::PolygonCutter(cutter)));
+    tools.insert(tool(15, 70.0, ToolKind::Other));
+    tools.insert(tool(16, 40.0, ToolKind::Other));
     tools.insert(Tool {
         body: canon::Body::default(),
         stand_in: true,
@@ -410,4 +417,131 @@ fn advice_to_incremental_blocks_is_incremental() {
     assert!(text.contains(": Z-8 (incremental) or higher works"), "{text}");
     let text = said_in(g91, 1, [to(5.0, 10.0), to(700.0, 10.0)]);
     assert!(text.contains("X245 (incremental) is the nearest that works"), "{text}");
+}
+
+/// The same with what the machine has beside it.
+fn said_with(bodies: Bodies, number: u32, kinds: impl IntoIterator<Item = OpKind>) -> String {
+    let start = Start { position: Position::xyz(0.0, 0.0, -10.0), tool: 0 };
+    let planner = Planner::new(machine(), all_tools(), common::OPTIONS, start);
+    let mut planner = planner.with_stock(STOCK).with_bodies(bodies).only_judging();
+    planner.written_in(g54(if number == 0 { 0.0 } else { 120.0 }));
+    let mount = (number != 0).then(|| change(number));
+    for (index, op) in (0..).zip(&program(mount.into_iter().chain([turn(3000.0)]).chain(kinds))) {
+        planner.push(index, op, &mut |_| ());
+    }
+    planner.finish(&mut |_| ());
+    let found = planner.take_findings();
+    found.iter().map(|d| format!("{} {:?}: {}\n", d.code, d.severity, d.message)).collect()
+}
+
+#[test]
+fn whatever_is_in_the_spindle_is_not_taken_into_the_stock_by_a_rapid() {
+    for number in [13, 14, 15, 16] {
+        let down = said(number, [to(5.0, 10.0), to(5.0, -5.0)]);
+        assert!(down.starts_with("M0360 Error line 4: the rapid takes T"), "T{number}: {down}");
+        assert!(down.contains(" 5 mm into the stock at X5 Y0 Z-5 of G54"), "T{number}: {down}");
+        // its rim, from beside
+        let across = said(number, [to(110.0, 10.0), to(110.0, -5.0), to(48.0, -5.0)]);
+        assert!(across.starts_with("M0360 Error line 5"), "T{number}: {across}");
+        for clear in [
+            vec![to(5.0, 10.0), to(5.0, 0.0), to(40.0, 0.1)],
+            vec![to(110.0, 10.0), to(110.0, -5.0), to(150.0, -5.0)],
+        ] {
+            assert_eq!(said(number, clear), "", "T{number}");
+        }
+    }
+}
+
+#[test]
+fn what_cuts_nothing_is_not_fed_into_the_stock_and_a_cutter_at_rest_neither() {
+    let fed_in = |number| [to(5.0, 10.0), fed(5.0, -5.0)].map(|kind| (number, kind));
+    let of = |moves: [(u32, OpKind); 2]| said(moves[0].0, moves.map(|(_, kind)| kind));
+    let probe = of(fed_in(13));
+    assert!(probe.starts_with("M0360 Error line 4: the feed takes T13"), "{probe}");
+    assert!(probe.contains("or a probing move"), "{probe}");
+    for number in [14, 15, 16] {
+        assert_eq!(of(fed_in(number)), "", "T{number} cuts its way, and back out of it");
+        let still = said(number, [turn(0.0), to(5.0, 10.0), fed(5.0, -5.0)]);
+        assert!(still.contains("M0362 Error"), "T{number}: {still}");
+        // where it was fed it goes by rapid
+        let again = [to(5.0, 10.0), fed(5.0, -5.0), to(5.0, 10.0), to(5.0, -5.0)];
+        assert_eq!(said(number, again), "", "T{number}");
+    }
+}
+
+#[test]
+fn behind_a_probing_move_a_probe_is_where_it_has_touched() {
+    let order = canon::Probe {
+        to: Position::xyz(5.0, 0.0, TOP + 120.0 - 10.0),
+        feed: units::Speed::mm_per_min(100.0),
+        until_contact: true,
+        required: true,
+    };
+    assert!(!said(13, [to(5.0, 10.0), OpKind::Probe(order), to(5.0, -9.0)]).contains("M0360"));
+    assert!(said(13, [to(5.0, 10.0), to(5.0, -9.0), OpKind::Probe(order)]).contains("M0360"));
+}
+
+#[test]
+fn an_empty_spindle_has_a_nose() {
+    let at = |x: f64, z: f64| rapid(x, 0.0, TOP + z);
+    let cut = |x: f64, z: f64| line(x, 0.0, TOP + z, 300.0);
+    let none = Bodies::default();
+    let rapid = said_with(none, 0, [at(5.0, 10.0), at(5.0, -5.0)]);
+    assert!(rapid.starts_with("M0360 Error: the rapid takes the nose of the spindle, in which no tool is, 5 mm into the stock"), "{rapid}");
+    let contour =
+        said_with(none, 0, [at(5.0, 10.0), cut(5.0, -5.0), cut(40.0, -5.0), at(40.0, 10.0)]);
+    assert_eq!(contour.lines().count(), 1, "{contour}");
+    assert!(contour.starts_with("M0373 Warning: this cuts with no tool: the program has called none, and the spindle's nose goes 5 mm"), "{contour}");
+    assert_eq!(said_with(none, 0, [at(5.0, 10.0), cut(5.0, 0.0), cut(40.0, 0.0)]), "");
+    // as wide as the machine's file says
+    let wide = Bodies { nose: Some(mm(80.0)), ..none };
+    let beside = [at(80.0, 10.0), at(80.0, -5.0)];
+    assert_eq!(said_with(none, 0, beside.clone()), "");
+    assert!(said_with(wide, 0, beside).starts_with("M0360 Error"));
+    // tools that are clamped by hand are not named
+    let by_hand = Bodies { tools_by_hand: true, ..none };
+    assert_eq!(said_with(by_hand, 0, [at(5.0, 10.0), at(5.0, -5.0)]), "");
+}
+
+#[test]
+fn the_nose_behind_a_short_tool_meets_the_stock() {
+    let wide = Bodies { nose: Some(mm(80.0)), ..Bodies::default() };
+    let deep = [to(60.0, 10.0), to(60.0, -30.0)];
+    assert_eq!(said_with(wide, 8, deep), "", "120 mm long, 30 mm deep beside the stock");
+    let deeper = said_with(wide, 8, [to(60.0, 10.0), to(60.0, -125.0)]);
+    assert!(
+        deeper.contains("M0367 Error") && deeper.contains("the spindle's nose of 80 mm"),
+        "{deeper}"
+    );
+}
+
+#[test]
+fn a_wheel_keeps_off_its_work_by_rapid() {
+    let wheel = Bodies { wheel: Some(mm(150.0)), ..Bodies::default() };
+    let at = |x: f64| rapid(x, 0.0, TOP + 100.0);
+    assert_eq!(said_with(wheel, 0, [at(240.0), at(205.0)]), "");
+    let into = said_with(wheel, 0, [at(240.0), at(190.0)]);
+    assert!(
+        into.starts_with(
+            "M0360 Error: the rapid takes the grinding wheel 10 mm into the stock at X190"
+        ),
+        "{into}"
+    );
+    assert!(into.contains(": X202 is clear of it"), "{into}");
+}
+
+#[test]
+fn a_hole_that_the_work_has_is_open_to_a_probe() {
+    let start = Start { position: Position::xyz(0.0, 0.0, -10.0), tool: 0 };
+    let found = |holes: &[([f64; 2], [f64; 2])]| {
+        let planner = Planner::new(machine(), all_tools(), common::OPTIONS, start);
+        let mut planner = planner.with_stock(STOCK).with_holes(holes.iter().copied());
+        planner.written_in(g54(120.0));
+        for (index, op) in (0..).zip(&program([change(13), to(6.0, 10.0), to(6.0, -8.0)])) {
+            planner.push(index, op, &mut |_| ());
+        }
+        planner.take_findings().len()
+    };
+    assert_eq!((found(&[]), found(&[([5.0, 0.0], [30.0, 20.0])])), (1, 0));
+    assert_eq!(found(&[([5.0, 0.0], [30.0, 5.0])]), 1, "not so deep");
 }

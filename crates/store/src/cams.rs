@@ -14,9 +14,12 @@
 //! Kinds with a closed form: `eccentric`, `harmonic`, `lobes`, `polynomial`, `automotive`. A
 //! library is read whole or refused with all that is wrong; a lift table is refused at its first
 //! bad row.
-use crate::{Error, SMALL_FILE_LIMIT, read_text, text::Lines};
+use crate::{
+    AskedKey, Error, SMALL_FILE_LIMIT,
+    keys::{self, Keys},
+    read_text,
+};
 use diag::{Diagnostic, Span};
-use serde::Deserialize;
 use std::{io::Read, path::Path};
 use units::{Angle, Length};
 
@@ -27,48 +30,42 @@ pub const LIFT_TABLE_LIMIT: u64 = 16 << 20;
 pub const MOST_ROWS: usize = 65_538;
 
 /// A library of cams.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CamFile {
     /// Radius of the wheel that they are for; nothing: whatever is mounted.
-    #[serde(default)]
     pub wheel_radius_mm: Option<f64>,
     /// Steps of a turn of the tables that the wheel follows.
-    #[serde(default = "usual_nodes")]
     pub nodes: usize,
     /// The cams.
-    #[serde(default)]
     pub cam: Vec<CamEntry>,
 }
 
 /// A node each half degree, as in JPH0622778B2.
-const fn usual_nodes() -> usize {
-    720
-}
+const USUAL_NODES: u32 = 720;
+/// Most cams of a library.
+const MOST_CAMS: usize = 10_000;
+/// Largest length of a cam, mm; largest count of lobes.
+const LARGEST_MM: f64 = 1e4;
+const MOST_LOBES: u32 = 1000;
 
 /// One cam of a library.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CamEntry {
     /// Its number in programs.
     pub number: u32,
     /// What it is called.
-    #[serde(default)]
     pub name: String,
     /// Its form.
-    #[serde(flatten)]
     pub form: CamForm,
     /// How fast the work turns.
-    #[serde(default)]
     pub work_speed: WorkSpeed,
     /// Follow what the follower asks for even where the contour is undercut: for tests of an axis
     /// in the air.
-    #[serde(default)]
     pub path_only: bool,
 }
 
 /// How fast the work turns while a cam is ground.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WorkSpeed {
     /// At the programmed speed.
     #[default]
@@ -79,8 +76,7 @@ pub enum WorkSpeed {
 }
 
 /// The form of a cam.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
+#[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // keys of the file, with their units
 pub enum CamForm {
     Table {
@@ -124,8 +120,7 @@ pub enum CamForm {
 }
 
 /// What runs on a cam.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FollowerKind {
     /// A flat face.
     Flat,
@@ -160,26 +155,126 @@ pub fn load(path: &Path) -> Result<CamFile, Error> {
 /// # Errors
 /// What is wrong with it.
 pub fn parse(text: &str) -> Result<CamFile, Vec<Diagnostic>> {
-    let file: CamFile = toml::from_str(text).map_err(|e| {
-        let at = e.span().unwrap_or(0..0);
-        vec![Diagnostic::error("S1001", Lines::of(text, 0).span(&at), e.message().to_owned())]
-    })?;
-    let mut findings = Vec::new();
-    let mut wrong = |sentence: String| {
-        findings.push(Diagnostic::error("S1002", Span { line: 1, ..Span::default() }, sentence));
+    keys::read(text, 0, read)
+}
+
+/// Kinds of cams, as a library writes them, each with the keys that its reader asks for.
+pub fn asked_keys() -> Vec<(&'static str, Vec<AskedKey>)> {
+    let of = |kind: &str| {
+        let text = format!("[[cam]]\nkind = \"{kind}\"\n");
+        keys::asked(&text, "", &|_| None, read)
     };
-    if let Some(radius) = file.wheel_radius_mm.filter(|r| !(*r > 0.0 && *r < 1e4)) {
-        wrong(format!("expected a wheel radius above 0, found {radius} mm"));
-    }
-    if !(36..=65_536).contains(&file.nodes) {
-        wrong(format!("expected 36 to 65536 nodes, found {}", file.nodes));
-    }
-    for (i, cam) in file.cam.iter().enumerate() {
-        if cam.number == 0 || file.cam[..i].iter().any(|other| other.number == cam.number) {
-            wrong(format!("cam number {}: expected numbers above 0, each once", cam.number));
+    KINDS.iter().map(|(name, _)| (*name, of(name))).collect()
+}
+
+/// Which form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FormKind {
+    Table,
+    Eccentric,
+    Harmonic,
+    Lobes,
+    Polynomial,
+    Automotive,
+}
+
+const KINDS: [(&str, FormKind); 6] = [
+    ("table", FormKind::Table),
+    ("eccentric", FormKind::Eccentric),
+    ("harmonic", FormKind::Harmonic),
+    ("lobes", FormKind::Lobes),
+    ("polynomial", FormKind::Polynomial),
+    ("automotive", FormKind::Automotive),
+];
+
+fn read(keys: &mut Keys<'_>) -> CamFile {
+    let wheel_radius_mm = keys.optional("wheel_radius_mm", 0.001..=LARGEST_MM);
+    let nodes = keys.optional_whole("nodes", 36..=65_536).unwrap_or(USUAL_NODES) as usize;
+    let mut numbers = Vec::new();
+    let mut entry = |keys: &mut Keys<'_>| {
+        let cam = read_cam(keys);
+        if numbers.contains(&cam.number) {
+            keys.conflict("number", format!("cam number {}: expected each once", cam.number));
         }
+        numbers.push(cam.number);
+        cam
+    };
+    let cam =
+        if keys.has("cam") { keys.sections("cam", MOST_CAMS, &mut entry) } else { Vec::new() };
+    CamFile { wheel_radius_mm, nodes, cam }
+}
+
+fn read_cam(keys: &mut Keys<'_>) -> CamEntry {
+    let number = keys.whole("number", 1..=u32::MAX);
+    let name = keys.optional_text("name").unwrap_or_default();
+    let kind = keys.choice("kind", &KINDS);
+    let form = read_form(kind, keys);
+    let speeds = [("constant", WorkSpeed::Constant), ("even", WorkSpeed::Even)];
+    CamEntry {
+        number,
+        name,
+        form,
+        work_speed: keys.optional_choice("work_speed", &speeds).unwrap_or_default(),
+        path_only: keys.has("path_only") && keys.flag("path_only"),
     }
-    if findings.is_empty() { Ok(file) } else { Err(findings) }
+}
+
+fn read_form(kind: FormKind, keys: &mut Keys<'_>) -> CamForm {
+    let mm = |keys: &mut Keys<'_>, key| keys.number(key, 0.0..=LARGEST_MM);
+    let deg = |keys: &mut Keys<'_>, key| keys.number(key, -360.0..=360.0);
+    match kind {
+        FormKind::Table => CamForm::Table {
+            file: keys.text("file"),
+            base_mm: mm(keys, "base_mm"),
+            follower: follower(keys),
+            roller_radius_mm: roller(keys),
+        },
+        FormKind::Eccentric => CamForm::Eccentric {
+            radius_mm: mm(keys, "radius_mm"),
+            eccentricity_mm: mm(keys, "eccentricity_mm"),
+        },
+        FormKind::Harmonic => CamForm::Harmonic {
+            base_mm: mm(keys, "base_mm"),
+            lift_mm: mm(keys, "lift_mm"),
+            follower: follower(keys),
+            roller_radius_mm: roller(keys),
+        },
+        FormKind::Lobes => CamForm::Lobes {
+            radius_mm: mm(keys, "radius_mm"),
+            amplitude_mm: mm(keys, "amplitude_mm"),
+            count: keys.whole("count", 1..=MOST_LOBES),
+            phase_deg: deg(keys, "phase_deg"),
+        },
+        FormKind::Polynomial => CamForm::Polynomial {
+            base_mm: mm(keys, "base_mm"),
+            lift_mm: mm(keys, "lift_mm"),
+            rise_deg: deg(keys, "rise_deg"),
+            dwell_deg: deg(keys, "dwell_deg"),
+            fall_deg: deg(keys, "fall_deg"),
+            follower: follower(keys),
+            roller_radius_mm: roller(keys),
+        },
+        FormKind::Automotive => CamForm::Automotive {
+            base_mm: mm(keys, "base_mm"),
+            lift_mm: mm(keys, "lift_mm"),
+            half_angle_deg: deg(keys, "half_angle_deg"),
+            follower: follower(keys),
+            roller_radius_mm: roller(keys),
+        },
+    }
+}
+
+fn follower(keys: &mut Keys<'_>) -> FollowerKind {
+    let names = [
+        ("flat", FollowerKind::Flat),
+        ("roller", FollowerKind::Roller),
+        ("knife", FollowerKind::Knife),
+    ];
+    keys.choice("follower", &names)
+}
+
+fn roller(keys: &mut Keys<'_>) -> Option<f64> {
+    keys.optional("roller_radius_mm", 0.001..=LARGEST_MM)
 }
 
 /// The text of a lift table; of one that is too large, as much of it as shows which row is one too
@@ -265,7 +360,8 @@ mod tests {
     #[test]
     fn a_kind_that_nobody_knows_a_missing_figure_and_a_number_given_twice_are_refused() {
         let of = |cams: &str| {
-            parse(&format!("wheel_radius_mm = 200\n{cams}")).unwrap_err()[0].message.clone()
+            let found = parse(&format!("wheel_radius_mm = 200\n{cams}")).unwrap_err();
+            found.iter().map(|f| f.message.clone()).collect::<Vec<_>>().join("\n")
         };
         assert!(of("[[cam]]\nnumber = 1\nkind = \"egg\"\n").contains("egg"));
         assert!(
@@ -276,6 +372,25 @@ mod tests {
             "[[cam]]\nnumber = 1\nkind = \"eccentric\"\nradius_mm = 25\neccentricity_mm = 4\n"
                 .repeat(2);
         assert!(of(&twice).contains("each once"));
+    }
+
+    #[test]
+    fn all_that_is_wrong_with_a_library_is_said_at_once() {
+        let text = "nodes = 3\nweel_radius_mm = 200\n[[cam]]\nnumber = 0\nkind = \"eccentric\"\nradius = 25\neccentricity_mm = -4\n[[cam]]\nnumber = 2\nkind = \"egg\"\n";
+        let found = parse(text).unwrap_err();
+        for (line, part) in [
+            (1, "`nodes`"),
+            (2, "did you mean `wheel_radius_mm`"),
+            (4, "`number` is 0"),
+            (6, "did you mean `radius_mm`"),
+            (7, "`eccentricity_mm` is -4"),
+            (10, "egg"),
+        ] {
+            assert!(
+                found.iter().any(|f| f.span.line == line && f.message.contains(part)),
+                "{part}: {found:?}"
+            );
+        }
     }
 
     #[test]

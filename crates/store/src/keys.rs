@@ -16,6 +16,12 @@
 //! | S0406 | values that contradict each other |
 //! | S0407 | unknown name where one of a list is expected |
 //! | S0408 | how many findings are not shown (note) |
+mod recording;
+mod values;
+pub(crate) use recording::asked;
+use values::{as_number, type_name};
+
+use crate::asked_key::{AskedKey, choices, numbers, span, wholes};
 use crate::bases::bases;
 use crate::nearest::nearest;
 use crate::text::{Lines, in_order};
@@ -89,6 +95,8 @@ pub(crate) struct Keys<'d> {
     asked: Vec<&'d str>,
     /// `None` below a section that is missing: one finding for it is enough.
     findings: Option<&'d Findings>,
+    /// Notes each key that is asked for.
+    recorder: Option<&'d RefCell<Vec<AskedKey>>>,
 }
 
 impl<'d> Keys<'d> {
@@ -99,7 +107,7 @@ impl<'d> Keys<'d> {
         findings: Option<&'d Findings>,
         bases: Vec<&'d DeTable<'d>>,
     ) -> Self {
-        Self { name, table, bases, place, asked: Vec::new(), findings }
+        Self { name, table, bases, place, asked: Vec::new(), findings, recorder: None }
     }
 
     /// A table that is missing: nothing is found in it, and one finding for that is enough.
@@ -115,6 +123,7 @@ impl<'d> Keys<'d> {
     /// A number within bounds.
     pub(crate) fn number(&mut self, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
         let harmless = *bounds.start();
+        self.record(key, true, || numbers(&bounds));
         self.required(key).and_then(|v| self.checked(key, v, &bounds)).unwrap_or(harmless)
     }
 
@@ -132,6 +141,7 @@ impl<'d> Keys<'d> {
 
     /// A number within bounds, or "unlimited".
     pub(crate) fn limit(&mut self, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
+        self.record(key, true, || format!("{}, or \"unlimited\"", numbers(&bounds)));
         match self.get(key).map(Spanned::get_ref) {
             Some(value) if value.as_str() == Some("unlimited") => {
                 self.ask(key);
@@ -153,6 +163,7 @@ impl<'d> Keys<'d> {
         key: &'static str,
         bounds: RangeInclusive<f64>,
     ) -> Option<f64> {
+        self.record(key, false, || numbers(&bounds));
         self.ask(key).and_then(|v| self.checked(key, v, &bounds))
     }
 
@@ -162,6 +173,7 @@ impl<'d> Keys<'d> {
         key: &'static str,
         bounds: RangeInclusive<f64>,
     ) -> Option<Vec<f64>> {
+        self.record(key, false, || format!("list of numbers, each {}", span(&bounds)));
         let value = self.ask(key)?;
         let Some(list) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "a list of numbers");
@@ -173,6 +185,7 @@ impl<'d> Keys<'d> {
     /// A whole number within bounds.
     pub(crate) fn whole(&mut self, key: &'static str, bounds: RangeInclusive<u32>) -> u32 {
         let harmless = *bounds.start();
+        self.record(key, true, || wholes(&bounds));
         let Some(value) = self.required(key) else { return harmless };
         self.checked_whole(key, value, &bounds).unwrap_or(harmless)
     }
@@ -183,11 +196,13 @@ impl<'d> Keys<'d> {
         key: &'static str,
         bounds: RangeInclusive<u32>,
     ) -> Option<u32> {
+        self.record(key, false, || wholes(&bounds));
         self.ask(key).and_then(|v| self.checked_whole(key, v, &bounds))
     }
 
     /// Yes or no.
     pub(crate) fn flag(&mut self, key: &'static str) -> bool {
+        self.record(key, true, || "true or false".into());
         let Some(value) = self.required(key) else { return false };
         value.get_ref().as_bool().unwrap_or_else(|| {
             self.wrong_type(key, value, "true or false");
@@ -197,11 +212,13 @@ impl<'d> Keys<'d> {
 
     /// Text.
     pub(crate) fn text(&mut self, key: &'static str) -> String {
+        self.record(key, true, || "text".into());
         self.required(key).and_then(|v| self.checked_text(key, v)).unwrap_or_default()
     }
 
     /// Text, if it is stated.
     pub(crate) fn optional_text(&mut self, key: &'static str) -> Option<String> {
+        self.record(key, false, || "text".into());
         self.ask(key).and_then(|v| self.checked_text(key, v))
     }
 
@@ -224,6 +241,7 @@ impl<'d> Keys<'d> {
 
     /// One of a list of names.
     pub(crate) fn choice<T: Copy>(&mut self, key: &'static str, names: &[(&str, T)]) -> T {
+        self.record(key, true, || choices(names));
         self.required(key).and_then(|v| self.checked_choice(key, v, names)).unwrap_or(names[0].1)
     }
 
@@ -233,6 +251,7 @@ impl<'d> Keys<'d> {
         key: &'static str,
         names: &[(&str, T)],
     ) -> Option<T> {
+        self.record(key, false, || choices(names));
         self.ask(key).and_then(|v| self.checked_choice(key, v, names))
     }
 
@@ -250,7 +269,10 @@ impl<'d> Keys<'d> {
         } else {
             self.note("S0403", &self.place, format!("{} lacks the section [{key}]", self.name));
         }
-        read(&mut Keys::missing(&DeTable::new()))
+        let empty = DeTable::new();
+        let mut keys = Keys::missing(&empty);
+        (keys.name, keys.recorder) = (self.path_to(key), self.recorder);
+        read(&mut keys)
     }
 
     /// A table within this one, if it is there.
@@ -259,7 +281,12 @@ impl<'d> Keys<'d> {
         key: &'static str,
         read: impl FnOnce(&mut Keys<'_>) -> T,
     ) -> Option<T> {
-        self.ask(key)?;
+        if self.ask(key).is_none() {
+            if self.recorder.is_some() {
+                self.section(key, read);
+            }
+            return None;
+        }
         Some(self.section(key, read))
     }
 
@@ -271,9 +298,14 @@ impl<'d> Keys<'d> {
             Some((DeValue::Table(table), place)) => (table, place),
             // stated by a base alone: its place in this text is where it could have been stated
             None if !bases.is_empty() => (&empty, self.place.clone()),
-            Some(_) | None => return read(&mut Keys::missing(&empty)),
+            Some(_) | None => {
+                let mut keys = Keys::missing(&empty);
+                (keys.name, keys.recorder) = (self.path_to(key), self.recorder);
+                return read(&mut keys);
+            }
         };
         let mut keys = Keys::new(self.path_to(key), table, place, self.findings, bases);
+        keys.recorder = self.recorder;
         let value = read(&mut keys);
         keys.finish();
         value
@@ -313,6 +345,7 @@ impl<'d> Keys<'d> {
             let (table, place) =
                 if own { (table, item.span()) } else { (&empty, self.place.clone()) };
             let mut keys = Keys::new(format!("[[{key}]]"), table, place, self.findings, bases);
+            keys.recorder = self.recorder;
             values.push(read(&mut keys));
             keys.finish();
         }
@@ -435,15 +468,7 @@ impl<'d> Keys<'d> {
     }
 
     fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
-        let found = match value.get_ref().type_str() {
-            "integer" => "a whole number",
-            "float" => "a number",
-            "string" => "text",
-            "boolean" => "true or false",
-            "datetime" => "a date",
-            "array" => "a list",
-            _ => "a table",
-        };
+        let found = type_name(value.get_ref());
         let message = format!("`{key}` is {found}: expected {expected}");
         self.note("S0404", &value.span(), message);
     }
@@ -470,16 +495,5 @@ impl<'d> Keys<'d> {
             };
             self.note("S0402", &key.span(), message);
         }
-    }
-}
-
-fn as_number(value: &DeValue<'_>) -> Option<f64> {
-    match value {
-        DeValue::Float(f) => f.as_str().parse().ok(),
-        DeValue::Integer(i) => i128::from_str_radix(i.as_str(), i.radix())
-            .ok()
-            .map(|n| n as f64)
-            .or(Some(f64::INFINITY)),
-        _ => None,
     }
 }

@@ -27,10 +27,12 @@ pub mod sync_record;
 pub mod tools;
 pub mod trace;
 
+mod asked_key;
 mod error;
 mod keys;
 mod text;
 
+pub use asked_key::AskedKey;
 pub use error::{Error, Refusal};
 pub use text::{
     MOST_FINDINGS, PROGRAM_LIMIT, SMALL_FILE_LIMIT, open, read_bytes, read_stream, read_text,

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
 
 mod certificate;
+mod key_pages;
 mod machine;
 mod state;
 mod tools;

@@ -363,6 +363,7 @@ pub fn judging(session: &Session, source: &[u8], options: Options) -> Planner {
         }
         None => planner.with_stock(own),
     };
+    let planner = planner.with_bodies(session.bodies()).with_holes(session.holes());
     let is_assumed = session.table.is_none() && session.missing_tools == MissingTools::StandIn;
     if is_assumed { planner.with_assumed_tools() } else { planner }
 }

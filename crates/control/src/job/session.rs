@@ -17,7 +17,7 @@ use std::{
 };
 use store::machine::{MachineFile, Ramp, StockMaterial};
 use store::tools::{TableUnit, ToolTable};
-use units::Coordinate;
+use units::{Coordinate, Length};
 
 /// A mill that the program's comments describe, and no table has.
 const fn is_described(tool: &canon::Tool) -> bool {
@@ -335,6 +335,37 @@ impl Session {
                 .turned_bar()
                 .map(|radius| plan::Bar { radius, bore: stock.bore / 2.0 }),
         }
+    }
+
+    /// Bodies of the machine that tools can meet, in machine coordinates of a tool's tip.
+    pub fn bodies(&self) -> plan::Bodies {
+        let (zero, setup) = (self.work_zero().linear[2], &self.machine.setup);
+        let face = |end: store::machine::Clamp| zero + end.face;
+        let far = Length::mm(1e4);
+        plan::Bodies {
+            nose: setup.nose,
+            wheel: self.machine.grinding.as_ref().map(|grinding| grinding.wheel.diameter / 2.0),
+            tools_by_hand: self.dialect.has_tools_by_hand(),
+            chuck: setup.chuck.map(|chuck| plan::Cylinder {
+                radius: chuck.diameter / 2.0,
+                from: zero - far,
+                to: face(chuck),
+            }),
+            tailstock: setup.tailstock.map(|tailstock| plan::Cylinder {
+                radius: tailstock.diameter / 2.0,
+                from: face(tailstock),
+                to: zero + far,
+            }),
+        }
+    }
+
+    /// Holes that the work has before the program begins: where, how wide and how deep, mm.
+    pub fn holes(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+        let zero = self.work_zero().linear;
+        self.machine.setup.holes.iter().map(move |hole| {
+            let at = [0, 1].map(|i| (zero[i] + hole.at[i]).value());
+            (at, [hole.diameter.value(), hole.height.value()])
+        })
     }
 
     /// Who computes the oscillations that a program leaves to the control.

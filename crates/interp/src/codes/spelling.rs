@@ -87,6 +87,24 @@ pub(crate) fn takers(letter_index: usize) -> String {
     }
 }
 
+/// What a G code is to other controls that hobby CAM writes for, as Mach3, and what stands for it
+/// here.
+pub(crate) fn of_others(value: f64) -> Option<(&'static str, &'static str)> {
+    Some(match crate::codes::number::tenths(value)? {
+        310 => (
+            "the probing move of Mach3, Fanuc and Haas",
+            "G38.2 is the probing move here, and #5061 to #5063 are where it ended",
+        ),
+        120 | 130 => ("a circular pocket of Mach3 and Haas", "G2 or G3 mills a circle"),
+        150 | 160 => {
+            ("polar coordinates of Mach3 and Fanuc", "@ and ^ are a radius and an angle here")
+        }
+        510 => ("scaling of Mach3 and Fanuc", "write the numbers as they are meant"),
+        680 | 690 => ("a rotation of Mach3 and Fanuc", "G10 L2 R turns the work offset"),
+        _ => return None,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -121,6 +121,11 @@ pub(crate) fn tool_length<S: Sink>(
                 *sum = kept + more;
             }
         }
+        431 if words.rules().needs_axis_words && !words.any(crate::codes::AXES) => {
+            let text =
+                "G43.1 needs an axis word, the length itself: Grbl answers error 37 without one";
+            return refuse("I0435", words.place.span, text);
+        }
         431 => tool = target::with_words(words, modes, modes.frame.tool),
         _ => {}
     }

@@ -34,6 +34,8 @@ pub enum Dialect {
     /// Haas' machining centres: Fanuc's language with pockets, local subprograms and work offsets
     /// of their own.
     Haas,
+    /// Haas' lathes: Fanuc's system A with cycles and work offsets of their own.
+    HaasLathe,
     /// Mitsubishi's machining centres: Fanuc's language with circles, variables and calls of their
     /// own.
     Mitsubishi,
@@ -52,7 +54,7 @@ pub enum Dialect {
 
 impl Dialect {
     /// All of them, the shared language first.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::LinuxCnc,
         Self::Grbl,
         Self::Brother,
@@ -60,19 +62,21 @@ impl Dialect {
         Self::Fanuc,
         Self::Haas,
         Self::Mitsubishi,
+        Self::HaasLathe,
         Self::FanucLatheA,
         Self::FanucLatheB,
         Self::FanucLatheC,
     ];
 
     /// Those that a program's words can tell apart, the rarer words first.
-    pub(crate) const BY_RARITY: [Self; 8] = [
+    pub(crate) const BY_RARITY: [Self; 9] = [
         Self::Brother,
         Self::Toyoda,
         Self::Fanuc,
         Self::Haas,
         Self::Mitsubishi,
         Self::FanucLatheA,
+        Self::HaasLathe,
         Self::LinuxCnc,
         Self::Grbl,
     ];
@@ -81,6 +85,7 @@ impl Dialect {
     pub(crate) const fn variant_of(self) -> Option<Self> {
         match self {
             Self::Haas | Self::Mitsubishi => Some(Self::Fanuc),
+            Self::HaasLathe => Some(Self::FanucLatheA),
             _ => None,
         }
     }
@@ -93,6 +98,7 @@ impl Dialect {
             Self::Grbl => &grbl::RULES,
             Self::Fanuc => &fanuc::MILL,
             Self::Haas => &haas::RULES,
+            Self::HaasLathe => &haas::LATHE,
             Self::Mitsubishi => &mitsubishi::RULES,
             Self::FanucLatheA => &fanuc::LATHE_A,
             Self::FanucLatheB => &fanuc::LATHE_B,
@@ -135,6 +141,11 @@ impl Dialect {
     /// Whether tools are called by a turret's number, T0101: place 1 with offset 1.
     pub const fn has_turret(self) -> bool {
         self.rules().turret
+    }
+
+    /// Whether tools are clamped by hand, so that a program need not name any.
+    pub const fn has_tools_by_hand(self) -> bool {
+        self.rules().tools_by_hand
     }
 
     /// Where its cycles measure Z from under G91, unless the machine says otherwise.

@@ -76,6 +76,11 @@ pub(crate) struct Rules {
     pub(crate) dwells_by_s: bool,
     /// G50 ends a scaling, of which there is none.
     pub(crate) ends_scaling: bool,
+    /// Arcs and G43.1 without an axis word are refused; block numbers have seven digits at most.
+    pub(crate) needs_axis_words: bool,
+    /// Codes, in tenths, that the controls of this dialect lack, and that are executed all the
+    /// same.
+    pub(crate) lacks: &'static [u16],
     /// Tools are changed by hand: T names the one that is clamped, and needs no M6.
     pub(crate) tools_by_hand: bool,
     /// Letters that may stand where no code takes them: they have no effect there.
@@ -140,6 +145,8 @@ pub(crate) struct OwnCode {
 pub(crate) enum Family {
     LinuxCnc,
     Grbl,
+    /// G38.2 to G38.5, which several have.
+    Probing,
     Brother,
     Toyoda,
     /// All of Fanuc's.

@@ -42,6 +42,10 @@ fn heaviest(evidence: &[Evidence], own: Dialect) -> Option<Dialect> {
     let family = |dialect: Dialect| dialect.rules().evidence;
     // of two as likely, the one with the rarer words
     let others = Dialect::BY_RARITY.into_iter().filter(|other| family(*other) != family(own));
+    // and before that one for the same kind of machine
+    let alike = |other: &Dialect| other.has_turret() == own.has_turret();
+    let (alike, unlike): (Vec<_>, Vec<_>) = others.partition(alike);
+    let others = alike.into_iter().chain(unlike);
     // where nothing else tells it from the own one, it may as well be a mistake
     let tells = |e: &&Evidence, other| e.belongs_to(other) && !e.belongs_to(own);
     let is_told = |other| evidence.iter().any(|e| tells(&e, other) && e.what != WITHOUT_R);

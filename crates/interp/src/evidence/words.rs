@@ -229,7 +229,8 @@ fn g(line: &SplitLine, tenths: i32, say: &mut impl FnMut(Family, u32, &'static s
             let weight = if line.has("U") { 5 } else { 4 };
             say(Family::Brother, weight, CHIP_REMOVAL);
         }
-        331 | 382..=385 => say(Family::LinuxCnc, 4, "rigid tapping or probing"),
+        331 => say(Family::LinuxCnc, 4, "rigid tapping"),
+        382..=385 => say(Family::Probing, 4, "probing"),
         52 | 53 => say(Family::LinuxCnc, 3, "a NURBS"),
         640 if line.has("P") => say(Family::LinuxCnc, 3, "a tolerance of the path"),
         611 | 591..=593 | 901 | 911 | 922 | 923 | 432 => {

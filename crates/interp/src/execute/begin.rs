@@ -39,6 +39,7 @@ pub(crate) fn new(setup: &Setup) -> Executor {
         },
         recording: None,
         idle_told: 0,
+        lack_told: 0,
         codes_told: BTreeSet::new(),
         remarks: Vec::new(),
     };

@@ -3,9 +3,10 @@
 use crate::{
     call::{Call, Sink, out::Out},
     codes::{GGroup, Letters, MGroup, set},
-    fault::Outcome,
+    fault::{Outcome, refuse, unknown::Unknown},
     modes::Motion,
     state::executor::Executor,
+    words::Words,
 };
 
 /// The machine's feed, where a program has said none.
@@ -23,6 +24,9 @@ pub(crate) fn assume_feed<S: Sink>(
     let rate = feed.in_mm_per_min() / modes.units.in_mm();
     modes.feed = rate;
     out.say(&Call::FeedRate { rate, duration_s: None });
+    if modes.unknown.has(Unknown::FEED) {
+        return; // a refused block has the F
+    }
     let text =
         format!("no F before this move: it goes with F{}", crate::codes::spelling::short(rate));
     ex.remarks.push(
@@ -58,6 +62,31 @@ pub(crate) fn dwell_by_s(ex: &mut Executor) -> Outcome {
         ex.remarks.push(remark.with_help("Grbl itself takes P. Said once"));
     }
     Ok(())
+}
+
+/// N of a block that these controls take.
+pub(crate) fn block_number(words: &Words) -> Outcome {
+    const HIGHEST: u32 = 9_999_999;
+    let Some(number) = words.place.number.filter(|number| *number > HIGHEST) else { return Ok(()) };
+    let text = format!("N{number} is too high: Grbl and grblHAL take N0 to N{HIGHEST} (error 27)");
+    refuse("I0436", words.place.span, text)
+}
+
+/// Codes that are executed, and that the controls of this dialect do not have.
+pub(crate) fn remark_on_lacking(ex: &mut Executor) {
+    let lacks = ex.settings.rules.lacks;
+    for (i, code) in lacks.iter().enumerate() {
+        if !ex.words.has_g(*code) || ex.lack_told & 1 << i != 0 {
+            continue;
+        }
+        ex.lack_told |= 1 << i;
+        let text = format!(
+            "neither Grbl 1.1 nor grblHAL has G{}: they answer error 20",
+            crate::codes::spelling::written(*code)
+        );
+        let remark = diag::Diagnostic::warning("I0115", ex.words.place.span, text);
+        ex.remarks.push(remark.with_help("it is executed here as LinuxCNC does. Said once"));
+    }
 }
 
 /// The end of a scaling that has not begun.

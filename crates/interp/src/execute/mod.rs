@@ -100,6 +100,10 @@ fn obey<S: Sink>(
     if ex.words.outdone.is_some() {
         lenient::remark_on_outdone(ex);
     }
+    if ex.settings.rules.needs_axis_words {
+        lenient::block_number(&ex.words)?;
+        lenient::remark_on_lacking(ex);
+    }
     if let Some(span) = ex.words.ends_scaling {
         lenient::remark_on_scaling(ex, span);
     }

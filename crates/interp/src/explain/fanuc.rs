@@ -120,7 +120,7 @@ pub(super) const ROWS: &[Finding] = &[
     ),
     lathe(
         "I1033",
-        "A profile holds no other cycle.",
+        "A profile holds no other cycle, and no call of a subprogram or macro.",
         "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nM30\nN10 G0 X10.\nG71 U2. R1.\nN20 G1 Z-10.",
         "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nM30\nN10 G0 X10.\nN20 G1 Z-10.",
     ),
@@ -302,5 +302,11 @@ pub(super) const ROWS: &[Finding] = &[
         "A line at this angle never comes to the coordinate that is named.",
         "O1\nG97 S500 M3\nG0 X20. Z2.\nG1 X40. A180. F0.2\nM30",
         "O1\nG97 S500 M3\nG0 X20. Z2.\nG1 X40. A135. F0.2\nM30",
+    ),
+    f(
+        "I1070",
+        "A work offset beyond G59 is called that was never set: its zero is the machine's.",
+        "O1\nG54.1 P3\nM30",
+        "O1\nG10 L20 P3 X10.\nG54.1 P3\nM30",
     ),
 ];

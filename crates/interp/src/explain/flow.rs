@@ -221,4 +221,18 @@ pub(super) const ROWS: &[Finding] = &[
         "G95 F0.1\nG1 X5",
         "S500 M3\nG95 F0.1\nG1 X5",
     ),
+    row(
+        "I0435",
+        "An arc has no axis word of its plane, or G43.1 none at all: Grbl and grblHAL refuse it.",
+        "G1 X5 F100\nG3 I-4.5",
+        "G1 X5 F100\nG3 X5 Y0 I-4.5",
+    )
+    .of(crate::Dialect::Grbl),
+    row(
+        "I0436",
+        "The number of a block is higher than Grbl and grblHAL take.",
+        "N10000000 G0 X1",
+        "N9999999 G0 X1",
+    )
+    .of(crate::Dialect::Grbl),
 ];

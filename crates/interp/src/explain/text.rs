@@ -95,7 +95,7 @@ pub(super) const ROWS: &[Finding] = &[
     )
     .of(Fanuc),
     row("P0190", "A line is too long.", "", ""),
-    row("P0191", "The file is no text.", "G0 X1\0", "G0 X1"),
+    row("P0191", "The file is no text.", "G0 X1\0 Y1", "G0 X1"),
     row("P0192", "Outside comments only plain ASCII has a meaning.", "G0 X1 é", "G0 X1 (é)"),
     row("P0193", "A line ends in the middle.", "G0 X1\rG0 X2", "G0 X1\nG0 X2"),
     row("P0194", "A comment is not UTF-8: its other characters are shown as a mark.", "", ""),
@@ -116,7 +116,7 @@ pub(super) const ROWS: &[Finding] = &[
     .of(crate::Dialect::Fanuc),
     row(
         "P0198",
-        "What stands beside the percent sign is not read.",
+        "What stands beside the percent sign, and before the first one, is not read.",
         "%O12\nG0 X1.\nM30\n%",
         "%\nO12\nG0 X1.\nM30\n%",
     )

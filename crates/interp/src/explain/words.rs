@@ -48,6 +48,13 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nG0 G91 X1.\nM30",
     )
     .of(crate::Dialect::Fanuc),
+    row(
+        "I0115",
+        "A code is executed that the controls of this dialect do not have. Said once for each code.",
+        "G52 X1\nG0 X1",
+        "G92 X1\nG0 X1",
+    )
+    .of(crate::Dialect::Grbl),
     row("I0201", "A value is not finite.", "G0 X[10**400]", "G0 X[10**2]"),
     row("I0202", "A negative number has no such power.", "G0 X[[0-8]**0.5]", "G0 X[8**0.5]"),
     row("I0203", "Something is divided by zero.", "G0 X[1/#5]", "#5=2\nG0 X[1/#5]"),

@@ -58,8 +58,11 @@ pub(crate) fn arc<S: Sink>(
         Some(0) => return refuse("I0409", words.span(b'P'), "P counts turns: 1 or more"),
         other => other.unwrap_or(1).cast_signed(),
     };
-    let to = target::destination(words, modes, false)?;
     let [a, b, n] = modes.plane_axes();
+    if words.rules().needs_axis_words {
+        names_its_end(words, modes, [a, b])?;
+    }
+    let to = target::destination(words, modes, false)?;
     let (start, end) = ([modes.at[a], modes.at[b]], [to[a], to[b]]);
     let centre = centre(words, modes, start, end, clockwise, false)?;
     let turns = if clockwise { -turns } else { turns };
@@ -76,6 +79,22 @@ pub(crate) fn arc<S: Sink>(
     modes.at = to;
     out.say(&Call::Arc { plane: modes.plane, to, centre, turns });
     Ok(())
+}
+
+/// An arc of a control that has no full circle without X or Y.
+fn names_its_end(words: &Words, modes: &Modes, plane: [usize; 2]) -> Outcome {
+    const AXES: [&str; 3] = ["X", "Y", "Z"];
+    let [first, second] = plane.map(|axis| AXES[axis]);
+    if words.any(set(first) | set(second) | crate::codes::POLAR) {
+        return Ok(());
+    }
+    let text = format!(
+        "this arc has neither {first} nor {second}: Grbl and grblHAL refuse it (error 26, 31 or 32)"
+    );
+    let at = |axis: usize| if modes.incremental { 0.0 } else { modes.at[axis] };
+    let [x, y] = plane.map(|axis| crate::codes::spelling::short(at(axis)));
+    let help = format!("a full circle ends where it begins: {first}{x} {second}{y} works");
+    Err(error("I0435", words.place.span, text).with_help(help).into())
 }
 
 /// By R, or by I, J, K. The end of a profile's arc may be given by U and W, which are no words any

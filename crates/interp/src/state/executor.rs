@@ -41,6 +41,8 @@ pub(crate) struct Executor {
     pub(crate) recording: Option<Box<Recording>>,
     /// Letters without effect that were remarked upon.
     pub(crate) idle_told: Letters,
+    /// Codes that the controls of the dialect lack, of which it was said: a bit each.
+    pub(crate) lack_told: u32,
     /// M codes without effect that were remarked upon.
     pub(crate) codes_told: BTreeSet<u16>,
     /// Warnings and notes of the block at hand.

@@ -156,10 +156,19 @@ impl Words {
         Some(value)
     }
 
+    /// Whether the block has this G code, in tenths.
+    pub(crate) fn has_g(&self, tenths: u16) -> bool {
+        self.g.contains(&tenths)
+    }
+
     /// Add a G code of the shared table.
     pub(crate) fn take_g(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = number::tenths(value).filter(|t| *t < codes::OWN).and_then(codes::g_code)
         else {
+            if let Some((name, here)) = codes::spelling::of_others(value) {
+                let text = format!("G{value} is {name}, and no code of {}", self.rules.people);
+                return Err(error("I0102", span, text).with_help(here).into());
+            }
             let text = format!("G{value} is no known code");
             return Err(guessed(
                 error("I0102", span, text),

@@ -18,9 +18,9 @@ impl Design {
         let written = self.program(&way.solution, self.work, self.length, None);
         let count = written.lines().filter(|line| line.starts_with("G51.3")).count();
         if count <= READABLE || self.harmonics.is_some() {
-            return written;
+            return written + "M30\n";
         }
-        self.short_program(way.name)
+        self.short_program(way.name) + "M30\n"
     }
 
     /// What cuts it with this oscillation, and measures it in the air afterwards if so asked.
@@ -101,7 +101,7 @@ impl Design {
         let inserts = inserts.join(" ");
         format!(
             "(T{tool}: tip radius {radius:.3} mm, inserts at {inserts} degrees)\n{enter}\
-             T{tool} M6\nG43 H{tool}\nG0 X{clear:.4} Y0 Z5\nM3 S{rpm:.0}\n"
+             G21 G90 G94 G17 G54\nT{tool} M6\nG43 H{tool}\nG0 X{clear:.4} Y0 Z5\nM3 S{rpm:.0}\n"
         )
     }
 

@@ -15,6 +15,7 @@
 //! (stand-ins) and of no known form are not looked at.
 use super::{Job, Planner};
 use crate::bar::Outline;
+use crate::bodies::Bodies;
 use crate::chip::Drill;
 use crate::stock::{Removed, Stock};
 use alloc::vec::Vec;
@@ -27,6 +28,8 @@ mod body;
 mod form;
 mod hobbing;
 mod say;
+mod set_up;
+mod solid;
 mod turned;
 
 use form::{Form, form};
@@ -77,8 +80,10 @@ enum Mills {
 
 /// The tool in the spindle and the stock.
 #[derive(Clone, Debug)]
+#[allow(clippy::struct_excessive_bools)] // each on its own: any of them may hold with any other
 pub(super) struct Contact {
     stock: Stock,
+    bodies: Bodies,
     removed: Removed,
     /// What is left of a bar that is turned; `None`: it is none, or not known.
     outline: Option<Outline>,
@@ -95,6 +100,9 @@ pub(super) struct Contact {
     /// The tools are not known to be the shop's: nothing is sure to break.
     doubtful: bool,
     mills: Mills,
+    /// A probing move was made: where it touches, and all that follows from it, is known when the
+    /// program runs.
+    probed: bool,
     /// It was said that the length offset is not the tool's.
     offset_said: bool,
     /// Code of what the length offset was blamed for: whatever else it causes is no finding of its
@@ -124,6 +132,7 @@ impl Contact {
     fn new(stock: Stock, rotary: [Angle; 3]) -> Self {
         Self {
             stock,
+            bodies: Bodies::default(),
             removed: Removed::default(),
             outline: stock.bar.map(|bar| Outline::new(&stock, bar)),
             passes: None,
@@ -134,6 +143,7 @@ impl Contact {
             rotary,
             doubtful: false,
             mills: Mills::OfTable,
+            probed: false,
             offset_said: false,
             blamed: None,
             crashed: false,
@@ -299,49 +309,14 @@ fn places(path: &Path, length: f64, mut each: impl FnMut(Point)) {
 }
 
 impl Planner {
-    /// One that also looks at the tool against this stock.
-    #[must_use]
-    pub fn with_stock(self, stock: Stock) -> Self {
-        let rotary = self.programmed.rotary;
-        Self { contact: Some(Contact::new(stock, rotary)), ..self }
-    }
-
-    /// One whose tools are assumed and not the shop's own: what they would do to the stock is worth
-    /// a warning at most.
-    #[must_use]
-    pub fn with_assumed_tools(mut self) -> Self {
-        if let Some(contact) = &mut self.contact {
-            contact.doubtful = true;
-        }
-        self
-    }
-
-    /// One whose stock is what the program says that it is.
-    #[must_use]
-    pub const fn with_stated_stock(mut self) -> Self {
-        if let Some(contact) = &mut self.contact {
-            contact.mills = Mills::All;
-        }
-        self
-    }
-
-    /// Another tool is in the spindle.
-    pub(super) const fn tool_mounted(&mut self) {
-        if let Some(contact) = &mut self.contact {
-            contact.mounted += 1;
-            contact.entered = None;
-            contact.offset_said = false;
-            contact.blamed = None;
-            contact.crashed = false;
-        }
-    }
-
     /// Tool and stock along a path that the axes can go.
     pub(super) fn sweep(&mut self, job: &Job, path: &Path, run: Sweep) {
+        self.sweep_clamping(job, path, run);
         if self.sweep_bar(job, path, run) {
             return;
         }
         self.sweep_body(job, path);
+        self.sweep_solid(job, path, run);
         let Some(tool) = self.tools.get(self.tool) else { return };
         let stated = self.contact.as_ref().is_some_and(|contact| contact.mills == Mills::All);
         let pressure = self.options.cutting_pressure_n_per_mm2;

@@ -6,8 +6,8 @@
 //!   G1 Z-2 F300                    fed, the spindle turns, and it is empty: said once a tool
 //! ```
 //!
-//! A program that selects no tool is not blamed: nothing tells that it means to have one. Holes and
-//! taps with no tool have findings of their own.
+//! Of a program that selects no tool the spindle's nose is looked at, where it meets the stock
+//! ([`contact`](super::contact)). Holes and taps with no tool have findings of their own.
 use super::{Job, Planner};
 use alloc::format;
 use diag::{Diagnostic, Span};
@@ -20,6 +20,17 @@ pub(super) struct SelectedTool {
     span: Span,
     /// It was said that it is missing.
     said: bool,
+}
+
+impl SelectedTool {
+    pub(super) const fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// Line of the T.
+    pub(super) const fn line(&self) -> u32 {
+        self.span.line
+    }
 }
 
 impl Planner {

@@ -12,6 +12,7 @@ impl Planner {
     pub(super) fn probe(&mut self, job: &mut Job, order: &Probe) {
         self.check_probe(job);
         self.come_down(job);
+        self.has_probed();
         let path = Path::Line { from: self.programmed, to: order.to };
         self.programmed = order.to;
         let feed = order.feed.value();

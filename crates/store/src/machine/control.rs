@@ -65,11 +65,12 @@ pub struct Learning {
 }
 
 /// Names of the dialects of G-code, the one that holds if a file says none first.
-pub const DIALECTS: [&str; 10] = [
+pub const DIALECTS: [&str; 11] = [
     "linuxcnc",
     "fanuc",
     "haas",
     "mitsubishi",
+    "haas-lathe",
     "fanuc-lathe-a",
     "fanuc-lathe-b",
     "fanuc-lathe-c",

@@ -66,7 +66,9 @@ pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
 pub use scatter::Scatter;
-pub use setup::{Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapSeat, TapWear};
+pub use setup::{
+    Clamp, Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapSeat, TapWear,
+};
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
@@ -176,6 +178,19 @@ pub fn parse(text: &str, file: u16) -> Result<MachineFile, Vec<Diagnostic>> {
     keys::read_over(text, file, "extends", &embedded, MachineFile::read)
 }
 
+/// All keys that the reader of machine files asks for, by the built-in machines.
+pub fn asked_keys() -> Vec<crate::AskedKey> {
+    let mut all: Vec<crate::AskedKey> = Vec::new();
+    for text in EMBEDDED.iter().filter_map(|name| embedded(name)) {
+        for key in keys::asked(text, "extends", &embedded, MachineFile::read) {
+            if !all.iter().any(|one| one.table == key.table && one.key == key.key) {
+                all.push(key);
+            }
+        }
+    }
+    all
+}
+
 /// Read a machine from its file.
 ///
 /// # Errors
@@ -273,6 +288,12 @@ impl MachineFile {
             keys.conflict(
                 "lathe",
                 "the stock of a lathe is a bar: expected x and y of [setup.stock] from −r to r",
+            );
+        }
+        if (self.setup.chuck.is_some() || self.setup.tailstock.is_some()) && !self.is_lathe {
+            keys.conflict(
+                "setup",
+                "`chuck` and `tailstock` are a lathe's: expected `lathe = true`",
             );
         }
         if stock.bore > units::Length::ZERO && !self.is_lathe {

@@ -26,6 +26,30 @@ pub struct Setup {
     pub holes: Vec<Round>,
     /// Cylinders that stand on its surface.
     pub bosses: Vec<Round>,
+    /// The chuck of a lathe with its jaws: it reaches from there towards −Z.
+    pub chuck: Option<Clamp>,
+    /// The tailstock of a lathe with its centre: it reaches from there towards +Z.
+    pub tailstock: Option<Clamp>,
+    /// Diameter of the spindle's nose, which stands above a mill's tool.
+    pub nose: Option<Length>,
+}
+
+/// What holds the work on a lathe: a cylinder about its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clamp {
+    /// Its diameter, as it turns.
+    pub diameter: Length,
+    /// Z of the end that the tools meet, in G54.
+    pub face: Length,
+}
+
+impl Clamp {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            diameter: Length::mm(keys.number("diameter_mm", 0.1..=FARTHEST_MM)),
+            face: Length::mm(keys.number("z_mm", -FARTHEST_MM..=FARTHEST_MM)),
+        }
+    }
 }
 
 /// Something round about an axis along Z, in coordinates of G54.
@@ -202,6 +226,9 @@ impl Setup {
             stock: keys.section("stock", Stock::read),
             holes: rounds(keys, "holes", "depth_mm"),
             bosses: rounds(keys, "bosses", "height_mm"),
+            chuck: keys.optional_section("chuck", Clamp::read),
+            tailstock: keys.optional_section("tailstock", Clamp::read),
+            nose: keys.optional("spindle_nose_mm", 0.0..=FARTHEST_MM).map(Length::mm),
         }
     }
 }

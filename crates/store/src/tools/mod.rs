@@ -99,6 +99,11 @@ pub fn parse_toml(text: &str, file: u16) -> Result<ToolTable, Vec<Diagnostic>> {
     Ok(ToolTable { library, ..ToolTable::default() })
 }
 
+/// Kinds of tools, as a table writes them, each with the keys that its reader asks for.
+pub fn asked_keys() -> Vec<(&'static str, Vec<crate::AskedKey>)> {
+    table::KINDS.iter().map(|(name, _)| (*name, table::asked_keys(name))).collect()
+}
+
 /// Read a table that [`to_toml`] has written, of a control that has perhaps changed lengths and
 /// diameters to what no shop's table would say.
 ///

@@ -14,7 +14,7 @@ use std::ops::RangeInclusive;
 use units::{Angle, Length, MM_PER_INCH, Stiffness, Time};
 
 #[derive(Clone, Copy)]
-enum Kind {
+pub(super) enum Kind {
     Drill,
     SpotDrill,
     EndMill,
@@ -38,6 +38,29 @@ pub(super) enum Origin {
     Control,
 }
 
+/// Kinds, as a table writes them.
+pub(super) const KINDS: [(&str, Kind); 11] = [
+    ("drill", Kind::Drill),
+    ("spot-drill", Kind::SpotDrill),
+    ("end-mill", Kind::EndMill),
+    ("tap", Kind::Tap),
+    ("polygon-cutter", Kind::PolygonCutter),
+    ("hob", Kind::Hob),
+    ("threading-insert", Kind::ThreadingInsert),
+    ("turning-insert", Kind::TurningInsert),
+    ("grooving-insert", Kind::GroovingInsert),
+    ("probe", Kind::Probe),
+    ("other", Kind::Other),
+];
+
+/// The keys that are asked for of a tool of this kind.
+pub(super) fn asked_keys(kind: &str) -> Vec<crate::AskedKey> {
+    let text = format!("[[tool]]\nkind = \"{kind}\"\n");
+    keys::asked(&text, "", &|_| None, |k| {
+        k.sections("tool", MOST_TOOLS, |k| read_tool(k, Origin::Shop))
+    })
+}
+
 pub(super) fn parse(text: &str, file: u16, origin: Origin) -> Result<ToolLibrary, Vec<Diagnostic>> {
     let read = |k: &mut Keys<'_>| k.sections("tool", MOST_TOOLS, |k| read_tool(k, origin));
     let tools = keys::read(text, file, read)?;
@@ -46,20 +69,7 @@ pub(super) fn parse(text: &str, file: u16, origin: Origin) -> Result<ToolLibrary
 
 fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
     let number = keys.whole("number", 1..=u32::MAX);
-    let kinds = [
-        ("drill", Kind::Drill),
-        ("spot-drill", Kind::SpotDrill),
-        ("end-mill", Kind::EndMill),
-        ("tap", Kind::Tap),
-        ("polygon-cutter", Kind::PolygonCutter),
-        ("hob", Kind::Hob),
-        ("threading-insert", Kind::ThreadingInsert),
-        ("turning-insert", Kind::TurningInsert),
-        ("grooving-insert", Kind::GroovingInsert),
-        ("probe", Kind::Probe),
-        ("other", Kind::Other),
-    ];
-    let (kind, nominal) = match keys.choice("kind", &kinds) {
+    let (kind, nominal) = match keys.choice("kind", &KINDS) {
         Kind::Drill => (ToolKind::Drill { point_angle: point_angle(keys, 118.0) }, None),
         Kind::SpotDrill => (ToolKind::SpotDrill { point_angle: point_angle(keys, 90.0) }, None),
         Kind::EndMill => (ToolKind::EndMill(mill::read(keys)), None),

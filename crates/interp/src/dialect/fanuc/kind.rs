@@ -13,7 +13,7 @@
 //! Source: Fanuc, operator's manual of series 30i for lathes, "G code list".
 use crate::dialect::{
     fanuc::variant::{FANUC, Variant},
-    haas::variant::VARIANT as HAAS,
+    haas::variant::{LATHE as HAAS_LATHE, VARIANT as HAAS},
     mitsubishi::variant::VARIANT as MITSUBISHI,
 };
 
@@ -24,6 +24,8 @@ pub(crate) enum Kind {
     Mill,
     /// Haas' machining centres: [`haas`](crate::dialect::haas) says what differs.
     Haas,
+    /// Haas' lathes: system A, and what [`haas`](crate::dialect::haas) says of them.
+    HaasLathe,
     /// Mitsubishi's machining centres: [`mitsubishi`](crate::dialect::mitsubishi) says what
     /// differs.
     Mitsubishi,
@@ -48,15 +50,25 @@ impl Kind {
     pub(crate) const fn variant(self) -> &'static Variant {
         match self {
             Self::Haas => &HAAS,
+            Self::HaasLathe => &HAAS_LATHE,
             Self::Mitsubishi => &MITSUBISHI,
             Self::Mill | Self::LatheA | Self::LatheB | Self::LatheC => &FANUC,
+        }
+    }
+
+    /// Whose numbers of codes it has.
+    const fn system(self) -> Self {
+        match self {
+            Self::HaasLathe => Self::LatheA,
+            other => other,
         }
     }
 
     /// A code in tenths as machining centres and system B write it; none if this system has no such
     /// code.
     pub(crate) const fn common(self, tenths: u16) -> Option<u16> {
-        Some(match (self, tenths) {
+        let system = self.system();
+        Some(match (system, tenths) {
             (Self::LatheA, 330 | 770 | 780 | 790 | 910 | 950) | (Self::LatheC, 790) => return None,
             (Self::LatheA, 320) => 330,
             (Self::LatheA, 500) => 920,
@@ -77,7 +89,7 @@ impl Kind {
 
     /// How this system writes a whole code of machining centres and system B.
     pub(crate) const fn own(self, code: u16) -> u16 {
-        match (self, code) {
+        match (self.system(), code) {
             (Self::LatheA, 33) => 32,
             (Self::LatheA, 77) => 90,
             (Self::LatheA, 78) => 92,
@@ -100,9 +112,8 @@ mod tests {
 
     #[test]
     fn a_system_writes_what_it_reads() {
-        for kind in
-            [Kind::Mill, Kind::Haas, Kind::Mitsubishi, Kind::LatheA, Kind::LatheB, Kind::LatheC]
-        {
+        let lathes = [Kind::HaasLathe, Kind::LatheA, Kind::LatheB, Kind::LatheC];
+        for kind in [Kind::Mill, Kind::Haas, Kind::Mitsubishi].into_iter().chain(lathes) {
             let codes = [20, 21, 33, 70, 73, 76, 77, 78, 79, 83, 94, 95];
             for code in codes {
                 assert_eq!(kind.common(10 * kind.own(code)), Some(10 * code), "{kind:?} G{code}");

@@ -3,6 +3,7 @@
 #![allow(clippy::match_same_arms)] // a row of a table each
 pub(crate) mod catalogue;
 pub(crate) mod codes;
+pub(crate) mod counts;
 pub(crate) mod kind;
 pub(crate) mod meaning;
 pub(crate) mod variant;

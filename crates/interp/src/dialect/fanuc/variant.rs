@@ -16,10 +16,14 @@ pub(crate) struct Variant {
     pub(crate) has_m29: bool,
     /// `,R1` makes a tap rigid.
     pub(crate) taps_by_r: bool,
+    /// P of M19 is the angle of the spindle, degrees.
+    pub(crate) orients_by_p: bool,
     /// Times with a point are seconds.
     pub(crate) waits_in_seconds: bool,
     /// A cycle without R feeds from where the tool stands.
     pub(crate) cycles_without_r: bool,
+    /// R of a lathe's drilling and tapping cycles is a place, and no way from the initial level.
+    pub(crate) levels_are_places: bool,
     /// What G53 does where words are increments.
     pub(crate) g53_by_increments: MachinePlace,
     /// How work offsets beyond the sixth are called, and how many there are.
@@ -61,8 +65,10 @@ pub(crate) const FANUC: Variant = Variant {
     begins_calls_by_h: false,
     has_m29: true,
     taps_by_r: false,
+    orients_by_p: false,
     waits_in_seconds: false,
     cycles_without_r: false,
+    levels_are_places: false,
     g53_by_increments: MachinePlace::Ignored,
     more_offsets: ("G54.1", 48),
     circles: Circles::None,

@@ -9,6 +9,8 @@
 //!   G50               the end of a scaling, which never begins here: left out, with a remark
 //!   T1                names the tool that is clamped by hand: no M6 has to follow
 //!   G91 G53 G0 X0     a machine coordinate
+//!   G3 I-4.5          refused: error 26 there; X10 Y5 of where it stands makes a full circle
+//!   G41, G84, G52 …   executed, with a remark: error 20 there
 //!   G2 … K0, D1       words that no code takes have no effect, with a remark
 //! ```
 //!
@@ -26,13 +28,40 @@ use crate::dialect::{
 };
 use gcode::Grammar;
 
+/// What neither Grbl 1.1 nor grblHAL has, which answer error 20: cutter compensation, cycles with a
+/// spindle that turns back, G52, G90.1, NURBS, G61.1, G92.3.
+const LACKS: [u16; 22] = [
+    52,
+    53,
+    331,
+    410,
+    411,
+    420,
+    421,
+    512,
+    520,
+    611,
+    740,
+    810 + 30,
+    842,
+    843,
+    870,
+    880,
+    901,
+    923,
+    962,
+    1510,
+    1530,
+    1540,
+];
+
 /// Where they differ from the shared language.
 pub(crate) const RULES: Rules = Rules {
     name: "grbl",
     people: "Grbl and its kin",
     about: "Grbl 1.1 and what took its place: as hobby CAM makes programs and senders stream them",
     grammar: Grammar::Grbl,
-    evidence: &[Family::Grbl],
+    evidence: &[Family::Grbl, Family::Probing],
     restates_modes: true,
     ends_with_text: true,
     begins_rapidly: true,
@@ -40,6 +69,8 @@ pub(crate) const RULES: Rules = Rules {
     dwells_by_s: true,
     ends_scaling: true,
     machine_place_in_increments: true,
+    needs_axis_words: true,
+    lacks: &LACKS,
     tools_by_hand: true,
     idle: set("DHKPQ"),
     short_radius: [0.005, 0.0002],

@@ -9,6 +9,7 @@ pub(crate) const VARIANT: Variant = Variant {
     own,
     calls_by_m97: true,
     has_m29: false,
+    orients_by_p: true,
     waits_in_seconds: true,
     cycles_without_r: true,
     g53_by_increments: MachinePlace::Absolute,
@@ -17,6 +18,39 @@ pub(crate) const VARIANT: Variant = Variant {
     has_tool_timers: true,
     ..FANUC
 };
+
+/// The same of its lathes.
+pub(crate) const LATHE: Variant = Variant {
+    own: lathe,
+    cycles_without_r: false,
+    levels_are_places: true,
+    circles: Circles::None,
+    ..VARIANT
+};
+
+/// What a code means on its lathes, in tenths, where that is not what Fanuc means.
+const fn lathe(tenths: u16) -> Option<Meaning> {
+    use Meaning::{NotYet, Shared, Smoothing, Smoothness, WorkOffset};
+    Some(match tenths {
+        810 | 820 | 860 | 890 => Shared(tenths),
+        870 | 880 => NotYet("boring that the operator ends by hand"),
+        1840 => Shared(740),
+        1540 => Shared(541),
+        1120 | 1130 => return None,
+        1030 => Smoothing,
+        1000 | 1010 => NotYet("mirror image"),
+        1050 => NotYet("bar feeding"),
+        1100..=1290 if tenths.is_multiple_of(10) => WorkOffset((tenths / 10 - 109) as u8),
+        1870 => Smoothness,
+        50 => NotYet("fine control of the spindle"),
+        140 | 150 => NotYet("the second spindle"),
+        950 | 1860 | 1950 | 1960 => NotYet("rigid tapping with a driven tool"),
+        1980 | 1990 => NotYet("spindles in step"),
+        2000 => NotYet("tool change on the way"),
+        2410..=2490 => NotYet("drilling, tapping and boring with a driven tool along X"),
+        _ => return None,
+    })
+}
 
 /// What a code means there, in tenths, where that is not what Fanuc means.
 const fn own(tenths: u16) -> Option<Meaning> {

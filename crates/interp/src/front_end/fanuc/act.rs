@@ -17,6 +17,21 @@ use crate::{
     state::executor::Executor,
 };
 
+/// A work offset beyond G59 that was never set: it lies at the machine's zero.
+fn remark_on_unset(fanuc: &Fanuc, ex: &mut Executor, system: u8) {
+    if ex.settings.stand_alone || ex.modes.frame.origin.iter().any(|value| *value != 0.0) {
+        return;
+    }
+    let (code, _) = fanuc.kind.variant().more_offsets;
+    let number = system.saturating_sub(9);
+    let text = format!("{code} P{number} is not set: its zero is the machine's");
+    let help = format!(
+        "G10 L20 P{number} with X, Y and Z sets it in a program; --parameters FILE brings what the control keeps"
+    );
+    let span = ex.words.place.span;
+    ex.remarks.push(diag::Diagnostic::warning("I1070", span, text).with_help(help));
+}
+
 /// What the block's words do.
 pub(crate) fn move_block<S: Sink>(
     fanuc: &mut Fanuc,
@@ -32,6 +47,7 @@ pub(crate) fn move_block<S: Sink>(
             system,
             out,
         );
+        remark_on_unset(fanuc, ex, system);
     }
     if let Some(system) = fanuc.once.changed {
         crate::coordinates::offsets::offset_changed(

@@ -62,7 +62,7 @@ use crate::{
         },
         cycles::{
             circle::{circle, circle_code},
-            turning::{end_of_shape, multiple, multiple_cycle},
+            turning::{end_of_shape, multiple, multiple_cycle, no_call_in_profile},
         },
         moves::{move_only, only_calls, only_moves},
         obey::obey,
@@ -154,6 +154,9 @@ fn percent<S: Sink>(it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
 /// A block with words.
 fn words<S: Sink>(fanuc: &mut Fanuc, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
     read(fanuc, it)?;
+    if it.executor.recording.is_some() {
+        no_call_in_profile(fanuc, it)?;
+    }
     let Some((word, call)) = calling_word(fanuc, it) else { return words_read(fanuc, it, out) };
     let levels = fanuc.levels.len();
     if call.takes_arguments {

@@ -68,6 +68,8 @@ pub(crate) struct Fanuc {
     /// Q of the thread of the block at hand.
     pub(crate) thread_angle: Option<f64>,
     pub(crate) warned_of_point: bool,
+    /// Letters and values of the block at hand, if it has a code.
+    pub(crate) letters: Vec<(u8, f64)>,
     pub(crate) said: Vec<Said>,
     /// G16, G51, G51.1, G68.
     pub(crate) mapping: crate::front_end::fanuc::mapping::figure::Mapping,
@@ -323,6 +325,7 @@ impl Fanuc {
             growing: false,
             thread_angle: None,
             warned_of_point: false,
+            letters: Vec::new(),
             said: Vec::new(),
             mapping: crate::front_end::fanuc::mapping::figure::Mapping::default(),
             first_lines: FirstLines::default(),

@@ -32,8 +32,9 @@ struct BodyPart {
     diameter: f64,
 }
 
-/// The parts of a tool that are thicker than what it cuts, or never cut.
-fn parts(tool: &Tool) -> impl Iterator<Item = BodyPart> + use<> {
+/// The parts of a tool that are thicker than what it cuts, or never cut, and the spindle's nose of
+/// this diameter behind it.
+fn parts(tool: &Tool, nose: Option<units::Length>) -> impl Iterator<Item = BodyPart> + use<> {
     let (body, cuts) = (tool.body, tool.diameter.value());
     let flutes = match &tool.kind {
         ToolKind::Tap(tap) => Some(tap.thread_length),
@@ -47,7 +48,13 @@ fn parts(tool: &Tool) -> impl Iterator<Item = BodyPart> + use<> {
         from,
         diameter: body.holder.map_or(cuts, mm).max(cuts),
     });
-    shank.into_iter().chain(holder)
+    let nose = nose.map(mm).filter(|_| !tool.stand_in);
+    let nose = nose.map(|diameter| BodyPart {
+        name: "nose",
+        from: tool.worn_length().value(),
+        diameter: diameter.max(cuts),
+    });
+    shank.into_iter().chain(holder).chain(nose)
 }
 
 impl super::Contact {
@@ -78,8 +85,8 @@ impl super::Contact {
     }
 
     /// How deep the stock is open at a point.
-    fn depth_open(&self, at: [f64; 2]) -> f64 {
-        if self.stock.is_below(at) { self.removed.milled_depth(at) } else { f64::INFINITY }
+    pub(super) fn depth_open(&self, at: [f64; 2]) -> f64 {
+        if self.stock.holds(at) { self.removed.milled_depth(at) } else { f64::INFINITY }
     }
 }
 
@@ -90,7 +97,8 @@ impl Planner {
             return;
         };
         let long = tool.worn_length().value();
-        let Some(lowest) = parts(tool).map(|part| part.from).reduce(f64::min) else { return };
+        let nose = contact.bodies.nose.filter(|_| !self.turns_work);
+        let Some(lowest) = parts(tool, nose).map(|part| part.from).reduce(f64::min) else { return };
         let end = |at: &canon::Position| at.linear[2].value() - long;
         let bends = !matches!(path, Path::Line { .. });
         if !bends && end(path.from()).min(end(path.to())) + lowest >= contact.stock.top() {
@@ -98,7 +106,7 @@ impl Planner {
         }
         let mut worst: Option<(f64, BodyPart, Point, f64)> = None;
         let mut look = |at: Point| {
-            for part in parts(tool) {
+            for part in parts(tool, nose) {
                 let depth = contact.stock.top() - at[2] - part.from;
                 if depth <= SCRAPES || worst.is_some_and(|(over, ..)| depth <= over) {
                     continue;
@@ -126,7 +134,8 @@ impl Planner {
         let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
             return;
         };
-        let worst = parts(tool)
+        let nose = contact.bodies.nose.filter(|_| !self.turns_work);
+        let worst = parts(tool, nose)
             .map(|part| {
                 let depth = contact.stock.top() - at[2] - part.from;
                 (depth, part, contact.open_for([at[0], at[1]], part.diameter))
@@ -146,9 +155,10 @@ impl Planner {
         let top = contact.stock.top();
         let over = top - at[2] - part.from - open;
         let deepest = top - open - part.from + tool.worn_length().value();
+        let whose = if part.name == "nose" { "the spindle's" } else { "its" };
         let said = [
             format!(
-                "{} goes {} deep into the stock, and its {} of {}, which begins {} above its tip, meets the stock",
+                "{} goes {} deep into the stock, and {whose} {} of {}, which begins {} above its tip, meets the stock",
                 tool.name(),
                 length(frame, top - at[2]),
                 part.name,
@@ -160,7 +170,11 @@ impl Planner {
                 advice(frame, Axis::Z, deepest, Rounding::Up)
             ),
         ];
-        let which = [contact.mounted, 1, u32::from(part.name == "holder")];
+        let which = [
+            contact.mounted,
+            1,
+            u32::from(part.name == "holder") + 2 * u32::from(part.name == "nose"),
+        ];
         self.say_part(span, which, over, said);
     }
 

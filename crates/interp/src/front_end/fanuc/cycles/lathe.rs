@@ -55,7 +55,9 @@ pub(crate) fn drill<S: Sink>(
     out: &mut Out<'_, S>,
 ) -> Outcome<After> {
     let initial = ex.modes.initial.unwrap_or(ex.modes.at[2]);
-    if !ex.modes.incremental {
+    if fanuc.kind.variant().levels_are_places {
+        level_is_a_place(ex, initial)?;
+    } else if !ex.modes.incremental {
         let span = ex.words.span(b'R');
         let level = ex.words.take(b'R').map(|r| initial + r);
         let level = level.or(ex.modes.sticky.map(|kept| kept.r)).unwrap_or(initial);
@@ -75,6 +77,15 @@ pub(crate) fn drill<S: Sink>(
     let after = execute::execute(ex, out);
     ex.modes.plane = plane;
     after
+}
+
+/// R of Haas' lathes: a place along Z, or where the tool stands.
+fn level_is_a_place(ex: &mut Executor, initial: f64) -> Outcome {
+    if ex.words.get(b'R').is_some() || ex.modes.incremental {
+        return Ok(());
+    }
+    let level = ex.modes.sticky.map_or(initial, |kept| kept.r);
+    ex.words.put(b'R', level, ex.words.place.span)
 }
 
 /// A block of a cycle in force: its other words first, then the four moves.

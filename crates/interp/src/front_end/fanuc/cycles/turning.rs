@@ -60,6 +60,26 @@ const fn takes(code: u16) -> &'static [u8] {
     }
 }
 
+/// Refuses a call, and a return, between the blocks of a profile: the control takes down no blocks
+/// but those that stand there.
+pub(crate) fn no_call_in_profile(fanuc: &Fanuc, it: &mut Program<'_>) -> Outcome {
+    let own = &it.executor.settings.macro_calls;
+    let calls = |said: &&Said| match (said.letter, tenths(said.value)) {
+        (b'M', Some(980 | 990 | 1980)) => true,
+        (b'G', Some(code)) => matches!(code, 650 | 660 | 661),
+        _ => own.iter().any(|call| {
+            let number = call.number.map(f64::from);
+            char::from(said.letter) == call.letter && number.is_none_or(|n| n == said.value)
+        }),
+    };
+    let Some(said) = fanuc.said.iter().find(calls) else { return Ok(()) };
+    let written = format!("{}{}", char::from(said.letter), said.value);
+    it.ended |= (said.letter, said.value) == (b'M', 99.0);
+    let text = format!("{written} cannot stand inside a profile: no subprogram is followed there");
+    let help = "write the moves themselves between the first and the last block of the profile";
+    Err(error("I1033", said.span, text).with_help(help).into())
+}
+
 /// G70 to G76, G34 of the block at hand, on a lathe, as system B numbers them.
 pub(crate) fn multiple_cycle(fanuc: &Fanuc) -> Option<u16> {
     let code = |said: &Said| match meaning(fanuc.kind, tenths(said.value)?) {

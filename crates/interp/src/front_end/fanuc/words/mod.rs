@@ -71,6 +71,9 @@ fn translated(fanuc: &mut Fanuc, ex: &mut Executor, said: &[Said]) -> Outcome<Th
             b'P' if sense.call || sense.back || sense.more_offsets || sense.set_offset => {
                 p = Some(*word);
             }
+            b'P' if sense.orient && fanuc.kind.variant().orients_by_p => {
+                ex.words.put(b'R', word.value, word.span)?;
+            }
             b'P' if sense.dwell || sense.cycle => {
                 let seconds = fanuc.kind.variant().waits_in_seconds && !word.counts;
                 if !word.counts && word.value.fract() != 0.0 && !seconds {

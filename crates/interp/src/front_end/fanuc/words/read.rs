@@ -1,6 +1,7 @@
 //! A block's words with their values: variables read, increments counted.
 use crate::{
     codes::number::tenths,
+    dialect::fanuc::counts::counts,
     fault::Outcome,
     front_end::fanuc::{
         state::{Fanuc, Said},
@@ -47,17 +48,18 @@ pub(crate) fn read_words(
         let counts = matches!(word.value, Value::Number(_)) && !text.is_some_and(is_meant);
         said.push(Said { letter: word.letter, value, counts, span: word.span });
     }
-    if said.iter().any(|word| word.letter == b'G' && gears_spindles(word.value)) {
-        let turns = said.iter_mut().filter(|word| b"PQL".contains(&word.letter));
-        turns.for_each(|word| word.counts = false);
+    let mut words = core::mem::take(&mut fanuc.letters);
+    words.clear();
+    if said.iter().any(|word| word.letter == b'G' || word.letter == b'M') {
+        words.extend(said.iter().map(|word| (word.letter, word.value)));
+        let counted = said.iter_mut().filter(|word| word.counts);
+        for word in counted.filter(|word| b"HLPQRT".contains(&word.letter)) {
+            word.counts = !counts(fanuc.kind, &words, word.letter);
+        }
     }
+    fanuc.letters = words;
     fanuc.said = said;
     Ok(())
-}
-
-/// Whether a G code's P, Q and L are turns and periods: whole numbers, with a point or without.
-fn gears_spindles(code: f64) -> bool {
-    matches!(tenths(code), Some(512..=514 | 2510))
 }
 
 /// Whether the block counts inches: its own G20 and G21 hold for it.

@@ -2,7 +2,10 @@
 //! program.
 use crate::{
     codes::number::tenths,
-    dialect::fanuc::codes::{Meaning, meaning},
+    dialect::fanuc::{
+        codes::{Meaning, meaning},
+        counts::gears_hob,
+    },
     fault::Outcome,
     front_end::fanuc::{
         mapping::incremental,
@@ -47,6 +50,10 @@ pub(crate) struct Sense {
     pub(crate) per_revolution: bool,
     pub(crate) motion: bool,
     pub(crate) spindle: bool,
+    /// G81 that gears the work to the hob.
+    pub(crate) hobbing: bool,
+    /// M19.
+    pub(crate) orient: bool,
 }
 
 /// What the codes of the block say about the other words.
@@ -109,9 +116,14 @@ pub(crate) fn sense(fanuc: &mut Fanuc, ex: &Executor, said: &[Said]) -> Sense {
                 (sense.call, sense.local) = (true, true);
             }
             (b'M', Some(990)) => sense.back = true,
-            (b'M', Some(30 | 40 | 50 | 190)) => sense.spindle = true,
+            (b'M', Some(code @ (30 | 40 | 50 | 190))) => {
+                (sense.spindle, sense.orient) = (true, code == 190);
+            }
             _ => {}
         }
+    }
+    if sense.cycle && gears_hob(&fanuc.letters) {
+        (sense.hobbing, sense.cycle) = (true, false);
     }
     sense.thread |= fanuc.lathe_cycle == Some(780);
     let other = sense.dwell || sense.set_offset || sense.position || sense.reference || sense.zone;
