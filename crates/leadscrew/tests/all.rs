@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
 
 mod feedback_faults;
+mod inches;
 mod library;
 mod never_slower;
 mod one_workpiece;

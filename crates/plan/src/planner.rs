@@ -325,6 +325,7 @@ impl Planner {
     /// order.
     pub fn push(&mut self, index: u32, op: &Op, emit: &mut impl FnMut(Step)) {
         let mut job = Job { index, span: op.span, emit };
+        self.findings.begin(op.span);
         if leaves_cam(&op.kind) {
             self.cam_end(&mut job);
         }

@@ -7,9 +7,11 @@
 //!       subprograms, cams   restart
 //! ```
 pub mod cams;
+pub mod choice;
 mod described;
 pub mod dialect;
 pub mod drawn;
+mod drill_size;
 mod interruption;
 mod live;
 pub mod mill_stock;
