@@ -68,7 +68,7 @@ fn chosen(program: &str, folder: &Path) -> Vec<String> {
 #[test]
 fn check_alone_and_in_a_table_time_and_run_choose_the_same_and_say_why() {
     let folder = tempfile::tempdir().unwrap();
-    let lathe = "G21 G18 G90 G7\nG95\nG97 S800 M3\nG0 X22 Z2\nG1 X12 F0.2\nG1 Z-25 F0.15\nG0 X22\nG0 Z50\nM5\nM2\n";
+    let lathe = "G21 G18 G90 G7\nG95\nT1 M6\nG97 S800 M3\nG0 X22 Z2\nG1 X12 F0.2\nG1 Z-25 F0.15\nG0 X22\nG0 Z50\nM5\nM2\n";
     let hob = "G21 G90 G94 G17\nT1 M6\nG43 H1\nG0 X80 Y0 Z5\nM3 S350\nG81 T24 L1 Q1.5 P0\nG0 X48\nG1 Z-22 F12\nG0 X80\nG80\nM5\nM30\n";
     let long = "G21 G90 G54\nG0 Z50\nG0 X-300\nX300\nM2\n";
     for (name, text, reading, why) in [

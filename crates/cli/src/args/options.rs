@@ -8,6 +8,11 @@ use control::job::options::{self, ProgramOptions};
 use store::{cams::WorkSpeed, machine::Preset, tools::TableUnit};
 
 impl ProgramArgs {
+    /// For a control or a machine that stays on: nothing is chosen by a program's words.
+    pub(crate) fn on_a_machine(&self) -> ProgramOptions {
+        ProgramOptions { chooses: false, ..self.options() }
+    }
+
     /// The same without a command line.
     pub(crate) fn options(&self) -> ProgramOptions {
         ProgramOptions {

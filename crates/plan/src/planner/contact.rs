@@ -241,12 +241,7 @@ impl Contact {
                     let wrong = match per_turn {
                         None => Wrong::Still { over, load },
                         Some(per_turn) => {
-                            let by_turn = matches!(
-                                run,
-                                Sweep::Feed(Feed::PerRevolution(_))
-                                    | Sweep::Thread(Feed::PerRevolution(_))
-                            );
-                            Wrong::TooFast { per_turn, load, by_turn }
+                            Wrong::TooFast { per_turn, load, by_turn: run.is_by_turn() }
                         }
                     };
                     let is_wrong = per_turn.is_none() && over > SLIDES || load > MAY_BREAK;

@@ -1,17 +1,24 @@
 //! What is said of a tool that would break: the tool, what it would do, the number that works, and
 //! why it stands there.
-use super::{BREAKS, Contact, Planner, Point, SLIDES, WEAR, Wrong};
+use super::{BREAKS, Contact, Planner, Point, SLIDES, Sweep, WEAR, Wrong};
 use crate::findings::{Cause, number};
 use crate::words::{
     Rounding, advice, bare_length, feed, feed_that_works, floor_in_unit, length, place, word,
 };
 use alloc::{format, string::String};
-use canon::{Axis, Holder, RapidIntoStock, Tool, ToolKind};
+use canon::{Axis, Feed, Holder, RapidIntoStock, Tool, ToolKind};
 use diag::{Diagnostic, Severity, Span};
 use units::Length;
 
 /// How far above the stock a rapid is clear of it, mm.
 const CLEAR: f64 = 2.0;
+
+impl Sweep {
+    /// True if the feed is one per revolution.
+    pub(super) const fn is_by_turn(self) -> bool {
+        matches!(self, Self::Feed(Feed::PerRevolution(_)) | Self::Thread(Feed::PerRevolution(_)))
+    }
+}
 
 impl Planner {
     /// Severity of what surely breaks the tool, if the stock lies where it was clamped.
