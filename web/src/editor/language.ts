@@ -104,6 +104,7 @@ export class Language {
   readAs(dialect: string | null): void {
     const plugin = this.#view && LSPPlugin.get(this.#view);
     if (!plugin) return;
+    this.#show([]);
     this.#forget();
     this.#client.notification('leadscrew/readAs', { textDocument: { uri: plugin.uri }, dialect });
   }

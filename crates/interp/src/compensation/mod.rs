@@ -182,7 +182,7 @@ fn cutter(
     let entry = tools.entry(number);
     if !tools.states_diameter(number) {
         let unstated = unstated(words, modes, number, code);
-        if modes.plane != Plane::ZX {
+        if unstated.is_error() {
             return Err(unstated.into());
         }
         remarks.push(unstated);
@@ -196,7 +196,7 @@ fn cutter(
 fn unstated(words: &Words, modes: &Modes, number: u32, code: u16) -> Diagnostic {
     let g = crate::codes::spelling::written(code);
     let span = if words.get(b'D').is_some() { words.span(b'D') } else { words.place.span };
-    if modes.plane == Plane::ZX {
+    if modes.plane == Plane::ZX || words.rules().turret {
         let text = format!(
             "G{g} leads T{number} on the programmed way, as if its nose had no radius: nothing states the radius"
         );
