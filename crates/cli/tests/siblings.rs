@@ -1,5 +1,5 @@
-//! Programs and command lines that were tried beside those that were reported: docs/corpus/siblings.tsv
-//! has what was expected of each, and what came.
+//! Programs and command lines that were tried beside those that were reported:
+//! docs/corpus/siblings.tsv has what was expected of each, and what came.
 use crate::common::{complained, leadscrew_in, root, said};
 use std::fs;
 

@@ -445,8 +445,8 @@ fn a_rigid_tap_that_is_refused_moves_nothing() {
     assert_eq!(codes, ["I0427"]);
 }
 
-/// Compensation by a radius that nothing states is refused, with what states it; what a comment, the
-/// program or the block states is what the tool is led by.
+/// Compensation by a radius that nothing states is refused, with what states it; what a comment,
+/// the program or the block states is what the tool is led by.
 #[test]
 fn a_mill_is_led_by_the_radius_that_something_states_or_is_refused() {
     let mill = |number: u32, diameter: f64| canon::Tool {

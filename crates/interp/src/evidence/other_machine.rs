@@ -110,8 +110,8 @@ pub fn special_work(source: &[u8]) -> Option<SpecialWork> {
     })
 }
 
-/// G codes, in tenths, that Grbl and its kin have, with the drilling cycles and the compensations of
-/// Mach3's posts.
+/// G codes, in tenths, that Grbl and its kin have, with the drilling cycles and the compensations
+/// of Mach3's posts.
 const OF_SENDERS: [i32; 56] = [
     0, 10, 20, 30, 40, 100, 170, 180, 190, 200, 210, 280, 281, 300, 301, 310, 382, 383, 384, 385,
     400, 410, 420, 430, 431, 490, 500, 510, 520, 530, 540, 550, 560, 570, 580, 590, 610, 640, 730,
