@@ -132,7 +132,7 @@ fn compensation_on<S: Sink>(
         let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
         return refuse("I0541", span, text);
     }
-    let (diameter, orientation) = cutter(words, modes, tools, code, &mut out.remarks)?;
+    let (diameter, orientation) = cutter(words, modes, tools, code, out.remarks)?;
     let left_side = matches!(code, 410 | 411) == (diameter >= 0.0);
     let radius = diameter.abs() / 2.0;
     let left_text = matches!(code, 410 | 411);
