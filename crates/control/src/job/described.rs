@@ -45,7 +45,7 @@ pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
     found
 }
 
-/// Reads FreeCAD's comments, which name a tool without its number: the number stands in the call
+/// Reads `FreeCAD`'s comments, which name a tool without its number: the number stands in the call
 /// below.
 fn called_below(text: &str) -> impl Fn(&str, f64) -> Option<Tool> {
     const LINES_BELOW: usize = 6;

@@ -7,6 +7,7 @@ use store::machine::Preset;
 use store::tools::TableUnit;
 
 /// Where programs, machines, tools and parameters come from.
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 #[derive(Debug, Clone)]
 pub struct ProgramOptions {
     /// The machine: name of a built-in model, or a file.

@@ -130,7 +130,9 @@ impl Session {
             if !taken.is_empty() && table.is_none() && tools.iter().next().is_some() {
                 tools_from = "the program's comments and the embedded table".into();
             }
-            taken.into_iter().for_each(|tool| tools.insert(tool));
+            for tool in taken {
+                tools.insert(tool);
+            }
         }
         let machine_text = crate::config::machine_file::text(&options.machine)?;
         let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
