@@ -255,11 +255,7 @@ impl RequestBody {
             Self::OrientSpindle { spindle, angle_deg } => {
                 Request::OrientSpindle(spindle as usize, Angle::deg(angle_deg))
             }
-            Self::Load { program, dialect: None } => Request::Load(folder.existing(&program)?),
-            Self::Load { program, dialect: Some(name) } => {
-                let dialect = control::job::dialect::named(&name).map_err(wrong)?;
-                Request::LoadAs(folder.existing(&program)?, dialect)
-            }
+            Self::Load { program, dialect } => load(folder, &program, dialect.as_deref())?,
             Self::Search { line, hole, tool, program_changed } => {
                 let from = match (line, hole, tool) {
                     (Some(line), None, None) => Begin::Line(line),
@@ -326,5 +322,17 @@ impl RequestBody {
             Self::RenewTool { tool } => Request::RenewTool(tool),
             Self::LimitTool { tool, uses } => Request::LimitTool(tool, uses),
         })
+    }
+}
+
+/// A program of the folder, in the machine's dialect or another one.
+fn load(folder: &Folder, program: &str, dialect: Option<&str>) -> Result<Request, RefusalData> {
+    let path = folder.existing(program)?;
+    match dialect {
+        None => Ok(Request::Load(path)),
+        Some(name) => {
+            let dialect = control::job::dialect::named(name).map_err(wrong)?;
+            Ok(Request::LoadAs(path, dialect))
+        }
     }
 }
