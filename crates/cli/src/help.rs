@@ -278,8 +278,7 @@ mod tests {
                     }
                     let line = line.trim_start();
                     let line = line.strip_prefix("-").map_or(line, |rest| {
-                        rest.get(1..)
-                            .map_or(line, |r| if r.starts_with(", ") { &r[2..] } else { line })
+                        rest.get(1..).map_or(line, |r| r.strip_prefix(", ").unwrap_or(line))
                     });
                     line.strip_prefix(&format!("--{long}")).is_some_and(|rest| {
                         !rest.starts_with(|c: char| c == '-' || c.is_alphanumeric())
