@@ -273,7 +273,7 @@ mod tests {
             for arg in command.get_arguments().filter(|arg| !arg.is_hide_set()) {
                 let Some(long) = arg.get_long() else { continue };
                 let begins = |line: &str| {
-                    if line.len() - line.trim_start().len() > 6 {
+                    if !(2..=6).contains(&(line.len() - line.trim_start().len())) {
                         return false; // a sentence goes on
                     }
                     let line = line.trim_start();

@@ -396,8 +396,7 @@ fn mixed() -> impl Strategy<Value = (Vec<Piece>, Bounds)> {
                     continue;
                 }
                 let curve = line(at, to, feed, Entry::Rest).curve;
-                let segment =
-                    Segment { curve, feed, rapid, tolerance, merge: 0.0, op: 0, line: 0 };
+                let segment = Segment { curve, feed, rapid, tolerance, merge: 0.0, op: 0, line: 0 };
                 joiner.push(segment, &mut |piece| pieces.push(piece));
                 at = to;
             }
