@@ -106,3 +106,20 @@ test('the server is killed and started again: the editor is told of the text as 
   await finding('M0301').getByText('Line 2').waitFor();
   await key(page, 'Save').waitFor();
 });
+
+test('a program whose words are another dialect\'s is read as one for it with a touch, loaded so, and read as the machine does again', async () => {
+  await page.getByRole('button', { name: /^plate-macro\.nc/ }).click();
+  const found = finding('I0909');
+  await found.waitFor();
+  assert.ok(!/--dialect/.test(await found.textContent()), 'in the page\'s words');
+  if (process.env.SHOTS) await page.screenshot({ path: `${process.env.SHOTS}/read-as.png` });
+  await press(page, 'Read it as one for Fanuc\'s machining centres');
+  await until('the finding is gone', async () => (await found.count()) === 0);
+  await page.getByText('read as one for Fanuc\'s machining centres').waitFor();
+  if (process.env.SHOTS) await page.screenshot({ path: `${process.env.SHOTS}/is-read-as.png` });
+  await press(page, 'Load');
+  await page.getByText('plate-macro.nc is loaded').first().waitFor();
+  await press(page, 'Read it as the machine does');
+  await found.waitFor();
+  assert.deepEqual(page.faults, []);
+});

@@ -17,7 +17,8 @@ use bus::Sample;
 use clap::Parser;
 use control::Refused;
 pub use control::config::machine_file::MachineSource;
-pub use control::job::Interruption;
+use control::job::Interruption;
+pub use control::job::choice::{self, Choice};
 use control::job::{ProgramOptions, Session, preflight, read_program};
 use control::observers::Observer;
 use kernel::{Event, EventKind};
@@ -57,6 +58,7 @@ impl CommandWords {
 
     fn options(&self, source: ProgramOptions) -> ProgramOptions {
         ProgramOptions {
+            chooses: source.chooses && self.machine.is_none() && self.plant.is_none(),
             machine: self.machine.clone().unwrap_or(source.machine),
             plant: self.plant.clone().or(source.plant),
             ..source
@@ -107,9 +109,18 @@ pub fn check(asked: &CommandWords) -> Result<Value, Refused> {
     let [path] = args.programs.as_slice() else {
         return Err(Refused::because("expected one program"));
     };
-    let (mut session, text) = asked.session(&args.source, path)?;
-    let options = session.plan_options(session.machine.setup.stock.material);
-    let found = preflight::judge(&mut session, &text, options);
+    let text = asked.program.clone().map_or_else(|| read_program(path), Ok)?;
+    let options = asked.options(args.source.options());
+    let (session, found) = if options.chooses {
+        let Choice { session, notes, mut found, .. } = choice::choose(&options, path, &text)?;
+        found.splice(0..0, notes);
+        (session, found)
+    } else {
+        let (mut session, _) = asked.session(&args.source, path)?;
+        let options = session.plan_options(session.machine.setup.stock.material);
+        let found = preflight::judge(&mut session, &text, options);
+        (session, found)
+    };
     let name = path.display().to_string();
     let source = Source { name: &name, text: &text, drawn: &session.drawn };
     Ok(found.iter().map(|finding| render::json(finding, &source)).collect())

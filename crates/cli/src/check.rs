@@ -1,13 +1,14 @@
 //! `leadscrew check`: everything that is wrong with programs, at once, without moving anything.
 use crate::args::{CheckArgs, FindingsFormat};
 use crate::causes::Causes;
-use crate::guess::{self, Fitted};
 use crate::pieces::{self, Pieces};
 use crate::progress::Progress;
 use crate::refusal;
 use crate::render::{self, Source};
 use crate::say;
 use control::Refused;
+use control::job::ProgramOptions;
+use control::job::choice::{self, Choice};
 use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, add};
 use control::job::program_files;
@@ -43,7 +44,6 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
             first: None,
             codes: Vec::new(),
             read_as: None,
-            hint: None,
             tools_from: String::new(),
         };
         if let Some(session) = long_session(args, path)? {
@@ -93,8 +93,6 @@ struct Told {
     codes: Vec<&'static str>,
     /// Dialect and machine.
     read_as: Option<(&'static str, String)>,
-    /// A machine that would be large enough, or a reading in which nothing is wrong.
-    hint: Option<String>,
     results: Vec<serde_json::Value>,
     errors: usize,
     others: usize,
@@ -166,8 +164,7 @@ impl Told {
             "" => String::new(),
             from => format!("; tools from {from}"),
         };
-        let hint = self.hint.as_ref().map_or(String::new(), |hint| format!("; {hint}"));
-        say::out(&format!("{name}: {e}, {o}{hidden}{tools}{hint}\n"))
+        say::out(&format!("{name}: {e}, {o}{hidden}{tools}\n"))
     }
 }
 
@@ -178,12 +175,20 @@ fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<
     }
     let name = path.display().to_string();
     let progress = Progress::new(1, "checking");
-    let Fitted { session, found, machine, hint } = guess::judge(args, path, text)?;
+    let Choice { options, session, notes, mut found } =
+        choice::choose(&args.source.options(), path, text)?;
     drop(progress);
-    told.hint = hint;
-    told.read_as = Some((session.dialect.name(), machine));
+    told.read_as = Some((session.dialect.name(), machine_of(&options, &notes)));
     told.tools_from = session.tools_from;
+    found.splice(0..0, notes);
     told.tell(&found, &Source { name: &name, text, drawn: &session.drawn })
+}
+
+/// The name of the machine, and that numbers without a point are whole units where that was chosen.
+fn machine_of(options: &ProgramOptions, notes: &[Diagnostic]) -> String {
+    let whole = notes.iter().any(|note| note.code == "A0107");
+    let how = if whole { ", numbers without a point in whole units" } else { "" };
+    format!("{}{how}", options.machine.name)
 }
 
 /// A long program that cannot be read in pieces, for its O-words lead here and there: what is found

@@ -33,7 +33,7 @@ mod compare;
 mod compensation;
 mod console;
 mod format;
-mod guess;
+mod help;
 mod interrupt;
 mod left;
 mod lines;
@@ -61,7 +61,7 @@ mod typed;
 mod worst;
 
 use args::{Cli, Command};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use control::Refused;
 use leadscrew::Ending;
 use std::ffi::OsString;
@@ -80,8 +80,15 @@ const ALARM: u8 = 3;
 /// Do what these words say, the first of which is the program's own name; the exit code.
 pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
+    if let Some(help) = help::asked(&words) {
+        return said(help);
+    }
     typed::keep(words.iter().map(|word| word.to_string_lossy().into_owned()).collect());
-    let cli = match Cli::try_parse_from(words) {
+    let read = Cli::command().try_get_matches_from(words).and_then(|read| {
+        help::means_something(&read)?;
+        Cli::from_arg_matches(&read)
+    });
+    let cli = match read {
         Ok(cli) => cli,
         Err(wrong) => return misread(&wrong),
     };
@@ -90,14 +97,24 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(code) => code,
         Err(refused) => {
             refusal::say(&refused);
-            let instead = |(path, source)| guess::instead(source, path, &refused);
-            if let Some(hint) = cli.command.program().and_then(instead) {
-                say::err(&hint);
-            }
             if cli.command.answers_in_json() {
                 let _ = say::out(&refusal::json(&refused)); // standard error has it as well
             }
             if interrupt::came() { INTERRUPTED } else { REFUSED }
+        }
+    }
+}
+
+/// Prints help, or why there is none of that name.
+fn said(help: Result<String, String>) -> u8 {
+    match help {
+        Ok(text) => match say::coloured_out(&text) {
+            Ok(()) => SUCCESS,
+            Err(_) => REFUSED, // standard output is closed
+        },
+        Err(why) => {
+            say::err(&format!("error: {why}\n"));
+            REFUSED
         }
     }
 }

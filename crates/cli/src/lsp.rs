@@ -50,7 +50,7 @@ pub(crate) fn command(source: ProgramOptions) -> Result<bool, Refused> {
     };
     let writer =
         std::thread::Builder::new().name("lsp-out".into()).spawn(write).map_err(no_thread)?;
-    let host = Machines { source, around: Files };
+    let host = Machines::new(source, Files);
     let served = lsp::serve(&connection, &host);
     drop(connection);
     let written = match writer.join() {

@@ -10,7 +10,7 @@ use crate::{interrupt, left, say, summary, typed};
 use control::job::ProgramOptions;
 use control::job::restart::Restart;
 use control::{RealTimeOptions, Refused};
-use leadscrew::{Ending, Finished, NotReady, Program, Run, RunOptions};
+use leadscrew::{Ending, Finished, Job, NotReady, Program, Run, RunOptions};
 use std::path::Path;
 use store::output::{CERTIFICATE, Folder};
 use units::Time;
@@ -19,6 +19,9 @@ use units::Time;
 pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     let program = Program::open(&args.program)?;
     let mut run = prepared(args, program, args.options(), typed::of_this_run())?;
+    if !quiet {
+        say_chosen(&run.job);
+    }
     prove(&mut run, quiet)?;
     let folder = args.out.as_deref().map(begin_folder).transpose()?;
     if folder.is_some() {
@@ -46,6 +49,13 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     write_outputs(args, folder, &mut finished)?;
     told(args, quiet, &finished)?;
     Ok(finished.ending())
+}
+
+/// Says how a program is read, on which machine and with which tools, where that was chosen.
+pub(crate) fn say_chosen(job: &Job) {
+    let (program, drawn) = (&job.program, &job.session.drawn);
+    let source = Source { name: &program.name, text: &program.text, drawn };
+    say::coloured_err(&render::text(&job.chosen, &source));
 }
 
 /// Interpret and plan the program, and say what is known of it.

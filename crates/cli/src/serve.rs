@@ -30,7 +30,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         return Ok(());
     }
     let control = ControlOptions {
-        program: args.source.options(),
+        program: args.source.on_a_machine(),
         seed: args.seed,
         state: args.state.clone(),
         simulator: args.simulator.clone(),

@@ -31,7 +31,7 @@ pub(crate) fn command(args: &SimulatorArgs) -> Result<(), Refused> {
 fn options(args: &SimulatorArgs) -> SimulatorOptions {
     let times = |seconds: &[f64]| seconds.iter().copied().map(Time::s).collect();
     SimulatorOptions {
-        source: args.source.options(),
+        source: args.source.on_a_machine(),
         material: args.material.clone(),
         seed: args.seed,
         real_time: args.real_time,

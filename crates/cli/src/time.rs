@@ -2,6 +2,7 @@
 use crate::args::{Format, TimeArgs};
 use crate::progress::Progress;
 use crate::{render, say};
+use canon::LengthUnit;
 use control::Refused;
 use control::clock::now;
 use control::job::preflight::{Preflight, preflight_with};
@@ -14,6 +15,9 @@ use units::Time;
 /// length.
 pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     let mut job = Program::open(&args.program)?.on(args.source.options())?;
+    if !quiet {
+        crate::run::say_chosen(&job);
+    }
     let began = args.timings.then(now);
     let progress = Progress::of_lines(&job.program.text, "planning");
     let mut look = |step: &plan::Step| progress.reached(step.line);
@@ -28,12 +32,13 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     match args.format {
         Format::Text if quiet => {}
         Format::Text => {
+            let unit = job.session.unit;
             let (text, drawn) = (&job.program.text, &job.session.drawn);
             say::coloured_err(&render::text(
                 &known.findings,
                 &render::Source { name, text, drawn },
             ));
-            say::out(&found.people(name))?;
+            say::out(&found.people(name, unit))?;
         }
         Format::Json => {
             say::out(&format!("{:#}\n", found.answer(&job, args.operations)))?;
@@ -61,10 +66,10 @@ impl ProgramTime {
         }
     }
 
-    fn people(&self, name: &str) -> String {
+    fn people(&self, name: &str, unit: LengthUnit) -> String {
         match self {
             Self::Whole(times) => {
-                people(times, name) + &trade(times.shares().motion(), times.without_jerk)
+                people(times, name, unit) + &trade(times.shares().motion(), times.without_jerk)
             }
             Self::Sample(Estimate { shares, within, planned, stretches }) => format!(
                 "{}  within ±{:.1} %: {planned} of {stretches} stretches of it were planned\n",
@@ -190,14 +195,14 @@ fn shares_as_text(all: &Shares, name: &str) -> String {
     text
 }
 
-fn people(times: &Times, name: &str) -> String {
+fn people(times: &Times, name: &str, unit: LengthUnit) -> String {
     let mut text = shares_as_text(times.shares(), name);
     if times.by_tool().len() > 1 {
         for (tool, shares) in times.by_tool() {
             text += &format!("  T{tool:<23} {:>10.3} s\n", shares.total().value());
         }
     }
-    text + &peaks_as_text(times.peaks())
+    text + &peaks_as_text(times.peaks(), unit)
 }
 
 /// Times by what takes them, s.
@@ -242,11 +247,17 @@ fn peaks_as_json(peaks: &Peaks) -> Value {
     peaks.moved().map(of).collect()
 }
 
-fn peaks_as_text(peaks: &Peaks) -> String {
+fn peaks_as_text(peaks: &Peaks, unit: LengthUnit) -> String {
     let of = |(letter, peak): (char, &Peak)| {
         let Peak { speed, accel, jerk } = peak;
         if is_rotary(letter) {
             return format!("  {letter} at most {speed:.1} °/s, {accel:.0} °/s², {jerk:.0} °/s³\n");
+        }
+        if unit == LengthUnit::Inch {
+            let [speed, accel, jerk] = [speed, accel, jerk].map(|value| value / unit.in_mm());
+            return format!(
+                "  {letter} at most {speed:.2} in/s, {accel:.1} in/s², {jerk:.0} in/s³\n"
+            );
         }
         let jerk = jerk / 1e3;
         format!("  {letter} at most {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.1} m/s³\n")

@@ -41,6 +41,7 @@ mod recovery;
 mod rotary;
 mod served;
 mod shifted;
+mod siblings;
 mod spec;
 mod spec_pictures;
 mod standing;

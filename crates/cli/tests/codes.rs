@@ -105,8 +105,22 @@ fn listing(program: &str, dialect: interp::Dialect) -> (Vec<String>, Option<&'st
         action: interp::CodeAction::None,
     };
     let file = interp::Subprogram { name: "8".into(), source: b"G0 X2.\nM99\n".to_vec() };
+    // a mill of which its diameter is known: G41 and G42 need that
+    let mill = canon::Tool {
+        number: 1,
+        pocket: 1,
+        length: units::Length::ZERO,
+        diameter: units::Length::mm(10.0),
+        kind: canon::ToolKind::Other,
+        description: "stand-in".into(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
+        body: canon::Body::default(),
+        stand_in: true,
+    };
     let setup = interp::Setup {
         dialect,
+        tools: canon::ToolLibrary::new([mill]),
         missing_tools: interp::MissingTools::StandIn,
         user_codes: vec![clamp],
         subprograms: vec![file],

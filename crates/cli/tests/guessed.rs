@@ -47,37 +47,51 @@ fn a_size_alone_is_laid_where_the_mill_cuts() {
     assert!(text.contains("A0110") && text.contains(block), "{text}");
 }
 
-#[test]
-fn a_machine_that_is_too_small_is_said_with_one_that_is_not() {
-    let folder = tempfile::tempdir().unwrap();
-    let long = "G21 G90 G54\nG0 Z50\nG0 X-300\nX300\nM2\n";
-    fs::write(folder.path().join("long.ngc"), long).unwrap();
-    let checked = leadscrew(&["check", "long.ngc"], folder.path());
-    let text = said(&checked);
-    assert_eq!(checked.status.code(), Some(2), "{text}");
-    let hint = "tapping-center is too small for this program (2 beyond its travel): --machine machining-center is not";
-    assert!(text.contains(hint), "{text}");
-    let there = ["check", "long.ngc", "--machine", "machining-center", "--dialect", "linuxcnc"];
-    assert!(leadscrew(&there, folder.path()).status.success());
+/// The one choice: what `check` says alone and in a table, `time` and `run` do.
+fn chosen(program: &str, folder: &Path) -> Vec<String> {
+    let note = |words: &[&str]| {
+        let text = said(&leadscrew(words, folder));
+        let line = text.lines().find(|line| line.starts_with("note[A0106]: "));
+        line.map_or_else(|| text.clone(), str::to_owned)
+    };
+    let alone = note(&["check", program]);
+    let mut all = vec![alone];
+    all.push(note(&["time", program]));
+    all.push(note(&["run", program]));
+    let table = said(&leadscrew(&["check", program, "--summary", "--format", "json"], folder));
+    let table: serde_json::Value = serde_json::from_str(&table).unwrap();
+    let program = &table["programs"][0];
+    all.push(format!("{} on {}", program["dialect"], program["machine"]).replace('"', ""));
+    all
 }
 
-/// What `check` finds for a program without a machine is said where it is refused elsewhere, too.
 #[test]
-fn a_run_that_is_refused_says_where_it_would_not_be() {
+fn check_alone_and_in_a_table_time_and_run_choose_the_same_and_say_why() {
     let folder = tempfile::tempdir().unwrap();
+    let lathe = "G21 G18 G90 G7\nG95\nT1 M6\nG97 S800 M3\nG0 X22 Z2\nG1 X12 F0.2\nG1 Z-25 F0.15\nG0 X22\nG0 Z50\nM5\nM2\n";
+    let hob = "G21 G90 G94 G17\nT1 M6\nG43 H1\nG0 X80 Y0 Z5\nM3 S350\nG81 T24 L1 Q1.5 P0\nG0 X48\nG1 Z-22 F12\nG0 X80\nG80\nM5\nM30\n";
     let long = "G21 G90 G54\nG0 Z50\nG0 X-300\nX300\nM2\n";
-    fs::write(folder.path().join("long.ngc"), long).unwrap();
-    fs::write(folder.path().join("hobby.nc"), HOBBY).unwrap();
-    for command in ["run", "time"] {
-        let text = said(&leadscrew(&[command, "long.ngc"], folder.path()));
-        let hint = "long.ngc: tapping-center is too small for this program (2 beyond its travel): --machine machining-center is not";
-        assert!(text.contains(hint), "{command}: {text}");
-        let text = said(&leadscrew(&[command, "hobby.nc"], folder.path()));
-        let hint = "hobby.nc: nothing is wrong with it with --dialect grbl --machine router";
-        assert!(text.contains(hint), "{command}: {text}");
-        // where a machine is named, it is the one that is meant
-        let named = [command, "long.ngc", "--machine", "tapping-center"];
-        assert!(!said(&leadscrew(&named, folder.path())).contains("too small"), "{command}");
+    for (name, text, reading, why) in [
+        ("lathe.ngc", lathe, "linuxcnc on lathe", "no Y, and codes of a lathe"),
+        ("hob.nc", hob, "linuxcnc on gear-hobber", "G81 with T and L turns a hob"),
+        ("hobby.nc", HOBBY, "grbl on router", "$H in line 1"),
+        (
+            "long.ngc",
+            long,
+            "linuxcnc on machining-center",
+            "tapping-center is too small for this program (2 beyond its travel)",
+        ),
+    ] {
+        fs::write(folder.path().join(name), text).unwrap();
+        let [alone, time, run, table] = &chosen(name, folder.path())[..] else { panic!() };
+        let (dialect, machine) = reading.split_once(" on ").unwrap();
+        let note =
+            format!("note[A0106]: read with --dialect {dialect} on --machine {machine}: {why}");
+        assert_eq!([alone, time, run], [&note; 3], "{name}");
+        assert_eq!(table, reading, "{name}");
+        // a machine that is named is the one that is meant
+        let named = said(&leadscrew(&["check", name, "--machine", "bench-xyz"], folder.path()));
+        assert!(!named.contains("A0106"), "{named}");
     }
 }
 
@@ -126,14 +140,17 @@ fn a_machines_file_says_what_its_codes_do() {
 }
 
 #[test]
-fn numbers_that_are_too_small_by_a_thousand_are_read_as_whole_units_in_a_folder() {
+fn numbers_that_are_too_small_by_a_thousand_are_read_as_whole_units() {
     let folder = tempfile::tempdir().unwrap();
     let text = "%\nO1\nG90 G54 G21\nT1 M6 (T1 10 FLAT ENDMILL)\nS2000 M3\nG43 H1 Z50\nG0 X-10 Y0\nG1 Z-2 F200\nX60\nG0 Z50\nM30\n%\n";
     fs::write(folder.path().join("school.nc"), text).unwrap();
     let alone = said(&leadscrew(&["check", "school.nc"], folder.path()));
-    assert!(alone.contains("I1068") && alone.contains("--decimal-point calculator"), "{alone}");
+    assert!(alone.contains("A0107") && alone.contains("--decimal-point calculator"), "{alone}");
     let summed = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
     assert!(summed.contains("whole units"), "{summed}");
+    // as it is named, it is read
+    let named = ["check", "school.nc", "--decimal-point", "increments"];
+    assert!(said(&leadscrew(&named, folder.path())).contains("I1068"));
 }
 
 #[test]
@@ -167,41 +184,95 @@ fn codes_of_a_folder_are_counted() {
 }
 
 #[test]
-fn a_program_whose_words_tell_nothing_is_read_as_the_dialect_in_which_nothing_is_wrong() {
+fn a_word_that_linuxcnc_has_not_tells_the_dialect_that_has_it() {
     let folder = tempfile::tempdir().unwrap();
     // an end of the tape in its middle, as senders skip it: nothing else in it tells who reads it
     fs::write(folder.path().join("plain.nc"), "G21 G90\nG0 X5\n%X\nG0 X10\nM2\n").unwrap();
     let text = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
     assert!(text.contains("1 of 1 program can be executed"), "{text}");
     assert!(text.contains("grbl on router"), "{text}");
-    // alone it is read as a run would read it, and told how nothing is wrong
-    let alone = leadscrew(&["check", "plain.nc"], folder.path());
-    let hint = "nothing is wrong with it with --dialect grbl --machine router";
-    assert!(!alone.status.success() && said(&alone).contains(hint), "{}", said(&alone));
+    let alone = said(&leadscrew(&["check", "plain.nc"], folder.path()));
+    assert!(alone.contains("not LinuxCNC's, which --dialect grbl takes: line 3"), "{alone}");
     // named, it stays what it is named
     let words = ["check", ".", "--summary", "--dialect", "linuxcnc"];
     assert!(said(&leadscrew(&words, folder.path())).contains("0 of 1"));
+}
+
+/// Programs that are wrong: no other dialect, machine or unit makes them right. The first is the
+/// contour in whole millimetres whose arc ends 1.05 mm apart.
+const WRONG: [(&str, &str, &str); 12] = [
+    (
+        "arc.ngc",
+        "I0414",
+        "G21 G17 G54 G90 G94\nS3000 M3\nG0 X-10 Y0 Z10\nG1 Z-1 F300\nG1 X0\nY40\nG2 X10 Y50 I10 J1\nG1 X60\nY0\nX-10\nG0 Z50\nM2\n",
+    ),
+    (
+        "arc-tools.ngc",
+        "I0414",
+        "G21 G17 G54 G90 G94\nT1 M6\nG43 H1\nS3000 M3\nG0 X-10 Y0 Z10\nG1 Z-1 F300\nG1 X0\nY40\nG2 X10 Y50 I10 J1\nG1 X60\nG0 Z50\nM2\n",
+    ),
+    (
+        "arc-points.ngc",
+        "I0414",
+        "G21 G17 G90\nS3000 M3\nG0 X0. Y40. Z10.\nG1 Z-1. F300.\nG2 X10. Y50. I10. J1.\nG0 Z50.\nM2\n",
+    ),
+    (
+        "arc-radius.ngc",
+        "I04",
+        "G21 G17 G90\nS3000 M3\nG0 X0 Y0 Z10\nG1 Z-1 F300\nG2 X40 Y0 R10\nG0 Z50\nM2\n",
+    ),
+    (
+        "arc-inch.ngc",
+        "I0414",
+        "G20 G17 G90\nS3000 M3\nG0 X0 Y2 Z1\nG1 Z-.1 F10\nG2 X1 Y3 I1 J.1\nG0 Z2\nM2\n",
+    ),
+    (
+        "arc-full.ngc",
+        "I04",
+        "G21 G17 G90\nS3000 M3\nG0 X0 Y0 Z10\nG1 Z-1 F300\nG2 X40 Y0 I10 J0\nG0 Z50\nM30\n",
+    ),
+    ("no-feed.ngc", "I0", "G21 G17 G90\nS3000 M3\nG0 X0 Y0 Z10\nG1 Z-1\nG1 X40\nG0 Z50\nM2\n"),
+    ("letter-o.ngc", "P0", "G21 G17 G90\nG0 XO Y0\nM2\n"),
+    ("two-points.ngc", "P0102", "G21 G17 G90\nG0 X1.2.3 Y0\nM2\n"),
+    ("twice.ngc", "P0105", "G21 G17 G90\nG0 X1 X2 Y0\nM2\n"),
+    ("cut-off.ngc", "I0", "G21 G17 G90\nS3000 M3\nG0 X0 Y0 Z10\nG1 Z-1 F300\nG1 X40\nY20\nX0\n"),
+    ("word.ngc", "I01", "G21 G17 G90\nG0 X1 Q5 Y0\nM2\n"),
+];
+
+#[test]
+fn no_other_reading_makes_a_wrong_program_right() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, code, text) in WRONG {
+        fs::write(folder.path().join(name), text).unwrap();
+        let checked = leadscrew(&["check", name], folder.path());
+        let alone = said(&checked);
+        assert_eq!(checked.status.code(), Some(2), "{name}: {alone}");
+        assert!(alone.contains(&format!("error[{code}")), "{name}: {alone}");
+        for word in ["nothing is wrong", "--dialect fanuc", "--dialect grbl"] {
+            assert!(!alone.contains(word), "{name}: {alone}");
+        }
+        let table = said(&leadscrew(&["check", name, "--summary"], folder.path()));
+        assert!(table.contains("0 of 1"), "{name}: {table}");
+        assert_eq!(leadscrew(&["run", name], folder.path()).status.code(), Some(2), "{name}");
+    }
 }
 
 /// A quarter turn whose ends fit only if 50 is 50 mm; other numbers have their points.
 const MIXED: &str = "%\nO0001\nT1 M6 (T1 6 FLAT ENDMILL)\nG90 G54\nS1000 M3\nG43 H1 Z20.\nG0 X0. Y50\nG1 Z0. F200.\nG17 G2 X50. Y0. I0. J-50. F500.\nG0 Z100.\nM30\n%\n";
 
 #[test]
-fn a_program_that_fits_together_in_whole_units_only_is_read_so_in_a_folder_and_alone_told_of_it() {
+fn a_forgotten_point_is_said_and_does_not_change_how_numbers_are_read() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("mixed.nc"), MIXED).unwrap();
     let alone = leadscrew(&["check", "mixed.nc"], folder.path());
-    let hint = "nothing is wrong with it with --dialect fanuc --decimal-point calculator";
-    assert!(!alone.status.success() && said(&alone).contains(hint), "{}", said(&alone));
+    let text = said(&alone);
+    assert!(!alone.status.success() && text.contains("write Y50. for 50 mm"), "{text}");
     let summed = said(&leadscrew(&["check", ".", "--summary"], folder.path()));
-    assert!(summed.contains("1 of 1 program can be executed"), "{summed}");
-    assert!(summed.contains("whole"), "{summed}");
-    // as told, nothing is wrong
+    assert!(summed.contains("0 of 1 program can be executed"), "{summed}");
+    // where the machine counts whole units, nothing is wrong
     let words = ["check", "mixed.nc", "--dialect", "fanuc", "--decimal-point", "calculator"];
     let told = leadscrew(&[&words[..], &["--missing-tools", "stand-in"]].concat(), folder.path());
     assert!(told.status.success(), "{}", said(&told));
-    let named = ["check", ".", "--summary", "--decimal-point", "increments"];
-    assert!(said(&leadscrew(&named, folder.path())).contains("0 of 1"));
 }
 
 #[test]

@@ -227,3 +227,24 @@ fn places_behind_the_text_are_answered() {
     assert_eq!(told["code"], -32601, "{told}");
     editor.leave();
 }
+
+/// What the page of a machine does where a program's words are another dialect's.
+#[test]
+fn a_program_is_read_as_one_for_another_dialect_when_the_editor_says_so() {
+    let text = "O1000\nG21 G90\nG43 H1 Z50.\nG0 X1. ,R2.\nG65 P9100 A1.\nM30\n";
+    let mut editor = open_with(&["--machine", "tapping-center"], text);
+    let dialect = |found: &[Value]| {
+        let other = found.iter().find(|finding| finding["code"] == "I0909");
+        other.map(|finding| finding["data"].clone())
+    };
+    let other = json!({ "dialect": "fanuc", "people": "Fanuc's machining centres" });
+    assert_eq!(dialect(&editor.findings()), Some(other.clone()));
+    let mut read_as = |dialect: Value| {
+        let uri = json!({ "uri": URI });
+        editor.tell("leadscrew/readAs", json!({ "textDocument": uri, "dialect": dialect }));
+        editor.findings()
+    };
+    assert_eq!(dialect(&read_as("fanuc".into())), None);
+    assert_eq!(dialect(&read_as(Value::Null)), Some(other), "as the machine does");
+    editor.leave();
+}

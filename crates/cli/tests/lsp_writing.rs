@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 const URI: &str = "file:///tmp/part.ngc";
 
 fn open(text: &str) -> Editor {
-    let mut editor = Editor::start(&[]);
+    let mut editor = Editor::start(&["--machine", "tapping-center"]);
     editor.open(URI, text);
     editor
 }

@@ -55,7 +55,10 @@ pub use call::{
 pub use dialect::fanuc::counts::counting_words;
 pub use dialect::{DepthFrom, Dialect};
 pub use evidence::other_dialect::{looks_like, other_dialect, telling_words};
-pub use evidence::other_machine::{is_turned, unended};
+pub use evidence::other_machine::{
+    SpecialWork, has_whole_lengths, has_word, is_for_a_sender, is_turned, special_work,
+    stops_at_rest, unended,
+};
 pub use evidence::whole_units::counts_whole_units;
 pub use explain::catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
 pub use explain::{Finding, example_setup, explain, findings};

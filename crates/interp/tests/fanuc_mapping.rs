@@ -181,7 +181,7 @@ fn a_rotation_in_a_scaled_figure_has_a_scaled_centre() {
 
 #[test]
 fn what_cannot_be_done_in_these_coordinates_is_said() {
-    is_told("G41 D1 X1. Y1.\nG68 X0 Y0 R5.", "I1040");
+    is_told("G10 L12 P1 R1.\nG41 D1 X1. Y1.\nG68 X0 Y0 R5.", "I1040");
     is_told("G68 X0 Y0 R5.\nG51 X0 Y0 P2000", "I1041");
     is_told("G51 X0 Y0", "I1042");
     is_told("G51 X0 Y0 P0", "I1042");

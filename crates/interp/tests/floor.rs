@@ -282,7 +282,7 @@ fn the_last_rapid_of_a_profile_takes_the_tool_away_and_is_none_of_its_shape() {
 fn h_names_the_tools_radius_where_no_d_stands() {
     let with = |block: &str| {
         format!(
-            "O1\nG90 G10 L12 P19 R3.\nG0 X0 Y0\n{block}\nG1 X50. Y10. F100\nX60.\nG40 G0 X80.\nM30\n"
+            "O1\nG90 G10 L12 P19 R3.\nG10 L12 P18 R0\nG0 X0 Y0\n{block}\nG1 X50. Y10. F100\nX60.\nG40 G0 X80.\nM30\n"
         )
     };
     let beside = places(&ops(&with("G42 D19"), Dialect::Fanuc));
@@ -726,4 +726,59 @@ fn a_code_of_mach3_has_its_name_in_the_finding() {
             assert!(named.message.contains(what), "{block}: {}", named.message);
         }
     }
+}
+
+/// Compensation by a radius that nothing states is refused, with what states it; what a comment,
+/// the program or the block states is what the tool is led by.
+#[test]
+fn a_mill_is_led_by_the_radius_that_something_states_or_is_refused() {
+    let mill = |number: u32, diameter: f64| canon::Tool {
+        number,
+        pocket: number,
+        length: units::Length::ZERO,
+        diameter: units::Length::mm(diameter),
+        kind: canon::ToolKind::EndMill(canon::Mill::default()),
+        description: "T3 D=12. - flat end mill".into(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
+        body: canon::Body::default(),
+        stand_in: true,
+    };
+    let read = |dialect: Dialect, side: &str, described: bool| {
+        let mut setup = setup(dialect);
+        setup.missing_tools = interp::MissingTools::StandIn;
+        if described {
+            setup.tools.insert(mill(3, 12.0));
+        }
+        let number = if dialect.grammar() == gcode::Grammar::Fanuc { "O1\n" } else { "" };
+        let text = format!(
+            "{number}G21 G90 G17\nT3 M6\nG0 X0. Y0. Z5.\n{side}\nG1 X20. Y0. F100.\nX60.\nG40\nG0 X80. Y40.\nM30\n"
+        );
+        let mut ops = Ops::new(text.as_bytes(), &setup);
+        let kinds: Vec<_> = ops.by_ref().map(|op| op.kind).collect();
+        let codes: Vec<_> = ops.diagnostics().iter().map(|found| found.code).collect();
+        let beside = places(&kinds).iter().any(|at| (at[1] - 6.0).abs() < 1e-9);
+        (codes, beside)
+    };
+    for dialect in [
+        Dialect::LinuxCnc,
+        Dialect::Grbl,
+        Dialect::Brother,
+        Dialect::Fanuc,
+        Dialect::Haas,
+        Dialect::Mitsubishi,
+    ] {
+        let name = dialect.name();
+        for side in ["G41 D3", "G42 D3"] {
+            assert!(read(dialect, side, false).0.contains(&"I0574"), "{name} {side}");
+            assert!(!read(dialect, side, true).0.contains(&"I0574"), "{name} {side}");
+        }
+        assert!(read(dialect, "G41 D3", true).1, "{name}: 6 mm beside the way");
+        assert!(read(dialect, "G41 D7", true).0.contains(&"I0574"), "{name}: D7 is another one");
+    }
+    for (side, codes) in [("G10 L12 P3 R6.\nG41 D3", true), ("G10 L12 P7 R6.\nG41 D7", true)] {
+        assert_eq!(read(Dialect::Fanuc, side, false).1, codes, "{side}");
+    }
+    assert!(read(Dialect::LinuxCnc, "G41.1 D12", false).1);
+    assert!(read(Dialect::LinuxCnc, "G10 L1 P3 R6\nG41 D3", false).1, "the program writes it");
 }

@@ -106,7 +106,8 @@ fn a_rounded_feed_or_lead_follows_the_taps_own() {
         let program = format!("T2 M6\nG0 Z5\n{program}");
         assert_eq!(the_tap(&ops_of(&shop(), &program)).lead, Lead::mm_per_rev(1.0), "{program}");
         let note = refused(&shop(), &program, "I0716");
-        let rest = ": the lead of T2 (M6x1) is followed, 1 mm per revolution";
+        let lead = if program.contains("G20") { "0.0393701 in" } else { "1 mm" };
+        let rest = format!(": the lead of T2 (M6x1) is followed, {lead} per revolution");
         assert_eq!(note.message, format!("{word}{rest}"), "{program}");
     }
     // what no post makes of it is what was written, and is judged before motion

@@ -1,12 +1,14 @@
 //! What an editor's programs meet: the machine, the tools and the files beside them, for the
 //! language server.
+use control::job::choice::{self, Choice};
 use control::job::options::ProgramOptions;
 use control::job::{Interruption, Session, preflight, subprograms};
 use control::operation::Found;
 use diag::Diagnostic;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{
-    Arc,
+    Arc, Mutex, PoisonError,
     atomic::{AtomicBool, Ordering},
     mpsc::{Receiver, TryRecvError, sync_channel},
 };
@@ -40,14 +42,29 @@ impl Surroundings for Files {
 /// What programs meet.
 pub struct Machines<S> {
     /// Machine, tools, dialect.
-    pub source: ProgramOptions,
+    source: ProgramOptions,
     /// Files.
-    pub around: S,
+    around: S,
+    /// Programs that are read as ones for another dialect, by their URIs.
+    read_as: Mutex<BTreeMap<String, interp::Dialect>>,
 }
 
 impl<S: Surroundings> Machines<S> {
+    /// Programs that meet this machine, and these files.
+    pub fn new(source: ProgramOptions, around: S) -> Self {
+        Self { source, around, read_as: Mutex::default() }
+    }
+
+    /// What a program is loaded with.
+    fn source(&self, uri: &str) -> ProgramOptions {
+        let known = self.read_as.lock().unwrap_or_else(PoisonError::into_inner);
+        let dialect = known.get(uri).copied().or(self.source.dialect);
+        ProgramOptions { dialect, ..self.source.clone() }
+    }
+
     fn load(&self, uri: &str, text: &[u8]) -> Result<Session, String> {
-        let session = Session::load(&self.source, &self.around.path(uri), text);
+        let options = choice::by_words(&self.source(uri), text);
+        let session = Session::load(&options, &self.around.path(uri), text);
         let mut session = session.map_err(|refused| refused.sentence())?;
         if let Some(found) = self.around.found() {
             found.put_into(&mut session);
@@ -63,14 +80,50 @@ impl<S: Surroundings> lsp::Host for Machines<S> {
 
     fn subprogram(&self, uri: &str, name: &str) -> Option<String> {
         let program = self.around.path(uri);
-        let session = Session::load(&self.source, &program, b"").ok()?;
+        let source = self.source(uri);
+        let session = Session::load(&source, &program, b"").ok()?;
         let grammar = session.dialect.grammar();
-        let (options, machine) = (&self.source, &session.machine);
+        let (options, machine) = (&source, &session.machine);
         self.around.uri(&subprograms::file_of(options, machine, &program, name, grammar)?)
     }
 
+    fn read_as(&self, uri: &str, dialect: Option<interp::Dialect>) {
+        let mut known = self.read_as.lock().unwrap_or_else(PoisonError::into_inner);
+        match dialect {
+            Some(dialect) => _ = known.insert(uri.to_owned(), dialect),
+            None => _ = known.remove(uri),
+        }
+    }
+
     fn preflight(&self, uri: &str, text: &[u8]) -> Box<dyn lsp::Preflight> {
-        Box::new(Running::start(self.load(uri, text), text.to_vec()))
+        if self.source.chooses {
+            let (options, path) = (self.source(uri), self.around.path(uri));
+            return Box::new(Running::start(Met::Chosen(Box::new(options), path), text.to_vec()));
+        }
+        Box::new(Running::start(Met::Loaded(self.load(uri, text).map(Box::new)), text.to_vec()))
+    }
+}
+
+/// What a program meets.
+enum Met {
+    /// What was named, and loaded.
+    Loaded(Result<Box<Session>, String>),
+    /// What its own words choose.
+    Chosen(Box<ProgramOptions>, PathBuf),
+}
+
+impl Met {
+    /// The program's session, and what was chosen.
+    fn session(self, text: &[u8]) -> Result<(Session, Vec<Diagnostic>), String> {
+        match self {
+            Self::Loaded(session) => session.map(|session| (*session, Vec::new())),
+            Self::Chosen(options, path) => {
+                let choice = choice::choose(&options, &path, text);
+                let Choice { options, notes, .. } = choice.map_err(|refused| refused.sentence())?;
+                let session = Session::load(&options, &path, text);
+                session.map(|session| (session, notes)).map_err(|refused| refused.sentence())
+            }
+        }
     }
 }
 
@@ -83,15 +136,15 @@ struct Running {
 }
 
 impl Running {
-    fn start(session: Result<Session, String>, text: Vec<u8>) -> Self {
+    fn start(met: Met, text: Vec<u8>) -> Self {
         let (tell, answer) = sync_channel(1);
         let (tell_time, planned) = sync_channel(1);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         let work = move || {
             // an editor that has closed the file does not listen
-            let mut session = match session {
-                Ok(session) => session,
+            let (mut session, notes) = match met.session(&text) {
+                Ok(known) => known,
                 Err(trouble) => {
                     _ = tell.send(Err(trouble));
                     return;
@@ -99,7 +152,8 @@ impl Running {
             };
             session.interruption = Interruption::by(move || stopped.load(Ordering::Relaxed));
             let options = session.plan_options(session.machine.setup.stock.material);
-            let found = preflight::judge(&mut session, &text, options);
+            let mut found = preflight::judge(&mut session, &text, options);
+            found.splice(0..0, notes);
             let is_refused = found.iter().any(Diagnostic::is_error);
             _ = tell.send(Ok(found));
             if !is_refused && let Some(time) = preflight::time(&session, &text, options) {

@@ -2,6 +2,7 @@
 use crate::time::{Added, Estimate, Times, WithoutJerk, estimate};
 use crate::{Finished, RunOptions};
 use canon::Axis;
+use control::job::choice::{self, Choice};
 use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, Preflight, Proved};
 use control::job::{Cursor, Operations, ProgramOptions, Session, Source, read_program};
@@ -46,10 +47,16 @@ impl Program {
     /// # Errors
     /// The machine, the tools, or another file that the options name cannot be read or is wrong.
     pub fn on(self, options: impl Into<ProgramOptions>) -> Result<Job, Refused> {
-        let session = Session::load(&options.into(), &self.path, &self.text)?;
+        let options = options.into();
+        let (session, chosen) = if options.chooses {
+            let Choice { options, notes, .. } = choice::choose(&options, &self.path, &self.text)?;
+            (Session::load(&options, &self.path, &self.text)?, notes)
+        } else {
+            (Session::load(&options, &self.path, &self.text)?, Vec::new())
+        };
         let material = session.machine.setup.stock.material;
         let plan = session.plan_options(material);
-        Ok(Job { program: self, session, material, plan, part: 1, proved: None })
+        Ok(Job { program: self, session, chosen, material, plan, part: 1, proved: None })
     }
 }
 
@@ -60,6 +67,9 @@ pub struct Job {
     pub program: Program,
     /// Machine, tools, parameters, cams.
     pub session: Session,
+    /// How it is read, on which machine and with which tools, and why, where that was chosen by the
+    /// program's words.
+    pub chosen: Vec<Diagnostic>,
     /// What the workpiece is made of.
     pub material: StockMaterial,
     /// What the planner is told.

@@ -373,7 +373,8 @@ impl Finished {
         let material = session.machine.setup.stock.material;
         let plan = session.plan_options(material);
         let program = Program { name, path, text };
-        let job = Job { program, session, material, plan, part: 1, proved: Some(proved) };
+        let chosen = Vec::new();
+        let job = Job { program, session, chosen, material, plan, part: 1, proved: Some(proved) };
         let motion = (job.operations().all().len() <= MOST_PLANNED).then(|| {
             let mut added = Added::new(config::planner(&job.session.machine));
             let mut planner = preflight::ahead(&job.session, plan);

@@ -3,6 +3,7 @@
 
 mod attacks;
 mod feedback_faults;
+mod inches;
 mod library;
 mod never_slower;
 mod one_workpiece;

@@ -10,6 +10,11 @@ pub trait Host {
     fn setup(&self, uri: &str, text: &[u8]) -> Result<interp::Setup, String>;
     /// The URI of the file that `o<name> call` opens from this program, if it exists.
     fn subprogram(&self, uri: &str, name: &str) -> Option<String>;
+    /// Reads the program at this URI as one for another dialect from here on; `None`: as the
+    /// machine's file says.
+    fn read_as(&self, uri: &str, dialect: Option<interp::Dialect>) {
+        let _ = (uri, dialect);
+    }
     /// Begin to find out everything that is wrong with a program, with what it meets: machine,
     /// tools and workpiece too.
     fn preflight(&self, uri: &str, text: &[u8]) -> Box<dyn Preflight>;

@@ -116,8 +116,18 @@ impl Open {
             source: Some("leadscrew".to_owned()),
             message,
             related_information: Some(related.collect()),
+            data: self.other_dialect(finding),
             ..lsp::Diagnostic::default()
         }
+    }
+
+    /// The dialect that a finding says the program is written for: its name, and whose it is.
+    fn other_dialect(&self, finding: &Diagnostic) -> Option<serde_json::Value> {
+        if finding.code != "I0909" {
+            return None;
+        }
+        let dialect = interp::looks_like(&self.document.text, self.analysis.setup.dialect)?;
+        Some(serde_json::json!({ "dialect": dialect.name(), "people": dialect.people() }))
     }
 
     pub(crate) fn grammar(&self) -> gcode::Grammar {

@@ -28,6 +28,9 @@ const LONG: usize = 1 << 18;
 /// Findings shown: more of them tell nothing new.
 const MOST_FINDINGS: usize = 1000;
 
+/// A notification: a program is read as one for another dialect.
+const READ_AS: &str = "leadscrew/readAs";
+
 /// Serve one editor until it says goodbye. True if it took leave in order.
 ///
 /// # Errors
@@ -234,6 +237,12 @@ impl Server<'_> {
                 }
             }
             DidChangeConfiguration::METHOD => self.set_up_anew(),
+            READ_AS => {
+                let uri = told.params["textDocument"]["uri"].as_str().unwrap_or_default();
+                let dialect = told.params["dialect"].as_str().and_then(interp::Dialect::named);
+                self.host.read_as(uri, dialect);
+                self.set_up_anew();
+            }
             _ => {}
         }
     }

@@ -30,7 +30,10 @@ pub(crate) struct Cause {
 struct Merged {
     /// Where its finding is kept.
     at: usize,
+    /// Blocks that have such moves, and the last of them: an arc that is looked at in pieces, or a
+    /// cycle's moves, are one.
     moves: usize,
+    block: u32,
     /// How wrong the worst of them is, and where it stands.
     worst: f64,
     line: u32,
@@ -46,9 +49,19 @@ pub(crate) struct Findings {
     merged: BTreeMap<Cause, Merged>,
     /// Causes that were said already.
     said: BTreeSet<Cause>,
+    /// Number of the block at hand, and its place.
+    block: u32,
+    span: Option<Span>,
 }
 
 impl Findings {
+    /// What is found from here on belongs to the block at this place.
+    pub(crate) fn begin(&mut self, span: Span) {
+        if self.span.replace(span) != Some(span) {
+            self.block = self.block.wrapping_add(1);
+        }
+    }
+
     /// Add it, unless the same has been said: a cycle passes a place more than once.
     pub(crate) fn add(&mut self, finding: Diagnostic) {
         if self.kept.contains(&finding) {
@@ -83,7 +96,9 @@ impl Findings {
             return;
         }
         if let Some(merged) = self.merged.get_mut(&cause) {
-            merged.moves += 1;
+            if merged.block != self.block {
+                (merged.moves, merged.block) = (merged.moves + 1, self.block);
+            }
             if wrong_by > merged.worst {
                 let (worse, said) = finding();
                 let first = &mut self.kept[merged.at];
@@ -96,7 +111,8 @@ impl Findings {
         let (first, said) = finding();
         let (at, line) = (self.kept.len(), first.span.line);
         self.kept.push(first);
-        self.merged.insert(cause, Merged { at, moves: 1, worst: wrong_by, line, said });
+        let block = self.block;
+        self.merged.insert(cause, Merged { at, moves: 1, block, worst: wrong_by, line, said });
     }
 
     /// How many are kept so far.

@@ -321,10 +321,10 @@ impl Planner {
         self.frame.written = frame;
     }
 
-    /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in
-    /// order.
+    /// Plans one op. Its steps, and those of ops that waited for it, go to `emit` in order.
     pub fn push(&mut self, index: u32, op: &Op, emit: &mut impl FnMut(Step)) {
         let mut job = Job { index, span: op.span, emit };
+        self.findings.begin(op.span);
         if leaves_cam(&op.kind) {
             self.cam_end(&mut job);
         }

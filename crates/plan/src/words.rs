@@ -196,6 +196,13 @@ pub(crate) fn feed_that_works(frame: &ProgramFrame, mm_per_min: f64) -> String {
     in_unit(frame, value)
 }
 
+/// A length that still works, mm, rounded down as it is said: to thousandths of a millimetre, to
+/// ten-thousandths of an inch.
+pub(crate) fn floor_in_unit(frame: &ProgramFrame, mm: f64) -> f64 {
+    let steps = if frame.unit == LengthUnit::Inch { 1e4 } else { 1e3 };
+    libm::floor(mm / frame.unit.in_mm() * steps) / steps * frame.unit.in_mm()
+}
+
 /// Whether an axis turns.
 pub(crate) const fn is_rotary(axis: Axis) -> bool {
     matches!(axis.kind(), units::AxisKind::Rotary)

@@ -75,7 +75,7 @@ fn start(app: Arc<App>) -> Option<(Sender<lsp_server::Message>, mpsc::Receiver<S
     let (frames, texts) = mpsc::channel(MOST_WAITING);
     let out = std::thread::Builder::new().name("lsp-out".into());
     out.spawn(move || write(&from_server, &frames)).ok()?;
-    let host = Machines { source: app.program.clone(), around: Shop(app) };
+    let host = Machines::new(app.program.clone(), Shop(app));
     let serve = move || {
         let connection = Connection { sender: said, receiver: heard };
         // an editor that breaks the protocol has ended the conversation

@@ -282,6 +282,24 @@ fn a_program_that_is_refused_says_where_and_why() {
 }
 
 #[test]
+fn a_program_for_another_dialect_is_loaded_as_one_where_that_is_asked() {
+    let served = Served::at_pace(1.0);
+    let text = b"O1000\n#1=5.\nIF[#1GT4]GOTO20\nG0 X999.\nN20 M30\n";
+    assert_eq!(served.put("/programs/macro.nc", text).0, 200);
+    let load = |dialect: &str| {
+        let request = json!({ "request": "load", "program": "macro.nc", "dialect": dialect });
+        served.request(&request)
+    };
+    let (status, answer) = served.request(&json!({ "request": "load", "program": "macro.nc" }));
+    assert_eq!(status, 422, "as the machine reads it: {answer}");
+    let (status, answer) = load("fanuc");
+    assert_eq!(status, 200, "{answer}");
+    let (status, answer) = load("esperanto");
+    assert_eq!(status, 422, "{answer}");
+    assert!(answer["reason"].as_str().unwrap().contains("linuxcnc"), "{answer}");
+}
+
+#[test]
 fn a_page_from_elsewhere_and_a_server_of_another_name_are_refused() {
     let served = Served::at_pace(1.0);
     let body = json!({ "request": "power", "on": true }).to_string();

@@ -416,7 +416,7 @@ failed: number,
  */
 not_judged: number, };
 
-export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, 
+export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min?: number, deg_per_min?: number, } | { "request": "jog_increment", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_to", axis: string, to_mm?: number, to_deg?: number, } | { "request": "handwheel", axis: string, by_mm?: number, by_deg?: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, dialect?: string, } | { "request": "search", line?: number, hole?: number, tool?: number, 
 /**
  * Also where the program was changed since it was left half done.
  */

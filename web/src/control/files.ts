@@ -5,10 +5,10 @@ import { messages } from './messages.svelte';
 import { sentenceOf } from './requests';
 import { t } from '../texts/en';
 
-/** Loads a program; what the control finds wrong with it is kept with its name. */
-export async function loadProgram(name: string): Promise<boolean> {
+/** Loads a program, as one for another dialect than the machine's if that is named; what the control finds wrong with it is kept with its name. */
+export async function loadProgram(name: string, dialect?: string): Promise<boolean> {
   try {
-    const { notes } = await send<{ notes: string[] }>('/request', { request: 'load', program: name });
+    const { notes } = await send<{ notes: string[] }>('/request', { request: 'load', program: name, ...(dialect ? { dialect } : {}) });
     if (notes.length > 0) messages.say('note', notes.join(' '));
     findings.set(name, []);
     return true;

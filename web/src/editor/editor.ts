@@ -108,6 +108,9 @@ export class ProgramEditor {
     this.#view.dispatch({ effects: this.#language.open(path) });
   }
 
+  /** Reads the text as a program for another dialect; null: as the machine does. */
+  readAs(dialect: string | null): void { this.#language.readAs(dialect); }
+
   /** Marks the line that is executed; 0 is none. */
   mark(line: number): void {
     this.#view.dispatch({ effects: executed.of(line) });

@@ -16,7 +16,12 @@ export interface Shown {
   help: string | null;
   /** What mends it: the number that works is written into the text. */
   fix: { title: string; apply: () => void } | null;
+  /** The dialect that the program is written for, if that is not how it is read. */
+  readAs?: Reading | null;
 }
+
+/** A dialect: its name, and whose programs it reads. */
+export interface Reading { dialect: string; people: string }
 
 /** A tool change or a subprogram. */
 export interface OutlineEntry { name: string; detail: string; line: number; isTool: boolean }
@@ -93,6 +98,15 @@ export class Language {
   open(path: string) {
     this.#forget();
     return this.#file.reconfigure(this.#client.plugin(`program:/${path.split('/').map(encodeURIComponent).join('/')}`, 'gcode'));
+  }
+
+  /** Reads the program as one for another dialect; null: as the machine's file says. */
+  readAs(dialect: string | null): void {
+    const plugin = this.#view && LSPPlugin.get(this.#view);
+    if (!plugin) return;
+    this.#show([]);
+    this.#forget();
+    this.#client.notification('leadscrew/readAs', { textDocument: { uri: plugin.uri }, dialect });
   }
 
   complete(): void { if (this.#view) startCompletion(this.#view); }
@@ -179,7 +193,7 @@ export class Language {
       const [message = '', ...help] = text.split('\n');
       const severity = severities[(found.severity ?? 1) - 1] ?? 'error';
       const code = String(found.code ?? '');
-      findings.push({ line: found.range.start.line + 1, code, severity, message, help: help.join(' ') || null, fix: action ? { title: action.title, apply } : null });
+      findings.push({ line: found.range.start.line + 1, code, severity, message, help: help.join(' ') || null, fix: action ? { title: action.title, apply } : null, readAs: (found.data as Reading | undefined) ?? null });
       const actions = action ? [{ name: action.title, apply }] : [];
       return { from: at(found.range.start), to: at(found.range.end), severity: ofLint[severity], source: code, message: text, actions };
     });

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug, Clone)]
 pub(crate) struct ProgramArgs {
     /// The machine: a name from `leadscrew machine list`, or a file
-    /// [default: tapping-center; `check` looks for one that fits]
+    /// [default: one that fits the program's words, else tapping-center]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) machine: Option<String>,
     /// Tool table: TOML, or LinuxCNC's .tbl [default: tools.toml or tool.tbl beside the program,
@@ -25,9 +25,10 @@ pub(crate) struct ProgramArgs {
     /// `digital_1 = follows output 1 after 0.3 s`
     #[arg(long, value_name = "FILE")]
     pub(crate) inputs: Option<PathBuf>,
-    /// What to do with tools that the table lacks
-    #[arg(long, value_enum, default_value_t = MissingTools::Refuse)]
-    pub(crate) missing_tools: MissingTools,
+    /// What to do with tools that the table lacks [default: refuse; where no machine is named, as
+    /// the program's words choose]
+    #[arg(long, value_enum)]
+    pub(crate) missing_tools: Option<MissingTools>,
     /// Holes that the program taps and does not drill are there, as the comment (PRE-DRILLED) says
     #[arg(long)]
     pub(crate) pre_drilled: bool,
@@ -41,7 +42,8 @@ pub(crate) struct ProgramArgs {
     /// What to do with a dwell (P) that a clutch holder does not work with
     #[arg(long, value_enum, default_value_t = ClutchDwell::Refuse)]
     pub(crate) clutch_dwell: ClutchDwell,
-    /// How programs are read [default: as the machine's file says]
+    /// How programs are read [default: as the machine's file says; where no machine is named, as
+    /// the program's words say]
     #[arg(long, value_enum)]
     pub(crate) dialect: Option<DialectChoice>,
     /// What a number without a decimal point counts in Fanuc's dialects

@@ -28,7 +28,6 @@ pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use serve::{ServeArgs, TokenRole};
 pub(crate) use simulator::{RecoverArgs, SimulatorArgs};
-use std::path::Path;
 pub(crate) use text::{
     CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
 };
@@ -38,10 +37,10 @@ pub(crate) use trace::{TraceCommand, TraceFormat};
 #[derive(Parser, Debug)]
 #[command(name = "leadscrew", version = env!("LEADSCREW_VERSION"), propagate_version = true, max_term_width = 100)]
 #[command(after_help = "Examples:
-  leadscrew run programs/plate-12xM6.ngc --out out/plate     prove a program, leave report and certificate
+  leadscrew run programs/plate-12xM6.ngc --out out/plate   prove a program, leave report and certificate
   leadscrew check programs/*.ngc                             everything wrong with them, at once
   leadscrew canon part.ngc --format linuxcnc                 compare with LinuxCNC's rs274 by diff
-  leadscrew machine show tapping-center                      the machine's values, with their sources")]
+  leadscrew machine show tapping-center   the machine's values, with their sources")]
 pub(crate) struct Cli {
     /// Say only what went wrong: no answer for people, no remarks, no progress; the exit code
     /// tells. Data that is asked for (--format json, canon, --log, --out) comes all the same
@@ -60,21 +59,27 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Run a program on the simulated machine and judge the workpiece
     #[command(
-        after_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of
-tolerance; 2 the program or a file was refused, or a tap is in the work and nothing but `leadscrew recover` may
+        after_help = "Exit code: 0 every feature is within tolerance; 1 one is not; 2 refused; 3 an alarm.
+
+Examples:
+  leadscrew run programs/plate-12xM6.ngc
+  leadscrew run part.ngc --machine shop.toml --tools shop.tbl --out out/part
+  leadscrew run part.ngc --missing-tools stand-in --material 42CrMo4",
+        after_long_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of \
+tolerance; 2 the program or a file was refused, or a tap is in the work and nothing but `leadscrew recover` may \
 move; 3 an alarm on the machine.
 
---fault takes power-cut, kill, emergency-stop, drive-fault spindle [N]|AXIS, lost-index, encoder-slip ANGLE,
-dropout TIME, feedback-lost TIME, stuck AXIS, feedback-jump AXIS LENGTH, scale-error AXIS PPM (from where the axis
+--fault takes power-cut, kill, emergency-stop, drive-fault spindle [N]|AXIS, lost-index, encoder-slip ANGLE, \
+dropout TIME, feedback-lost TIME, stuck AXIS, feedback-jump AXIS LENGTH, scale-error AXIS PPM (from where the axis \
 stands then), eccentricity ANGLE [spindle N] (of an encoder), late, missed, torque-loss PERCENT [spindle N]; spindles count from 0.
---operator takes hold, resume, confirm (M0, M1, a tool that is changed by hand), abort, retract, override PERCENT,
-rapid-override PERCENT, spindle-override PERCENT, single-block on|off, emergency-stop. Where no confirm has a moment,
+--operator takes hold, resume, confirm (M0, M1, a tool that is changed by hand), abort, retract, override PERCENT, \
+rapid-override PERCENT, spindle-override PERCENT, single-block on|off, emergency-stop. Where no confirm has a moment, \
 everything is confirmed at once ('confirm always'), and the summary says so.
-A MOMENT is a time (1.5s, 250ms), line N, depth 8mm [out]
+A MOMENT is a time (1.5s, 250ms), line N, depth 8mm [out] \
 (of the tip below the work's zero), angle 12rev (turned since the start), random; or between 1s and 2s.
 
-With --simulator the sync record, which recovery needs, is kept in the state folder: by default
-$XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or ~/.local/state/leadscrew/MACHINE-NUMBER. Without --simulator there is one only
+With --simulator the sync record, which recovery needs, is kept in the state folder: by default \
+$XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or ~/.local/state/leadscrew/MACHINE-NUMBER. Without --simulator there is one only \
 if --state names its folder.
 
 Examples:
@@ -83,7 +88,7 @@ Examples:
   leadscrew run part.ngc --missing-tools stand-in --material 42CrMo4
   leadscrew run part.ngc --fault 'power-cut at depth 8mm' --recover   and the way out along the thread
   leadscrew run part.ngc --operator 'hold at 2.5s; resume at 4s; override 50 at line 30'
-  leadscrew run part.ngc --force-ramp 0.12       what a spindle ramp steeper than the power curve does
+  leadscrew run part.ngc --force-ramp 0.12   what a spindle ramp steeper than the power curve does
   leadscrew run part.ngc --synchronisation encoder-no-prediction   what a lagging feed does to a thread
   generator | leadscrew run - --format json"
     )]
@@ -96,17 +101,17 @@ Examples:
     /// Say how long a program takes, by the planner that would run it
     #[command(after_help = "Examples:
   leadscrew time part.ngc
-  leadscrew time long.ngc --fast                                within 2 %, from a sample: for millions of lines
-  leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
+  leadscrew time long.ngc --fast   within 2 %, from a sample
+  leadscrew time part.ngc --machine bench-xyz --format json   key motion_time_s")]
     Time(TimeArgs),
     /// Switch a control on and lead it: home, jog, touch off, load, start, hold, by a script or
     /// from the terminal
     #[command(
-        after_help = "A request a line; `help` lists them; a line that begins with # is a remark. In a script machine
-time runs only while a line waits, so it is the same each time; from the terminal it runs as on the wall. The machine
+        after_help = "A request a line; `help` lists them; a line that begins with # is a remark. In a script machine \
+time runs only while a line waits, so it is the same each time; from the terminal it runs as on the wall. The machine \
 is simulated.
 
-Exit code: 0 every request was accepted and every wait was met; 1 a wait was not met, or the script left something
+Exit code: 0 every request was accepted and every wait was met; 1 a wait was not met, or the script left something \
 moving; 2 a request was refused, or a line is none. The first line that fails ends the script, and all comes to rest.
 
 Examples:
@@ -117,8 +122,8 @@ Examples:
     Control(ControlArgs),
     /// Serve a control that stays on over HTTP and WebSocket, with its page
     #[command(
-        after_help = "It says its address, and runs until Ctrl-C; the machine is simulated, and its time runs as on the wall.
-docs/api.md says what can be asked, docs/security.md who may ask it. Only this computer is answered; others take
+        after_help = "It says its address, and runs until Ctrl-C; the machine is simulated, and its time runs as on the wall. \
+docs/api.md says what can be asked, docs/security.md who may ask it. Only this computer is answered; others take \
 tokens and a certificate. Keep state, tokens and keys apart from the programs.
 
 Examples:
@@ -132,23 +137,23 @@ Examples:
     /// Run the simulated machine, its drives and encoders as a process of its own
     #[command(
         alias = "iron",
-        after_help = "A control that connects drives it; when the control dies, the drives stop by themselves and the
+        after_help = "A control that connects drives it; when the control dies, the drives stop by themselves and the \
 encoders keep the truth. In lock-step (the default) time waits for the control.
 
 Examples:
-  leadscrew simulator --listen /tmp/machine &                     then: leadscrew run part.ngc --simulator /tmp/machine
+  leadscrew simulator --listen /tmp/machine &   then: leadscrew run part.ngc --simulator /tmp/machine
   leadscrew simulator --listen /tmp/machine --real-time            time as on the wall
-  leadscrew simulator --listen /tmp/machine --power-cut-at 7.2     the mains fail after 7.2 s of machine time
+  leadscrew simulator --listen /tmp/machine --power-cut-at 7.2   the mains fail after 7.2 s of machine time
   leadscrew simulator --status /tmp/machine                        how it is, as JSON
   leadscrew simulator --quit /tmp/machine"
     )]
     Simulator(SimulatorArgs),
     /// Take a tap out of its hole after the control died, or say why that is not safe
     #[command(
-        after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto
+        after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto \
 it, then both come out along it together. Killed on the way, it is begun again in the same way.
 
-Without the record of just the tool that the machine keeps in its work nothing moves. Exit code: 0 recovered, or nothing to
+Without the record of just the tool that the machine keeps in its work nothing moves. Exit code: 0 recovered, or nothing to \
 do; 2 refused, with the reason, or out and not known to be whole.
 
 Examples:
@@ -160,18 +165,18 @@ Examples:
     /// Tap the same holes with a clutch holder and conventionally, on a spindle that scatters
     #[command(after_help = "Examples:
   leadscrew compare --size M6                    100 holes each at S2000
-  leadscrew compare --size M6 --depth 10 --speed 2800   the conventional cycle scatters by 0.33 mm, at S1000 by 0.13 mm
+  leadscrew compare --size M6 --depth 10 --speed 2800   the usual cycle scatters by 0.33 mm
   leadscrew compare --size M8 --speed 1500 --samples 400 --out m8.html
   leadscrew compare part.ngc --speed-scatter 2   the taps of a program, in both holders")]
     Compare(CompareArgs),
     /// Compare the ways of compensating a cam's phase error: contour errors over cams and speeds
     #[command(
-        after_help = "Each cam is measured in idle turns at each speed, then turned with what is sent compensated by each method;
+        after_help = "Each cam is measured in idle turns at each speed, then turned with what is sent compensated by each method; \
 the judge looks at the last turn. Nothing is kept.
 
 Examples:
   leadscrew compensation programs/cams.toml
-  leadscrew compensation programs/cams.toml --machine cam-grinder-coarse     1 µm table pulses, 0.01° counts
+  leadscrew compensation programs/cams.toml --machine cam-grinder-coarse   1 µm table pulses, 0.01° counts
   leadscrew compensation programs/cams.toml --cams 1237 --speeds 60 --format json
   leadscrew compensation programs/cams.toml --out compensation.html"
     )]
@@ -180,17 +185,17 @@ Examples:
     #[command(after_help = "Examples:
   leadscrew polygon --sides 6 --across-flats 17 --speed 500
   leadscrew polygon --sides 4 --across-flats 30 --speed 500 --flatness 2 --out square.html
-  leadscrew polygon --sides 4 --across-flats 30 --simulate                  cut at each speed, compensated and not
+  leadscrew polygon --sides 4 --across-flats 30 --simulate   cut at each speed, compensated and not
   leadscrew polygon --insert-angles 0,90 --across-flats 20 --actuator x --format json
   leadscrew polygon --sides 5 --ratio 2:5 --across-flats 17 --tip-radius 6.8   a pentagon")]
     Polygon(PolygonArgs),
     /// From a cam's lift to the path of the grinding wheel: checks, highest speed, table, G-code,
     /// pictures
     #[command(after_help = "Examples:
-  leadscrew cam --form automotive --base 34 --lift 9 --half-angle 65       an engine's cam for a flat follower
-  leadscrew cam lift.csv --base 18 --follower roller --roller-radius 10    a table of angle and lift, degrees and mm
-  leadscrew cam lift.csv --base 18 --wheel-wear 12.5 --format table        C, X and work speed for a worn wheel
-  leadscrew cam --form lobes --lift 3 --lobes 3 --out lobes.html           lift, speed, acceleration, curvature drawn")]
+  leadscrew cam --form automotive --base 34 --lift 9 --half-angle 65   an engine's cam for a flat follower
+  leadscrew cam lift.csv --base 18 --follower roller --roller-radius 10   a table, degrees and mm
+  leadscrew cam lift.csv --base 18 --wheel-wear 12.5 --format table   C, X and work speed for a worn wheel
+  leadscrew cam --form lobes --lift 3 --lobes 3 --out lobes.html   drawn")]
     Cam(CamArgs),
     /// Run a program over many cases and say how capable the process is: in Python,
     /// `pip install 'leadscrew[dask]'`
@@ -221,7 +226,7 @@ Example: leadscrew study plate.toml")]
     Fmt(FormatArgs),
     /// Serve an editor: the language server, on standard input and output
     #[command(
-        after_help = "Findings as you type, what a word does and where the machine stands, the outline of tools and
+        after_help = "Findings as you type, what a word does and where the machine stands, the outline of tools and \
 subprograms, definitions, renaming and formatting. An editor starts it; see docs/editors.md."
     )]
     Lsp(ProgramArgs),
@@ -229,7 +234,7 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
     /// programs use
     #[command(after_help = "Examples:
   leadscrew codes                                         what is known, by code
-  leadscrew codes --of programs/ --machine mine.toml      what is used, how often, and is it known?")]
+  leadscrew codes --of programs/ --machine mine.toml   what is used, how often, and is it known?")]
     Codes(CodesArgs),
     /// The machines Leadscrew knows, and files that describe others
     #[command(subcommand)]
@@ -257,15 +262,6 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
 }
 
 impl Command {
-    /// The one program that is executed or planned, and how it is read.
-    pub(crate) fn program(&self) -> Option<(&Path, &ProgramArgs)> {
-        match self {
-            Self::Run(args) => Some((&args.program, &args.source)),
-            Self::Time(args) => Some((&args.program, &args.source)),
-            _ => None,
-        }
-    }
-
     /// Whether the caller reads JSON: then a refusal is JSON, too.
     pub(crate) fn answers_in_json(&self) -> bool {
         match self {

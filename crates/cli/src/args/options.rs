@@ -8,11 +8,18 @@ use control::job::options::{self, ProgramOptions};
 use store::{cams::WorkSpeed, machine::Preset, tools::TableUnit};
 
 impl ProgramArgs {
+    /// For a control or a machine that stays on: nothing is chosen by a program's words.
+    pub(crate) fn on_a_machine(&self) -> ProgramOptions {
+        ProgramOptions { chooses: false, ..self.options() }
+    }
+
     /// The same without a command line.
     pub(crate) fn options(&self) -> ProgramOptions {
         ProgramOptions {
             machine: self.machine.as_deref().unwrap_or(DEFAULT_MACHINE).into(),
+            chooses: self.machine.is_none(),
             without_table: false,
+            keeps_table: self.missing_tools == Some(MissingTools::Refuse),
             plant: None,
             tools: self.tools.clone(),
             tool_unit: match self.tool_unit {
@@ -22,8 +29,8 @@ impl ProgramArgs {
             parameters: self.parameters.clone(),
             inputs: self.inputs.clone(),
             missing_tools: match self.missing_tools {
-                MissingTools::Refuse => interp::MissingTools::Refuse,
-                MissingTools::StandIn => interp::MissingTools::StandIn,
+                Some(MissingTools::StandIn) => interp::MissingTools::StandIn,
+                Some(MissingTools::Refuse) | None => interp::MissingTools::Refuse,
             },
             pre_drilled: self.pre_drilled,
             stock: self.stock.clone(),

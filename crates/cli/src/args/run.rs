@@ -93,7 +93,13 @@ pub(crate) struct RunArgs {
 impl RunArgs {
     /// What the program is loaded with, without a command line.
     pub(crate) fn options(&self) -> ProgramOptions {
-        ProgramOptions { plant: self.plant.as_ref().map(Into::into), ..self.source.options() }
+        let source = self.source.options();
+        ProgramOptions {
+            // a machine that is simulated elsewhere is what it is
+            chooses: source.chooses && self.plant.is_none() && self.simulator.is_none(),
+            plant: self.plant.as_ref().map(Into::into),
+            ..source
+        }
     }
 }
 

@@ -41,7 +41,7 @@ const LONGEST_SCRIPT: u64 = 1 << 20;
 /// Lead a control.
 pub(crate) fn command(args: &ControlArgs, quiet: bool) -> Result<Ending, Refused> {
     let options = ControlOptions {
-        program: args.source.options(),
+        program: args.source.on_a_machine(),
         seed: args.seed,
         state: args.state.clone(),
         simulator: None,

@@ -11,9 +11,14 @@ pub(crate) fn root() -> PathBuf {
 
 /// Run `leadscrew` in the root of the tree.
 pub(crate) fn leadscrew(arguments: &[&str]) -> Output {
+    leadscrew_in(&root(), arguments)
+}
+
+/// Run `leadscrew` in a folder.
+pub(crate) fn leadscrew_in(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_leadscrew"))
         .args(arguments)
-        .current_dir(root())
+        .current_dir(folder)
         .env("NO_COLOR", "1")
         .output()
         .unwrap()

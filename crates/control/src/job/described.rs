@@ -5,11 +5,17 @@
 //!   (T3  D=6. CR=0. - ZMIN=-12. - flat end mill)    Fusion 360, HSMWorks
 //!   (T1 | 1/2 FLAT ENDMILL | H1)                    Mastercam
 //!   (TOOL -1- MILL DIA 6.0 R0. MM)                  SolidCAM
+//!   (Tool 2: End Mill {6 mm})                       Vectric
+//!   (TC: 6mm Endmill) above M6 T2                   FreeCAD
+//!   (TOOL - 1 DIA. OFF. - 21 LEN. - 1 DIA. - 10.)   Mastercam, by number alone
 //!   (TOOL - 4 1/4-20 TAP)  (T12 5.MM DRILL)         by hand
+//!   (T5 #7 DRILL)  (T6 LETTER F DRILL)              drills of the inch series
 //! ```
 //!
 //! A number comes first, then what the table's own comments may say; a diameter behind `D`, `DIA`
-//! or as a fraction is in the program's unit.
+//! or as a fraction is in the program's unit. The sizes of the inch series are in
+//! [`drill_size`](super::drill_size).
+use super::drill_size;
 use canon::{Tool, ToolKind};
 use units::Length;
 
@@ -21,8 +27,11 @@ pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
     let text = String::from_utf8_lossy(&source[..source.len().min(MOST)]);
     let unit = unit_of(&text);
     let mut found: Vec<Tool> = Vec::new();
+    let called_below = called_below(&text);
     for comment in comments(&text) {
-        let Some(tool) = named(comment, unit) else { continue };
+        let Some(tool) = named(comment, unit).or_else(|| called_below(comment, unit)) else {
+            continue;
+        };
         match found.iter_mut().find(|known| known.number == tool.number) {
             None => found.push(tool),
             // the list at the head of a program, and the line before the call: the one that says
@@ -34,6 +43,29 @@ pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
         }
     }
     found
+}
+
+/// Reads `FreeCAD`'s comments, which name a tool without its number: the number stands in the call
+/// below.
+fn called_below(text: &str) -> impl Fn(&str, f64) -> Option<Tool> {
+    const LINES_BELOW: usize = 6;
+    move |comment, unit| {
+        let upper = comment.trim().to_ascii_uppercase();
+        let name = upper.strip_prefix("TC:").or_else(|| upper.strip_prefix("TOOL:"))?;
+        let at = comment.as_ptr() as usize - text.as_ptr() as usize;
+        let below = text.get(at..)?.lines().skip(1).take(LINES_BELOW);
+        let call = below
+            .map(str::to_ascii_uppercase)
+            .find(|line| line.split_whitespace().any(|word| matches!(word, "M6" | "M06")))?;
+        let number = call.split_whitespace().find_map(|word| word.strip_prefix('T'))?;
+        named(&format!("T{number} {name}"), unit)
+    }
+}
+
+/// The unit that a program says first.
+pub(super) fn unit(source: &[u8]) -> canon::LengthUnit {
+    let text = String::from_utf8_lossy(&source[..source.len().min(MOST)]);
+    if unit_of(&text) == 1.0 { canon::LengthUnit::Millimetre } else { canon::LengthUnit::Inch }
 }
 
 /// mm in a unit of the program: what it says first.
@@ -53,8 +85,27 @@ pub(super) fn unit_of(text: &str) -> f64 {
 pub(super) fn comments(text: &str) -> impl Iterator<Item = &str> {
     lines_with_comments(text).flat_map(|line| {
         let behind = line.split_once(';').map(|(_, comment)| comment);
-        let inside = line.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
-        inside.chain(behind)
+        inside(line).chain(behind)
+    })
+}
+
+/// What stands in brackets; a bracket within a comment is a part of it.
+fn inside(line: &str) -> impl Iterator<Item = &str> {
+    let mut rest = line;
+    std::iter::from_fn(move || {
+        let (_, behind) = rest.split_once('(')?;
+        let mut depth = 1_u32;
+        let end = behind.char_indices().find(|(_, c)| {
+            depth = match c {
+                '(' => depth + 1,
+                ')' => depth - 1,
+                _ => depth,
+            };
+            depth == 0
+        });
+        let end = end.map_or(behind.len(), |(at, _)| at);
+        rest = behind.get(end + 1..).unwrap_or_default();
+        Some(&behind[..end])
     })
 }
 
@@ -87,6 +138,7 @@ fn named(comment: &str, unit: f64) -> Option<Tool> {
         kind => kind,
     };
     let stated = diameter(&words, unit).map(Length::mm);
+    // a tap that names no thread: of its diameter nothing else is known
     let diameter = match kind {
         ToolKind::Tap(_) => known.diameter,
         _ => stated.or(known.diameter),
@@ -130,7 +182,8 @@ fn words(text: &str) -> Vec<String> {
         }
         match c {
             '"' => spaced.push_str(" inch "),
-            '=' | '|' | ',' | '_' => spaced.push(' '),
+            '=' | '|' | ',' | '_' | '{' | '}' | '[' | ']' | '(' | ')' | ':' => spaced.push(' '),
+            'Ø' | 'ø' | '⌀' | 'Φ' | 'φ' => spaced.push_str(" dia "),
             c => spaced.push(c),
         }
         before = c;
@@ -151,36 +204,83 @@ fn is_mill(words: &[String]) -> bool {
         && !words.iter().any(|word| matches!(word.as_str(), "drill" | "tap"))
 }
 
-/// mm: behind `d`, `dia`, `dia.`, `diameter`; else a number with its unit; else a fraction, or a
-/// number in the first place.
+/// mm: behind `d`, `dia`, `diameter`; else a number with its unit; else a fraction, a number in the
+/// first place, or a size of the inch series.
 fn diameter(words: &[String], unit: f64) -> Option<f64> {
-    let number = |word: &str| {
-        let plain = word.trim_end_matches('.');
-        match plain.split_once('/') {
-            Some((over, under)) => Some(over.parse::<f64>().ok()? / under.parse::<f64>().ok()?),
-            None => plain.parse().ok(),
-        }
-        .filter(|value: &f64| value.is_finite() && *value > 0.0 && *value < 1000.0)
-    };
-    let unit_at = |at: usize| match words.get(at).map_or("", String::as_str) {
-        "inch" | "in" => Some(25.4),
+    let unit_at = |at: usize| match words.get(at).map_or("", |word| word.trim_end_matches('.')) {
+        "inch" | "in" | "inches" | "zoll" => Some(units::MM_PER_INCH),
         "mm" => Some(1.0),
         _ => None,
     };
-    let at = |at: usize| Some(number(words.get(at)?)? * unit_at(at + 1).unwrap_or(unit));
-    let is_key =
-        |word: &String| matches!(word.trim_end_matches(['.', ':']), "d" | "dia" | "diameter");
-    let behind = || at(words.iter().position(is_key)? + 1);
-    let joined = || words.iter().find_map(|word| Some(number(word.strip_prefix('d')?)? * unit));
-    let united = || {
-        (0..words.len())
-            .find(|i| unit_at(i + 1).is_some() && number(&words[*i]).is_some())
-            .and_then(at)
+    // a number, which a fraction may follow: 1 1/4
+    let at = |at: usize| {
+        let first = number(words.get(at)?)?;
+        let is_whole = first.fract() == 0.0 && !words[at].contains(['.', '/']);
+        let more = words.get(at + 1).filter(|word| is_whole && word.contains('/'));
+        let more = more.and_then(|word| number(word)).filter(|part| *part < 1.0);
+        let behind = at + 1 + usize::from(more.is_some());
+        Some((first + more.unwrap_or(0.0)) * unit_at(behind).unwrap_or(unit))
     };
-    let fraction =
-        || words.iter().position(|word| word.contains('/') && number(word).is_some()).and_then(at);
+    let keyed = |keys: &[&str]| {
+        let is_key = |word: &String| keys.contains(&word.trim_end_matches('.'));
+        (0..words.len()).filter(|i| is_key(&words[*i])).find_map(|i| at(i + 1))
+    };
+    // `D1` and `DIA OFF 21` beside `H1` are numbers of offsets
+    let has_offsets = words.iter().any(|word| is_numbered(word, 'h'));
+    let behind = || keyed(&["dia", "diam", "diameter", "ø"]).or_else(|| keyed(&["d"]));
+    let joined = || {
+        (0..words.len()).find_map(|i| {
+            let word = &words[i];
+            let rest = ["diam", "dia", "d"].iter().find_map(|key| word.strip_prefix(key))?;
+            let size = number(rest).filter(|_| !has_offsets || rest.contains('.'))?;
+            Some(size * unit_at(i + 1).unwrap_or(unit))
+        })
+    };
+    let united = || {
+        let has_unit = |i: &usize| {
+            let is_mixed = words.get(i + 1).is_some_and(|word| word.contains('/'));
+            number(&words[*i]).is_some() && unit_at(i + 1 + usize::from(is_mixed)).is_some()
+        };
+        (0..words.len()).find(has_unit).and_then(at)
+    };
+    let fraction = || {
+        let i = words.iter().position(|word| word.contains('/') && number(word).is_some())?;
+        let is_mixed = i > 0 && number(&words[i - 1]).is_some_and(|whole| whole.fract() == 0.0);
+        if is_mixed && !words[i - 1].contains(['.', '/', '-']) { at(i - 1) } else { at(i) }
+    };
     let first = || words.first().filter(|word| word.contains('.')).and_then(|_| at(0));
-    behind().or_else(joined).or_else(united).or_else(fraction).or_else(first)
+    let series = || drill_size::of_words(words).map(|inches| inches * units::MM_PER_INCH);
+    behind().or_else(united).or_else(fraction).or_else(first).or_else(joined).or_else(series)
+}
+
+/// A number above zero: `6.`, `.25`, `1/4`, `1-1/4`.
+fn number(word: &str) -> Option<f64> {
+    let plain = word.trim_end_matches('.');
+    let value = match plain.split_once('/') {
+        Some((over, under)) => {
+            let (whole, over) = over.split_once('-').unwrap_or(("0", over));
+            let part = over.parse::<f64>().ok()? / under.parse::<f64>().ok()?;
+            whole.parse::<f64>().ok()? + part
+        }
+        None => plain.parse().ok()?,
+    };
+    (value.is_finite() && value > 0.0 && value < 1000.0).then_some(value)
+}
+
+/// Whether a word is a letter with a whole number.
+fn is_numbered(word: &str, letter: char) -> bool {
+    let digits = word.strip_prefix(letter).unwrap_or_default();
+    !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Whether a tool of a table may be the one that a comment describes.
+pub(super) fn is_same(known: &Tool, described: &Tool) -> bool {
+    /// Difference of two diameters of one tool, mm.
+    const SAME: f64 = 0.02;
+    let is_close = described.diameter.value() <= 0.0
+        || (known.diameter - described.diameter).value().abs() <= SAME;
+    let of_kind = std::mem::discriminant(&known.kind) == std::mem::discriminant(&described.kind);
+    (of_kind || described.kind == ToolKind::Other) && is_close
 }
 
 #[cfg(test)]
@@ -208,9 +308,51 @@ mod tests {
         assert_eq!(one("; T2 D=8 - ball end mill"), (2, mill(Some(MillForm::Ball), None), 8.0));
         let (number, kind, diameter) = one("(T12 5.MM DRILL)");
         assert_eq!((number, matches!(kind, ToolKind::Drill { .. }), diameter), (12, true, 5.0));
+        for (text, mm) in DIAMETERS {
+            let (_, _, diameter) = one(text);
+            assert!((diameter - mm).abs() < 1e-3, "{text}: {diameter}, expected {mm}");
+        }
         let (number, kind, diameter) = one("(TOOL - 4 M6 TAP)");
         assert_eq!((number, matches!(kind, ToolKind::Tap(_)), diameter), (4, true, 6.0));
     }
+
+    /// As posts and people write a diameter, and what it is in mm.
+    const DIAMETERS: [(&str, f64); 34] = [
+        ("(T5 #7 DRILL)", 5.1054),
+        ("G20\n(T5 #7 DRILL)", 5.1054),
+        ("(T5 NO. 43 DRILL)", 2.2606),
+        ("(TOOL 5 NUMBER 60 DRILL)", 1.016),
+        ("(T5 #7 (.201) DRILL)", 5.1054),
+        ("(T6 LETTER F DRILL)", 6.5278),
+        ("(T6 LTR Q DRILL)", 8.4328),
+        ("(T6 F DRILL)", 6.5278),
+        ("(T6 - 17/64 DRILL)\nG20", 6.7469),
+        ("G20\n(T6 1-1/4 FACE MILL)", 31.75),
+        ("G20\n(T6 1 1/2 FACE MILL)", 38.1),
+        ("(T6 1 1/2 IN FACE MILL)", 38.1),
+        ("(T3 3/8\" BALL ENDMILL)", 9.525),
+        ("G20\n(T2 .25 ENDMILL)", 6.35),
+        ("G20\n(T1  D=0.5 CR=0. - ZMIN=-0.25 - flat end mill)", 12.7),
+        ("(T7  D=6.8 CR=0. TAPER=118deg - ZMIN=-20. - drill)", 6.8),
+        ("(T4 D6.8 DRILL)", 6.8),
+        ("(T4 DIA6.8 DRILL)", 6.8),
+        ("(T4 DIAM. 6.8 DRILL)", 6.8),
+        ("(T4 Ø6.8 DRILL)", 6.8),
+        ("(T4 DIAMETER: 6.8 DRILL)", 6.8),
+        ("(TOOL - 1 DIA. OFF. - 21 LEN. - 1 DIA. - 10.)", 10.0),
+        ("(T212 | 3. FLAT ENDMILL | H1 | D1)", 3.0),
+        ("(T1 | 1/2 FLAT ENDMILL | H1 | D1 | TOOL DIA. - .5)\nG20", 12.7),
+        ("(TOOL -1- MILL DIA 6.0 R0. MM)", 6.0),
+        ("(Tool 2: End Mill {6 mm})", 6.0),
+        ("(Tool 2: End Mill {0.25 inch})", 6.35),
+        ("(T2 End Mill (0.25 inch))", 6.35),
+        ("(TC: 6mm Endmill)\nM5\nM6 T2", 6.0),
+        ("(TC: 1/4 in Endmill)\nM6 T2\nG21", 6.35),
+        ("(TOOL 9: 3MM ENDMILL)", 3.0),
+        ("(T9 12MM 4FL ENDMILL)", 12.0),
+        ("(T9 10.0 MM DRILL)", 10.0),
+        ("(T12 5.MM DRILL)", 5.0),
+    ];
 
     #[test]
     fn what_names_no_tool_is_none() {

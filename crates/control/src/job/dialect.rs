@@ -8,6 +8,17 @@ pub fn of(asked: Option<interp::Dialect>, machine: &MachineFile) -> interp::Dial
     asked.or_else(own).unwrap_or_default()
 }
 
+/// The dialect of this name.
+///
+/// # Errors
+/// With a sentence that has the names, if there is none.
+pub fn named(name: &str) -> Result<interp::Dialect, String> {
+    interp::Dialect::named(name).ok_or_else(|| {
+        let names = interp::Dialect::ALL.map(interp::Dialect::name).join(", ");
+        format!("there is no dialect {name}: there are {names}")
+    })
+}
+
 /// Fanuc's increment system, as the machine's file has it.
 pub fn increments(control: &Control) -> interp::Increments {
     match control.fanuc.map(|fanuc| fanuc.increments) {

@@ -179,10 +179,13 @@ impl MilledStock {
         let stock = self.found(session)?;
         let axis = |i: usize| {
             let block = &stock.block;
-            let [from, to] = [block.from[i], block.to[i]].map(|at| (at - block.zero[i]).value());
-            format!("{} {from:.2} to {to:.2}", ['X', 'Y', 'Z'][i])
+            let [from, to] = [block.from[i], block.to[i]]
+                .map(|at| (at - block.zero[i]).value() / session.unit.in_mm());
+            let decimals = if session.unit == canon::LengthUnit::Inch { 3 } else { 2 };
+            format!("{} {from:.decimals$} to {to:.decimals$}", ['X', 'Y', 'Z'][i])
         };
-        let block = format!("{}, {}, {} mm of G54", axis(0), axis(1), axis(2));
+        let block =
+            format!("{}, {}, {} {} of G54", axis(0), axis(1), axis(2), session.unit.symbol());
         let (code, text) = match stock.source {
             StockSource::MachineFile | StockSource::Comment => return None,
             StockSource::Size => (

@@ -7,10 +7,12 @@
 //!       subprograms, cams   restart
 //! ```
 pub mod cams;
+pub mod choice;
 mod clamped;
 mod described;
 pub mod dialect;
 pub mod drawn;
+mod drill_size;
 mod interruption;
 mod live;
 pub mod mill_stock;

@@ -7,10 +7,14 @@ use store::machine::Preset;
 use store::tools::TableUnit;
 
 /// Where programs, machines, tools and parameters come from.
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 #[derive(Debug, Clone)]
 pub struct ProgramOptions {
     /// The machine: name of a built-in model, or a file.
     pub machine: MachineSource,
+    /// No machine is named: dialect, machine and tools are chosen by the program's own words
+    /// ([`choice`](super::choice)) where they are not named.
+    pub chooses: bool,
     /// The machine that is simulated, where it is another one than the control believes; `None` is
     /// the same.
     pub plant: Option<MachineSource>,
@@ -19,6 +23,8 @@ pub struct ProgramOptions {
     /// The built-in table is none of this program's: its tools are what its comments say, and
     /// stand-ins.
     pub without_table: bool,
+    /// The tool table is the one that would be used without a choice, and what it lacks is refused.
+    pub keeps_table: bool,
     /// Unit of the lengths in a `.tbl`, which does not state it.
     pub tool_unit: TableUnit,
     /// Parameter file with work offsets; `None` is the machine's set-up.
@@ -71,9 +77,11 @@ impl ProgramOptions {
     pub fn on(machine: impl Into<MachineSource>) -> Self {
         Self {
             machine: machine.into(),
+            chooses: false,
             plant: None,
             tools: None,
             without_table: false,
+            keeps_table: false,
             tool_unit: TableUnit::Millimetre,
             parameters: None,
             inputs: None,

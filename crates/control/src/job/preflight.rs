@@ -18,7 +18,7 @@ use super::restart::Restart;
 use super::table_notes::TableNotes;
 use crate::Refused;
 use crate::job::Session;
-use canon::{Op, OpKind, ProgramFrame, Tool, ToolKind};
+use canon::{LengthUnit, Op, OpKind, ProgramFrame, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
 use interp::MissingTools;
 use plan::{Options, Planner, Sample, Start};
@@ -54,8 +54,8 @@ pub struct Proved {
 /// added to the session's tools. Also what is to be said of them.
 pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<Diagnostic>) {
     if session.missing_tools == MissingTools::StandIn {
-        for tool in super::described::tools(source) {
-            // the built-in table is an example: what the program says of its tools is nearer
+        // as they were when it was loaded; a control has its own by now
+        for tool in session.described.clone() {
             if session.table.is_none() || session.tools.get(tool.number).is_none() {
                 session.tools.insert(tool);
             }
@@ -432,7 +432,8 @@ fn stand_in(session: &mut Session, operations: &Operations) -> Vec<Diagnostic> {
     let is_said = |tool: &&Tool| {
         tool.number == 0 || tool.description == "stand-in" || called.contains(&tool.number)
     };
-    let findings = assumed.iter().filter(is_said).map(assumption).collect();
+    let findings =
+        assumed.iter().filter(is_said).map(|tool| assumption(tool, session.unit)).collect();
     for tool in assumed {
         session.tools.insert(tool);
     }
@@ -452,7 +453,7 @@ fn tap_of(lead: units::Lead) -> canon::TapTool {
     }
 }
 
-fn assumption(tool: &Tool) -> Diagnostic {
+fn assumption(tool: &Tool, unit: LengthUnit) -> Diagnostic {
     let text = match tool.number {
         0 => "holes are drilled with no tool in the spindle: a stand-in takes its place".to_owned(),
         n if tool.description == "stand-in" => {
@@ -461,7 +462,7 @@ fn assumption(tool: &Tool) -> Diagnostic {
         n => format!(
             "tool {n} is not in the table: a stand-in takes its place, by the program's comment \"{}\" {} of no length",
             tool.description,
-            described(tool)
+            described(tool, unit)
         ),
     };
     Diagnostic::warning("A0101", diag::Span::default(), text)
@@ -469,7 +470,7 @@ fn assumption(tool: &Tool) -> Diagnostic {
 }
 
 /// What a stand-in was taken for.
-fn described(tool: &Tool) -> String {
+fn described(tool: &Tool, unit: LengthUnit) -> String {
     let kind = match &tool.kind {
         ToolKind::Drill { .. } => "a drill",
         ToolKind::SpotDrill { .. } => "a spot drill",
@@ -479,7 +480,10 @@ fn described(tool: &Tool) -> String {
         _ => "a tool",
     };
     match tool.diameter.value() {
-        diameter if diameter > 0.0 => format!("{kind} of {diameter:.4} mm,"),
+        diameter if diameter > 0.0 => {
+            let diameter = diameter / unit.in_mm();
+            format!("{kind} of {diameter:.4} {},", unit.symbol())
+        }
         _ => kind.to_owned(),
     }
 }

@@ -58,6 +58,10 @@ pub struct Session {
     pub parameters: interp::Parameters,
     /// What to do with tools that the table lacks.
     pub missing_tools: interp::MissingTools,
+    /// The unit that the program says first.
+    pub unit: canon::LengthUnit,
+    /// The tools that the program's comments describe.
+    pub(super) described: Vec<canon::Tool>,
     /// Holes that the program taps and does not drill are there: it states it, or its operator.
     pub pre_drilled: bool,
     /// The stock that is stated for it.
@@ -118,9 +122,24 @@ impl Session {
         let (mut tools, mut tools_from, table, bytes) =
             tools(options.tools.as_deref(), options.tool_unit, program)?;
         let mut missing_tools = options.missing_tools;
-        if table.is_none() && (options.without_table || dialect == interp::Dialect::Grbl) {
+        // the built-in table is one of a mill
+        let is_foreign = dialect == interp::Dialect::Grbl || dialect.has_turret();
+        let without_table = options.without_table || is_foreign && !options.keeps_table;
+        if table.is_none() && without_table {
             (tools, tools_from) = (ToolLibrary::default(), "the program".into());
             missing_tools = interp::MissingTools::StandIn;
+        }
+        let described = super::described::tools(text);
+        if missing_tools == interp::MissingTools::StandIn {
+            // the built-in table is an example: what the program says of its tools is nearer
+            let lacks = |tool: &&canon::Tool| table.is_none() || tools.get(tool.number).is_none();
+            let taken: Vec<_> = described.iter().filter(lacks).cloned().collect();
+            if !taken.is_empty() && table.is_none() && tools.iter().next().is_some() {
+                tools_from = "the program's comments and the embedded table".into();
+            }
+            for tool in taken {
+                tools.insert(tool);
+            }
         }
         let machine_text = crate::config::machine_file::text(&options.machine)?;
         let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
@@ -148,6 +167,8 @@ impl Session {
             is_subprogram: is_subprogram(program, text),
             hashes,
             missing_tools,
+            described,
+            unit: super::described::unit(text),
             standing: None,
             before: Before::default(),
             interruption: Interruption::default(),

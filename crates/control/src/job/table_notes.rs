@@ -1,5 +1,6 @@
 //! What is to be said of the tool table while a program is read.
 use crate::job::Session;
+use crate::job::described::is_same;
 use canon::{Op, OpKind, Tool};
 use diag::Diagnostic;
 use std::collections::{BTreeMap, BTreeSet};
@@ -39,6 +40,10 @@ impl TableNotes {
         }
         if !self.called.insert(number) || tool.stand_in {
             return;
+        }
+        let described = session.described.iter().find(|described| described.number == number);
+        if let Some(described) = described.filter(|described| !is_same(tool, described)) {
+            self.found.push(differs(tool, described, session, op.span));
         }
         match &session.table {
             None if self.called.len() == 1 => self.found.push(built_in(tool, op.span)),
@@ -89,6 +94,22 @@ fn end_of_life(tool: &Tool, used_here: u32, span: diag::Span) -> Option<Diagnost
     Some(finding.with_help(
         "put in a new one and set its `life` back in the tool table, or raise its limit there",
     ))
+}
+
+/// A comment of the program describes another tool than the table has.
+fn differs(tool: &Tool, described: &Tool, session: &Session, span: diag::Span) -> Diagnostic {
+    let unit = session.unit;
+    let text = format!(
+        "T{} is \"{}\" of {} {} in {}, and the program's comment describes \"{}\": the table's is used",
+        tool.number,
+        tool.description,
+        unit.number(tool.diameter.value() / unit.in_mm()),
+        unit.symbol(),
+        session.tools_from,
+        described.description
+    );
+    Diagnostic::warning("A0115", span, text)
+        .with_help("put the tool of the comment into the table, or correct the comment")
 }
 
 fn built_in(tool: &Tool, span: diag::Span) -> Diagnostic {

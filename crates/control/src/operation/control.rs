@@ -266,6 +266,7 @@ impl Control {
             Request::TurnSpindle(spindle, spin) => self.turn_spindle(*spindle, *spin),
             Request::OrientSpindle(spindle, angle) => self.orient_spindle(*spindle, *angle),
             Request::Load(_)
+            | Request::LoadAs(..)
             | Request::Search(..)
             | Request::Start
             | Request::ManualDataInput(_) => match self.begin(request) {

@@ -62,8 +62,10 @@ impl Control {
         let shown = Arc::new(LoadedProgram { name: name.clone(), text: text.clone(), path: way });
         let (path, name) = (path.clone(), name.clone());
         let reads_files = fit.reads_files();
+        let dialect = fit.session.dialect;
         let proof = Some(Proof::of(basis, Some(fit)));
-        self.loaded = Some(Loaded { path, name, proof, reads_files, from: None, planned, shown });
+        self.loaded =
+            Some(Loaded { path, dialect, name, proof, reads_files, from: None, planned, shown });
         self.execution_after(ExecutionEvent::Reset);
         Ok(Accepted { notes })
     }

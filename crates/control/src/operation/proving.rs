@@ -167,7 +167,7 @@ impl Control {
         }
         let fit = result?;
         // one that is loaded need not be begun from here
-        if matches!(request, Request::Load(_)) {
+        if matches!(request, Request::Load(_) | Request::LoadAs(..)) {
             return self.load(fit, basis);
         }
         if basis != self.basis() {
@@ -180,10 +180,16 @@ impl Control {
 
     /// The text of a request that has one.
     pub(super) fn proving(&self, request: &Request) -> Result<Option<Proving>, Refusal> {
+        let mut options = self.options.program.clone();
         let (path, name, text) = match request {
             Request::Load(path) => (path.clone(), path.display().to_string(), None),
+            Request::LoadAs(path, dialect) => {
+                options.dialect = Some(*dialect);
+                (path.clone(), path.display().to_string(), None)
+            }
             Request::Search(..) | Request::Start => {
                 let Some(loaded) = &self.loaded else { return Ok(None) };
+                options.dialect = Some(loaded.dialect);
                 (loaded.path.clone(), loaded.name.clone(), Some(loaded.shown.text.clone()))
             }
             Request::ManualDataInput(text) => {
@@ -194,7 +200,7 @@ impl Control {
         let is_typed = matches!(request, Request::ManualDataInput(_));
         Ok(Some(Proving {
             request: request.clone(),
-            options: self.options.program.clone(),
+            options,
             path,
             name,
             text,

@@ -95,6 +95,7 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
         | Request::Home(_)
         | Request::JogStop
         | Request::Load(_)
+        | Request::LoadAs(..)
         | Request::Start
         | Request::ManualDataInput(_)
         | Request::FeedHold

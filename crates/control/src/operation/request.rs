@@ -45,6 +45,8 @@ pub enum Request {
     OrientSpindle(usize, Angle),
     /// Load a program.
     Load(PathBuf),
+    /// Load a program that is written for another dialect than the machine's.
+    LoadAs(PathBuf, interp::Dialect),
     /// Find where the program would be begun at a line, a hole or a tool, and say all that is
     /// restored before; the next start begins there. True: also where the program was changed since
     /// it was left half done.
@@ -193,6 +195,7 @@ impl Request {
                 &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoTapInThread]
             }
             Self::Load(_)
+            | Self::LoadAs(..)
             | Self::BlockSkip(..)
             | Self::SetWorkOffset(..)
             | Self::EditTool(..)

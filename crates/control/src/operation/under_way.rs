@@ -17,6 +17,8 @@ use verify::Feature;
 /// A program that is loaded.
 pub(super) struct Loaded {
     pub(super) path: PathBuf,
+    /// How it is read.
+    pub(super) dialect: interp::Dialect,
     pub(super) name: String,
     /// Proved for what was so when it was loaded, or for what is so since; `None`: not yet.
     pub(super) proof: Option<Proof>,

@@ -65,6 +65,14 @@ impl Units {
             Self::Millimetre => 1.0,
         }
     }
+
+    /// Its symbol.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Inch => "in",
+            Self::Millimetre => "mm",
+        }
+    }
 }
 
 /// Sense of rotation, seen from behind the spindle.

@@ -50,6 +50,7 @@ use crate::{
     words::Words,
 };
 use canon::Plane;
+use diag::Diagnostic;
 
 /// Shift of the centre for a lathe tool's orientation, in radii, along Z and X.
 const fn orientation_shift(orientation: u32) -> Flat {
@@ -131,7 +132,7 @@ fn compensation_on<S: Sink>(
         let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
         return refuse("I0541", span, text);
     }
-    let (diameter, orientation) = cutter(words, modes, tools, code)?;
+    let (diameter, orientation) = cutter(words, modes, tools, code, out.remarks)?;
     let left_side = matches!(code, 410 | 411) == (diameter >= 0.0);
     let radius = diameter.abs() / 2.0;
     let left_text = matches!(code, 410 | 411);
@@ -152,7 +153,13 @@ fn compensation_on<S: Sink>(
 }
 
 /// Diameter (program units) and orientation: of the words with G41.1 and G42.1, else of a tool.
-fn cutter(words: &Words, modes: &Modes, tools: &mut Tools, code: u16) -> Outcome<(f64, u32)> {
+fn cutter(
+    words: &Words,
+    modes: &Modes,
+    tools: &mut Tools,
+    code: u16,
+    remarks: &mut Vec<Diagnostic>,
+) -> Outcome<(f64, u32)> {
     if matches!(code, 411 | 421) {
         let Some(diameter) = words.get(b'D') else {
             let text = format!(
@@ -173,8 +180,36 @@ fn cutter(words: &Words, modes: &Modes, tools: &mut Tools, code: u16) -> Outcome
         Some(_) => tools.word(words, b'D')?,
     };
     let entry = tools.entry(number);
+    if !tools.states_diameter(number) {
+        let unstated = unstated(words, modes, number, code);
+        if unstated.is_error() {
+            return Err(unstated.into());
+        }
+        remarks.push(unstated);
+    }
     let orientation = if modes.plane == Plane::ZX { entry.orientation } else { 0 };
     Ok((entry.diameter / modes.units.in_mm(), orientation))
+}
+
+/// Nothing states the radius by which a tool is led beside its way: a mill is refused; a lathe's
+/// tool is led on the programmed way, as with a nose of no radius, and that is said.
+fn unstated(words: &Words, modes: &Modes, number: u32, code: u16) -> Diagnostic {
+    let g = crate::codes::spelling::written(code);
+    let span = if words.get(b'D').is_some() { words.span(b'D') } else { words.place.span };
+    if modes.plane == Plane::ZX || words.rules().turret {
+        let text = format!(
+            "G{g} leads T{number} on the programmed way, as if its nose had no radius: nothing states the radius"
+        );
+        return Diagnostic::warning("I0574", span, text).with_help(
+            "the tool table states it, or G10 before; cones and arcs are cut beside where they will be",
+        );
+    }
+    let text = format!(
+        "G{g} leads T{number} its radius beside the way, and nothing states the radius: no tool table, no comment of the program"
+    );
+    error("I0574", span, text).with_help(format!(
+        "a comment states it, as in (T{number} D=12. FLAT END MILL), or the tool table, where a diameter of 0 leads it on the way"
+    ))
 }
 
 pub(crate) fn no_compensation(words: &Words) -> Outcome {

@@ -117,6 +117,11 @@ impl Dialect {
         Self::ALL.into_iter().find(|dialect| dialect.name() == name)
     }
 
+    /// Whose programs it reads, such as "Fanuc's machining centres".
+    pub const fn people(self) -> &'static str {
+        self.rules().people
+    }
+
     /// What its programs are like, in a line for those who choose one.
     pub const fn about(self) -> &'static str {
         self.rules().about

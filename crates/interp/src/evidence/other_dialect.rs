@@ -20,6 +20,7 @@ use crate::{
     dialect::Dialect,
     evidence::{
         line::{BYTES, LINES, SplitLine},
+        other_machine::{has_letter, is_turned},
         words::{CHIP_REMOVAL, Evidence, WITHOUT_R, speaks},
     },
     setup::Setup,
@@ -32,16 +33,25 @@ const DECISIVE: u32 = 4;
 const NAMED: usize = 4;
 /// The dialect that a program is written for, if that is plainly not the one it is read in.
 pub fn looks_like(source: &[u8], read_in: Dialect) -> Option<Dialect> {
-    heaviest(&gather(source), read_in)
+    heaviest(&gather(source), read_in, is_of_a_lathe(source, read_in))
 }
 
-fn heaviest(evidence: &[Evidence], own: Dialect) -> Option<Dialect> {
+/// True for a program that turns: a dialect of mills is none of its own, whoever made the control.
+fn is_of_a_lathe(source: &[u8], own: Dialect) -> bool {
+    is_turned(source) || own.has_turret() && !has_letter(source, 'Y')
+}
+
+fn heaviest(evidence: &[Evidence], own: Dialect, turns: bool) -> Option<Dialect> {
     let weight = |dialect: Dialect| -> u32 {
         evidence.iter().filter(|e| e.belongs_to(dialect)).map(|e| e.weight).sum()
     };
     let family = |dialect: Dialect| dialect.rules().evidence;
     // of two as likely, the one with the rarer words
-    let others = Dialect::BY_RARITY.into_iter().filter(|other| family(*other) != family(own));
+    let is_fanucs = |other: &Dialect| other.grammar() == gcode::Grammar::Fanuc;
+    let others = Dialect::BY_RARITY
+        .into_iter()
+        .filter(|other| family(*other) != family(own))
+        .filter(|other| !(turns && is_fanucs(other) && !other.has_turret()));
     // and before that one for the same kind of machine
     let alike = |other: &Dialect| other.has_turret() == own.has_turret();
     let (alike, unlike): (Vec<_>, Vec<_>) = others.partition(alike);
@@ -85,7 +95,7 @@ pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
     if setup.cycles.chip_removal.is_some() {
         evidence.retain(|e| e.what != CHIP_REMOVAL); // every dialect has the words there
     }
-    let other = heaviest(&evidence, own)?;
+    let other = heaviest(&evidence, own, is_of_a_lathe(source, own))?;
     let speaks = speaking(&evidence, other);
     let end = source.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(source.len());
     let span = Span { file: 0, line: 1, start: 0, end: end as u32 };

@@ -371,4 +371,5 @@ pub(super) const ROWS: &[Finding] = &[
     row("I0571", "Probing needs a feed.", "G38.2 Z-10", "F100\nG38.2 Z-10"),
     row("I0572", "Probing needs a way.", "F100\nG38.2 Z0", "F100\nG38.2 Z-10"),
     row("I0573", "A turn alone cannot be probed.", "F100\nG38.3 A9", "F100\nG38.3 Z-10"),
+    row("I0574", "Nothing states the radius of the tool that is led beside its way.", "", ""),
 ];

@@ -29,12 +29,13 @@ pub(crate) fn meant_lead(
     }
     if off > exact * WORTH_SAYING && resolver.rounding_said != Some((tool.number, span.line)) {
         let text = format!(
-            "{letter}{} is rounded from {letter}{}: the lead of T{} ({}) is followed, {} mm per revolution",
+            "{letter}{} is rounded from {letter}{}: the lead of T{} ({}) is followed, {} {} per revolution",
             short(written),
             short(exact),
             tool.number,
             tap.designation,
-            short(own_mm)
+            short(own_mm / resolver.units.in_mm()),
+            resolver.units.symbol()
         );
         resolver.rounding_said = Some((tool.number, span.line));
         resolver.report(Diagnostic::note("I0716", span, text));

@@ -46,12 +46,18 @@ impl Tools {
             return *entry;
         }
         let mut entry = ToolEntry { number, ..ToolEntry::default() };
-        // what a stand-in measures is not known: the tool is led on the way that is written
-        if let Some(tool) = self.library.get(number).filter(|tool| !tool.stand_in) {
+        // a stand-in has the diameter that the program states of it, and no length
+        if let Some(tool) = self.library.get(number) {
             entry.offset[2] = tool.worn_length().value();
             entry.diameter = tool.worn_diameter().value();
         }
         entry
+    }
+
+    /// True if something states the diameter of a tool: a table, the program, or its comment.
+    pub(crate) fn states_diameter(&self, number: u32) -> bool {
+        let is_stated = |tool: &Tool| !tool.stand_in || tool.diameter > Length::ZERO;
+        self.written.has(number) || self.library.get(number).is_none_or(is_stated)
     }
 
     /// What programs have written of lengths and diameters is in the library by now, or was edited

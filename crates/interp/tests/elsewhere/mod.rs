@@ -19,11 +19,11 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ),
     (
         "A0106",
-        "`check` was told no machine: how the program is read, on which built-in machine, and which of its words say so.",
+        "No machine is named: how the program is read, on which built-in machine, and which of its words say so.",
     ),
     (
         "A0107",
-        "`check --summary` reads a program's numbers without a point as whole units, as they would make no sense otherwise; why is said.",
+        "No machine is named, and numbers without a point are read as whole units, as they would make no sense otherwise; why is said.",
     ),
     ("A0108", "Planning was interrupted before everything in the program was seen."),
     (
@@ -33,6 +33,14 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     (
         "A0110",
         "A comment tells the size of the stock, and not where it lies: where it is assumed to lie, and how to state it.",
+    ),
+    (
+        "A0114",
+        "No tool table is named, and the built-in one is not the program's: tools are taken from its comments; why is said.",
+    ),
+    (
+        "A0115",
+        "The tool table has another tool of this number than the program's comment describes.",
     ),
     ("A0201", "A lift table makes no cam: the row and what is wrong with it are said."),
     ("A0401", "The oscillation that D asks of the control cannot be computed; why is said."),

@@ -43,9 +43,7 @@ const DRILL_SIDEWAYS: f64 = 0.25;
 const TAP_SIDEWAYS: f64 = 0.1;
 /// Load of a drill's core, over its strength, from which on it surely breaks, and likely does.
 const BREAKS: f64 = 1.25;
-const MAY_BREAK: f64 = 0.9;
-/// Load that is advised.
-const ADVISED: f64 = 0.5;
+const MAY_BREAK: f64 = 1.0;
 /// A tip may stand so far from where the program has it, mm: wear offsets.
 const WEAR: f64 = 0.1;
 /// Places of a mill's rapid that are looked at.
@@ -123,7 +121,7 @@ enum Wrong {
     /// Fed so deep beyond what is open with a spindle that does not turn forwards.
     Still { over: f64, load: f64 },
     /// More per turn than the drill bears.
-    TooFast { per_turn: f64, load: f64 },
+    TooFast { per_turn: f64, load: f64, by_turn: bool },
     /// Without its cycle: fed, or led by a turning spindle that goes on turning at the end.
     TapFed { over: f64, is_led: bool },
 }
@@ -252,7 +250,9 @@ impl Contact {
                     let load = drill.load(chip, depth, inner);
                     let wrong = match per_turn {
                         None => Wrong::Still { over, load },
-                        Some(per_turn) => Wrong::TooFast { per_turn, load },
+                        Some(per_turn) => {
+                            Wrong::TooFast { per_turn, load, by_turn: run.is_by_turn() }
+                        }
                     };
                     let is_wrong = per_turn.is_none() && over > SLIDES || load > MAY_BREAK;
                     if is_wrong && !milled {

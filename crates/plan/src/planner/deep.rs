@@ -20,6 +20,8 @@ use units::Length;
 const WITHOUT_PECKS: f64 = 4.0;
 /// What is nearer than this is the same height, mm.
 const SAME: f64 = 1e-6;
+/// A program's numbers are rounded to so much, mm: in inches 20 mm is 0.7874.
+const ROUNDED: f64 = 0.002;
 
 /// A hole whose first feed has not come yet.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +45,7 @@ impl Planner {
         let tool = self.tools.get(self.tool).filter(|_| wild(&hole.at).is_none());
         self.stroke = tool.and_then(|tool| {
             let depth = (hole.surface - hole.bottom).abs();
-            let most = most(tool).filter(|most| depth > *most)?;
+            let most = most(tool).filter(|most| (depth - *most).value() > ROUNDED)?;
             let is_open = self.holes.at(&hole.at, hole.bottom - tool.worn_length());
             let is_new = is_open
                 .is_none_or(|open| open.full_bottom > hole.bottom - tool.worn_length() + most);

@@ -89,7 +89,7 @@ const fn name(request: &Request) -> &'static str {
         Request::JogStop => "jog_stop",
         Request::TurnSpindle(..) => "turn_spindle",
         Request::OrientSpindle(..) => "orient_spindle",
-        Request::Load(_) => "load",
+        Request::Load(_) | Request::LoadAs(..) => "load",
         Request::Search(..) => "search",
         Request::Start => "start",
         Request::ManualDataInput(_) => "manual_data_input",

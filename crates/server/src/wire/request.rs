@@ -72,8 +72,13 @@ pub(crate) enum RequestBody {
     TurnSpindle { spindle: u32, rpm: f64 },
     /// Bring a spindle to an angle within its turn.
     OrientSpindle { spindle: u32, angle_deg: f64 },
-    /// Load a program of the folder.
-    Load { program: String },
+    /// Load a program of the folder; `dialect`: it is written for another one than the machine's.
+    Load {
+        program: String,
+        #[serde(default)]
+        #[ts(optional)]
+        dialect: Option<String>,
+    },
     /// Find where the next start begins: at one of the three.
     Search {
         #[serde(default)]
@@ -250,7 +255,7 @@ impl RequestBody {
             Self::OrientSpindle { spindle, angle_deg } => {
                 Request::OrientSpindle(spindle as usize, Angle::deg(angle_deg))
             }
-            Self::Load { program } => Request::Load(folder.existing(&program)?),
+            Self::Load { program, dialect } => load(folder, &program, dialect.as_deref())?,
             Self::Search { line, hole, tool, program_changed } => {
                 let from = match (line, hole, tool) {
                     (Some(line), None, None) => Begin::Line(line),
@@ -317,5 +322,17 @@ impl RequestBody {
             Self::RenewTool { tool } => Request::RenewTool(tool),
             Self::LimitTool { tool, uses } => Request::LimitTool(tool, uses),
         })
+    }
+}
+
+/// A program of the folder, in the machine's dialect or another one.
+fn load(folder: &Folder, program: &str, dialect: Option<&str>) -> Result<Request, RefusalData> {
+    let path = folder.existing(program)?;
+    match dialect {
+        None => Ok(Request::Load(path)),
+        Some(name) => {
+            let dialect = control::job::dialect::named(name).map_err(wrong)?;
+            Ok(Request::LoadAs(path, dialect))
+        }
     }
 }

@@ -59,7 +59,7 @@ impl Loads {
         (request, name): (&Request, &str),
         wanted: Interruption,
     ) -> (LoadMark, Interruption) {
-        let loads = matches!(request, Request::Load(_));
+        let loads = matches!(request, Request::Load(_) | Request::LoadAs(..));
         if loads {
             let earlier = self.0.iter().filter(|load| load.loads);
             earlier.for_each(|load| load.break_off(BrokenOff::NewerLoad));

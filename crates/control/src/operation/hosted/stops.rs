@@ -75,6 +75,7 @@ const fn begins(request: &Request) -> Begins {
         | Request::EmergencyStop(true)
         | Request::JogStop
         | Request::Load(_)
+        | Request::LoadAs(..)
         | Request::Search(..)
         | Request::FeedHold
         | Request::Stop

@@ -251,8 +251,10 @@ fn lead_of_the_tap(resolver: &mut Resolver, span: Span) -> Option<f64> {
     let (number, lead) = (tool.number, tap.lead.value().abs());
     if resolver.pitch_said != Some(number) {
         let text = format!(
-            "no F is in force: the lead is that of T{number} ({}), {lead} mm per revolution",
-            tap.designation
+            "no F is in force: the lead is that of T{number} ({}), {} {} per revolution",
+            tap.designation,
+            crate::codes::spelling::short(lead / resolver.units.in_mm()),
+            resolver.units.symbol()
         );
         resolver.pitch_said = Some(number);
         resolver.report(Diagnostic::note("I0712", span, text));

@@ -1,15 +1,24 @@
 //! What is said of a tool that would break: the tool, what it would do, the number that works, and
 //! why it stands there.
-use super::{ADVISED, BREAKS, Contact, Planner, Point, SLIDES, WEAR, Wrong};
+use super::{BREAKS, Contact, Planner, Point, SLIDES, Sweep, WEAR, Wrong};
 use crate::findings::{Cause, number};
-use crate::words::{Rounding, advice, bare_length, feed, feed_that_works, length, place, word};
+use crate::words::{
+    Rounding, advice, bare_length, feed, feed_that_works, floor_in_unit, length, place, word,
+};
 use alloc::{format, string::String};
-use canon::{Axis, Holder, RapidIntoStock, Tool, ToolKind};
+use canon::{Axis, Feed, Holder, RapidIntoStock, Tool, ToolKind};
 use diag::{Diagnostic, Severity, Span};
 use units::Length;
 
 /// How far above the stock a rapid is clear of it, mm.
 const CLEAR: f64 = 2.0;
+
+impl Sweep {
+    /// True if the feed is one per revolution.
+    pub(super) const fn is_by_turn(self) -> bool {
+        matches!(self, Self::Feed(Feed::PerRevolution(_)) | Self::Thread(Feed::PerRevolution(_)))
+    }
+}
 
 impl Planner {
     /// Severity of what surely breaks the tool, if the stock lies where it was clamped.
@@ -59,9 +68,9 @@ impl Planner {
                 let severity = if load > BREAKS { sure } else { Severity::Warning };
                 ("M0362", over, severity, [wrong, ": M3 with an S above zero works".into()], None)
             }
-            Wrong::TooFast { per_turn, load } => {
+            Wrong::TooFast { per_turn, load, by_turn } => {
                 let severity = if load > BREAKS { sure } else { Severity::Warning };
-                ("M0363", load, severity, self.too_fast(tool, per_turn, load), None)
+                ("M0363", load, severity, self.too_fast(tool, per_turn, load, by_turn), None)
             }
             Wrong::TapFed { over, is_led } => {
                 let gives = match &tool.kind {
@@ -136,23 +145,23 @@ impl Planner {
         advice(&self.frame, Axis::Z, clear, Rounding::Up)
     }
 
-    fn too_fast(&self, tool: &Tool, per_turn: f64, load: f64) -> [String; 2] {
+    fn too_fast(&self, tool: &Tool, per_turn: f64, load: f64, by_turn: bool) -> [String; 2] {
         let frame = &self.frame;
         let rpm = self.spindles.first().map_or(0.0, |state| state.ordered.in_rpm());
-        let bears = per_turn / load;
-        let works = per_turn * ADVISED / load;
-        let how = if load > 1.0 { "more than" } else { "nearly all that" };
+        let bears = floor_in_unit(frame, per_turn / load);
+        let works =
+            if by_turn { bare_length(frame, bears) } else { feed_that_works(frame, bears * rpm) };
         [
             format!(
-                "a feed of {} at S{}, {} per turn, is {how} {} of {} bears in this material, about {} per turn",
+                "a feed of {} at S{}, {} per turn, is more than {} of {} bears in this material, {} per turn",
                 feed(frame, per_turn * rpm),
                 number(rpm),
                 length(frame, per_turn),
                 tool.name(),
                 length(frame, tool.diameter.value()),
-                bare_length(frame, libm::floor(bears * 1e3) / 1e3),
+                bare_length(frame, bears),
             ),
-            format!(": F{} works", feed_that_works(frame, works * rpm)),
+            format!(": F{works} works"),
         ]
     }
 
