@@ -9,7 +9,6 @@ use super::stock_comments::{Extent, Stated, stated};
 use crate::job::Session;
 use canon::{Op, OpKind, Plane, Position, Tool, ToolKind};
 use diag::{Diagnostic, Span};
-use store::machine::MachineFile;
 use units::Length;
 use verify::{MillStock, Stock, StockSource};
 
@@ -235,22 +234,6 @@ pub(super) fn machine_stock(session: &Session) -> Option<MillStock> {
         zero,
     };
     Some(MillStock { block, source: StockSource::MachineFile })
-}
-
-/// A lathe's bar is the one that comments state: X and Y from −r to r.
-pub(super) fn take_bar(source: &[u8], machine: &mut MachineFile) {
-    if machine.turned_bar().is_none() {
-        return;
-    }
-    let Some(Stated::Block(block)) = stated_by(source) else { return };
-    let own = machine.setup.stock;
-    let ends = |k: usize| [0, 1, 2].map(|i| Length::mm(block[i][k]));
-    let mut bar = store::machine::Stock { from: ends(0), to: ends(1), ..own };
-    let Some(radius) = bar.bar_radius() else { return };
-    if bar.bore >= radius * 2.0 {
-        bar.bore = Length::ZERO;
-    }
-    machine.setup.stock = bar;
 }
 
 /// A block in G54, clamped at its zero.

@@ -113,11 +113,7 @@ impl Session {
         if let Some(path) = &options.inputs {
             load_inputs(path, &mut machine)?;
         }
-        let mut plant =
-            options.plant.as_ref().map(|plant| plant_of(plant, &machine)).transpose()?;
-        for machine in std::iter::once(&mut machine).chain(&mut plant) {
-            super::mill_stock::take_bar(text, machine);
-        }
+        let plant = options.plant.as_ref().map(|plant| plant_of(plant, &machine)).transpose()?;
         let dialect = dialect::of(options.dialect, &machine);
         let (mut tools, mut tools_from, table, bytes) =
             tools(options.tools.as_deref(), options.tool_unit, program)?;
