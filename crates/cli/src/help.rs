@@ -267,7 +267,9 @@ mod tests {
             assert_eq!(short, help(&format!("leadscrew {name} -h")), "{name}");
             assert_eq!(short, help(&format!("leadscrew help {name}")), "{name}");
             let lines = short.lines().count();
-            assert!(lines <= 62, "{name}: {lines} lines\n{short}");
+            // who serves has a network, tokens and a broker to state
+            let most = if name == "serve" { 90 } else { 62 };
+            assert!(lines <= most, "{name}: {lines} lines\n{short}");
             let all = help(&format!("leadscrew {name} --help all"));
             let nothing = meaningless(name);
             for arg in command.get_arguments().filter(|arg| !arg.is_hide_set()) {

@@ -27,6 +27,7 @@
 //!
 //! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
 mod motor_side;
+mod unchanged;
 
 use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
 use crate::friction::Bristles;
@@ -44,10 +45,6 @@ const PLAY_CROSSING: f64 = 0.25;
 
 /// Bound of the force that stretches the screw at a reversal, over the breakaway force.
 const STRETCHING_MOST: f64 = 10.0;
-
-/// Share of its breakaway force that a drive may give an axis that rests, while its reading does
-/// not change; and of the drive's most where friction is not known.
-const STICKS: f64 = 0.4;
 const UNKNOWN_FRICTION: f64 = 0.02;
 
 /// Where a tool side shall be, and how it moves there: mm and s.
@@ -174,8 +171,7 @@ pub(crate) struct AxisLoop {
     pub(crate) brakes_at: f64,
     gap: f64,
     reading: f64,
-    /// The reading before, and the force beyond the weight that may be given until it changes.
-    unchanged: (f64, f64),
+    unchanged: Unchanged,
     stretch: f64,
     error: f64,
     /// Less than the drive could give, where it shall push with little force; else infinite.
@@ -234,7 +230,7 @@ impl AxisLoop {
             brakes_at: control.approach.1.value(),
             gap: 0.0,
             reading: 0.0,
-            unchanged: (f64::NAN, 0.0),
+            unchanged: Unchanged::new(&control, period_s),
             stretch: 0.0,
             error: 0.0,
             force_limit: f64::INFINITY,
@@ -422,27 +418,6 @@ impl AxisLoop {
         ((friction - 2.0 * last + before) * self.per_friction_change).clamp(-most, most)
     }
 
-    /// Force beyond the weight that the drive may give; infinite as a rule.
-    ///
-    /// At rest and in position, with a reading that does not change by a count, no more than
-    /// friction bears: an axis that sticks would stay where it is, and one whose encoder does not
-    /// count any more would be pushed to the end of its travel by what the loop gathers meanwhile.
-    fn borne_at_rest(&mut self, stands: bool, weight: f64) -> f64 {
-        let in_position = self.error.abs() <= self.control.windows.in_position.value();
-        let may_move = !(stands && in_position) || self.force_limit.is_finite();
-        if may_move || self.reading != self.unchanged.0 {
-            let friction = self.control.friction.breakaway.value();
-            let known = if friction > 0.0 {
-                STICKS * friction
-            } else {
-                UNKNOWN_FRICTION * self.control.peak_force.value()
-            };
-            self.unchanged = (self.reading, known.max((self.force + weight).abs()));
-            return f64::INFINITY;
-        }
-        self.unchanged.1
-    }
-
     /// The command for this period, with the axis' own feed-forwards or others.
     pub(crate) fn command(&mut self, others: Option<FeedForward>) -> AxisCommand {
         let shares = others.unwrap_or(self.control.feed_forward);
@@ -479,7 +454,9 @@ impl AxisLoop {
                 if regained.is_some() {
                     self.servo.resume();
                 }
-                let borne = self.borne_at_rest(ways.0 == 0.0, weight);
+                let in_position = self.error.abs() <= self.control.windows.in_position.value();
+                let rests = ways == (0.0, 0.0) && in_position && self.force_limit.is_infinite();
+                let borne = self.unchanged.borne(rests, self.reading, self.force + weight);
                 let limits = (
                     (-weight - borne).clamp(-limit, limit),
                     (-weight + borne).clamp(-limit, limit),

@@ -19,6 +19,14 @@ use store::machine::{MachineFile, Ramp, StockMaterial};
 use store::tools::{TableUnit, ToolTable};
 use units::{Coordinate, Length};
 
+/// The inserts of a table.
+fn inserts(tools: &ToolLibrary) -> ToolLibrary {
+    let mut inserts = ToolLibrary::default();
+    let kept = tools.iter().filter(|tool| matches!(tool.kind, canon::ToolKind::Insert(_)));
+    kept.for_each(|tool| inserts.insert(tool.clone()));
+    inserts
+}
+
 /// A mill that the program's comments describe, and no table has.
 const fn is_described(tool: &canon::Tool) -> bool {
     tool.stand_in && matches!(tool.kind, canon::ToolKind::EndMill(_))
@@ -118,11 +126,12 @@ impl Session {
         let (mut tools, mut tools_from, table, bytes) =
             tools(options.tools.as_deref(), options.tool_unit, program)?;
         let mut missing_tools = options.missing_tools;
-        // the built-in table is one of a mill
+        // the built-in table is one of a mill, but for its inserts
         let is_foreign = dialect == interp::Dialect::Grbl || dialect.has_turret();
         let without_table = options.without_table || is_foreign && !options.keeps_table;
         if table.is_none() && without_table {
-            (tools, tools_from) = (ToolLibrary::default(), "the program".into());
+            tools = if dialect.has_turret() { inserts(&tools) } else { ToolLibrary::default() };
+            tools_from = "the program".into();
             missing_tools = interp::MissingTools::StandIn;
         }
         let described = super::described::tools(text);

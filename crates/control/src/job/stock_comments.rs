@@ -76,6 +76,11 @@ fn round_of(upper: &str, unit: f64) -> Option<Stated> {
         upper.strip_prefix(name).filter(|rest| !rest.starts_with(|c: char| c.is_alphanumeric()))
     })?;
     let tokens = tokens(rest, unit);
+    // what is left on the part, or taken off it
+    let other = ["REMOVAL", "ALLOWANCE", "LEFT", "LEAVE", "TO"];
+    if tokens.iter().any(|token| matches!(token, Token::Word(word) if other.contains(word))) {
+        return None;
+    }
     let of = |words: &[&str]| {
         let at = tokens.iter().position(|t| matches!(t, Token::Word(w) if words.contains(w)))?;
         let number = |at: Option<usize>| match tokens.get(at?) {
@@ -314,7 +319,7 @@ mod tests {
             assert_eq!(bar(text), long, "{text}");
         }
         assert_eq!(bar("(STOCK DIA 32 BORE 12.5 LENGTH 80)"), (32.0, Some(12.5), Some(80.0)));
-        assert_eq!(bar("G20\n(STOCK DIA 1.25 LENGTH 3)"), (31.75, None, Some(76.2)));
+        assert_eq!(bar("G20\n(STOCK DIA 1.25 LENGTH 3)"), (31.75, None, Some(3.0 * 25.4)));
         assert_eq!(bar("G21\n(STOCK DIA 1.25 IN)"), (31.75, None, None));
     }
 

@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(name(Dialect::FanucLatheB, 71.0), Some("roughing cycle along Z"));
         assert_eq!(name(Dialect::Fanuc, 333.0), None);
         let of = |value| describe(b'G', value).map(|code| code.dialects.len());
-        assert_eq!((of(0.0), of(33.1)), (Some(10), Some(4)));
+        assert_eq!((of(0.0), of(33.1)), (Some(11), Some(4)));
         let own = |dialect, code: &str| {
             dialect_codes().any(|info| info.dialects == [dialect] && info.code == code)
         };

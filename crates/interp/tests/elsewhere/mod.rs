@@ -35,6 +35,14 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "A comment tells the size of the stock, and not where it lies: where it is assumed to lie, and how to state it.",
     ),
     (
+        "A0111",
+        "The stock that is stated cannot be clamped on this machine: the machine's file's is taken; why is said.",
+    ),
+    (
+        "A0112",
+        "A called tool broke, and nobody has said since that it was changed: how to say so is said.",
+    ),
+    (
         "A0114",
         "No tool table is named, and the built-in one is not the program's: tools are taken from its comments; why is said.",
     ),

@@ -48,10 +48,6 @@ const FEWEST: usize = 8;
 /// Longest time between two knots of a jerk-limited plan, s, unless the servo period is longer.
 const LONGEST_STEP: f64 = 0.02;
 
-/// How much slower than the quickest axis one may be at reaching its acceleration, before that
-/// sets the plan's step.
-const SPREAD: f64 = 16.0;
-
 /// By how much, as a share, ṡ² may be above what can be kept: rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -121,20 +117,15 @@ fn slowest(limits: &Limits) -> (f64, f64) {
     (least(|bounds| &bounds.accel), least(|bounds| &bounds.jerk))
 }
 
-/// An eighth of the time in which an axis reaches its acceleration, s: within less, hardly any can
-/// do something else. Zero without a limit of jerk.
-///
-/// The quickest axis counts, unless another takes [`SPREAD`] times as long: beside that one its
-/// limit of jerk is as good as none.
+/// An eighth of the time in which the acceleration is reached by axes with a limit of jerk, s:
+/// within less, hardly any axis can do something else. Zero without a limit of jerk.
 pub(crate) fn step(limits: &Limits) -> f64 {
     let all = [&limits.feed, &limits.rapid].into_iter();
-    let times = all.flat_map(|bounds| bounds.accel.iter().zip(&bounds.jerk));
-    let times = times.filter(|(accel, jerk)| **accel > 0.0 && jerk.is_finite() && **jerk > 0.0);
-    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for time in times.map(|(accel, jerk)| accel / jerk) {
-        (least, most) = (least.min(time), most.max(time));
-    }
-    if most > 0.0 { least.max(most / SPREAD) / 8.0 } else { 0.0 }
+    let axes = all.flat_map(|bounds| bounds.accel.iter().zip(&bounds.jerk));
+    let jerky = axes.filter(|(accel, jerk)| **accel > 0.0 && **jerk > 0.0 && jerk.is_finite());
+    let least = |m: (f64, f64), (accel, jerk): (&f64, &f64)| (m.0.min(*accel), m.1.min(*jerk));
+    let (accel, jerk) = jerky.fold((f64::INFINITY, f64::INFINITY), least);
+    if jerk.is_finite() { accel / jerk / 8.0 } else { 0.0 }
 }
 
 /// A quarter of the shortest oscillation from one side of a tolerance to the other, s (Favard:
