@@ -277,6 +277,38 @@ fn a_called_file_that_is_edited_after_the_search_starts_nothing_and_the_place_is
     assert_eq!(all(left.control.status().features), before + 2);
 }
 
+/// A pipe that no program reads would keep the one thread that writes.
+#[test]
+#[cfg(unix)]
+fn logs_that_are_named_pipes_are_said_and_all_else_is_kept() {
+    let home = tempfile::tempdir().unwrap();
+    let state = home.path().join("state");
+    let mut control = control("tapping-center", &state);
+    let path = home.path().join("part.ngc");
+    fs::write(&path, PROGRAM.replacen("T2 M6\n", "(MSG, clamp it)\nT2 M6\n", 1)).unwrap();
+    for name in ["messages.jsonl", "features.jsonl"] {
+        let made = std::process::Command::new("mkfifo").arg(state.join(name)).status();
+        assert!(made.unwrap().success());
+    }
+    control.request(&Request::Load(path)).unwrap();
+    run(&mut control);
+    let mut said = Vec::new();
+    while let Some(event) = control.next_event() {
+        said.push(format!("{event:?}"));
+    }
+    for words in [
+        "a message is not kept: messages.jsonl: it is a named pipe",
+        "a feature is not in the log: features.jsonl: it is a named pipe",
+    ] {
+        assert!(said.iter().any(|text| text.contains(words)), "{words}: {said:#?}");
+    }
+    let machine = MachineIdentity::of(control.machine());
+    drop(control);
+    let (_, kept, found) = StateFolder::open(&state, &machine).unwrap();
+    assert_eq!((found, kept.changes), (Vec::new(), Vec::new()));
+    assert!(kept.last_program.unwrap().is_completed);
+}
+
 #[test]
 fn however_many_programs_are_run_the_features_in_memory_are_bounded() {
     let home = tempfile::tempdir().unwrap();

@@ -475,6 +475,21 @@ fn a_real_full_disk_is_named() {
     assert_eq!(refused.kind(), io::ErrorKind::StorageFull);
 }
 
+#[test]
+#[cfg(unix)]
+fn a_record_is_written_into_no_pipe_and_the_one_before_counts_on() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut slots, _) = Slots::open(StateFolder::open(home.path()).unwrap(), &identity()).unwrap();
+    slots.write(&record(1, Stage::Inward)).unwrap();
+    let pipe = home.path().join("sync-record.new");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let refused = slots.write(&record(1, Stage::Outward)).unwrap_err().to_string();
+    assert!(refused.contains("named pipe") && refused.contains("remove it"), "{refused}");
+    drop(slots);
+    let (_, kept) = Slots::open(StateFolder::open(home.path()).unwrap(), &identity()).unwrap();
+    assert_eq!(kept.record, Some(record(1, Stage::Inward)));
+}
+
 proptest! {
     #[test]
     fn any_bytes_are_a_record_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
