@@ -236,7 +236,12 @@ impl Control {
         }
         let (slots, found) = Slots::open(folder.for_record(), &outside.identity)
             .map_err(|why| Refusal::because(why.to_string()))?;
-        let checksum = session.texts(text).crc32();
+        let texts = session.texts(text);
+        let why = self.changed_since_recovery(found.record.as_ref(), name, &texts);
+        if let Some(why) = why.filter(|_| restart.is_some()) {
+            return Err(Refusal::because(why));
+        }
+        let checksum = texts.crc32();
         let of_this = |record: &SyncRecord| {
             record.stage == Stage::Recovered && record.place.checksum == checksum
         };

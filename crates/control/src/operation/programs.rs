@@ -14,9 +14,9 @@ use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
 use super::tool_path::ToolPath;
 use super::under_way::{Loaded, LoadedProgram, Searched, UnderWay, count_from};
-use crate::job::Session;
 use crate::job::preflight::wrong_from;
 use crate::job::restart::{self, Restart};
+use crate::job::{Session, Texts};
 use crate::observers::use_up;
 use crate::{Loaded as Ready, Refused, Running};
 use bus::State;
@@ -25,6 +25,7 @@ use diag::{Diagnostic, Severity};
 use kernel::Order;
 use std::sync::Arc;
 use store::state::LastProgram;
+use store::sync_record::{Stage, SyncRecord};
 
 /// Findings of a program that is accepted which are said.
 const MOST_NOTES: usize = 20;
@@ -93,6 +94,29 @@ impl Control {
         })
     }
 
+    /// Why a program is not begun in its middle beside this sync record: a recovery took a tool out
+    /// of other texts of it, and nothing that this control remembers is newer.
+    pub(super) fn changed_since_recovery(
+        &self,
+        record: Option<&SyncRecord>,
+        name: &str,
+        texts: &Texts<'_>,
+    ) -> Option<String> {
+        let place = &record.filter(|record| record.stage == Stage::Recovered)?.place;
+        let file = |name: &str| std::path::Path::new(name).file_name().map(ToOwned::to_owned);
+        let is_known =
+            |last: &LastProgram| is_same_place(&last.path, name) && last.sha256 == texts.sha256();
+        let searched = self.loaded.as_ref().and_then(|loaded| loaded.from.as_ref());
+        let is_confirmed = searched.is_some_and(|searched| searched.is_confirmed);
+        let is_other = file(&place.program) == file(name) && place.checksum != texts.crc32();
+        (is_other && !is_confirmed && !self.last_program.as_ref().is_some_and(is_known)).then(|| {
+            format!(
+                "{} was changed since a tool was taken out of it at line {}, hole {}: its lines and holes may not be those that were cut; compare them, then search with \"program changed\" (program_changed)",
+                texts.described(name), place.line, place.hole
+            )
+        })
+    }
+
     /// Where the program would be begun, and what is restored before its first move.
     fn search(
         &mut self,
@@ -113,7 +137,7 @@ impl Control {
         let Some(loaded) = &mut self.loaded else { return Ok(Accepted::default()) };
         loaded.proof = Some(Proof::of(basis, Some(fit)));
         let notes = found?;
-        loaded.from = Some(Searched { from, sha256 });
+        loaded.from = Some(Searched { from, sha256, is_confirmed });
         Ok(Accepted { notes })
     }
 

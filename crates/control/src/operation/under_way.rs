@@ -38,6 +38,8 @@ pub(super) struct Searched {
     pub(super) from: restart::From,
     /// SHA-256 of the texts in which it was found.
     pub(super) sha256: String,
+    /// Texts that were changed since the program was left were compared.
+    pub(super) is_confirmed: bool,
 }
 
 /// A program that is loaded, for a client that shows it.
