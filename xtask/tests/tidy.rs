@@ -52,6 +52,7 @@ fn no_file_is_longer_than_one_idea() {
 fn every_file_is_read_by_the_one_reader_that_has_a_limit() {
     // the system's own files, and those of a folder that is locked
     let own = [
+        "crates/store/src/regular.rs",
         "crates/store/src/text.rs",
         "crates/store/src/output.rs",
         "crates/store/src/state/plain.rs",
@@ -77,6 +78,49 @@ fn every_file_is_read_by_the_one_reader_that_has_a_limit() {
         others.extend(found.map(|reader| format!("{name}: {reader}")));
     }
     assert!(others.is_empty(), "not read by store::open or store::read_bytes: {others:#?}");
+}
+
+/// Files are created, emptied and appended to by [`store::regular`], which waits for no pipe and
+/// opens no device; or made under a name of their own and renamed.
+#[test]
+fn every_file_is_written_by_the_one_way_that_takes_regular_files_alone() {
+    let own = [
+        "crates/store/src/regular.rs",
+        // options without links, for files whose kind is looked at
+        "crates/store/src/state/plain.rs",
+    ];
+    let writers = [
+        "File::create",
+        "File::options",
+        "OpenOptions",
+        "fs::write(",
+        "fs::copy(",
+        ".write(true)",
+        ".append(true)",
+    ];
+    let checked = "must_be_regular(";
+    let mut others = Vec::new();
+    for file in sources() {
+        let name = shown(&file);
+        let is_product = name.starts_with("crates/") && name.contains("/src/");
+        let is_test = ["tests.rs", "documented.rs", "machine_keys.rs", "/tests/"]
+            .iter()
+            .any(|part| name.contains(part));
+        if !is_product || is_test || own.contains(&name.as_str()) {
+            continue;
+        }
+        let text = read(&file);
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let code = code.split("#[cfg(all(test").next().unwrap_or_default();
+        let code = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let code = code.collect::<Vec<_>>().join("\n");
+        if code.contains(checked) || code.contains("is_plain(&file)") {
+            continue; // the locked file, and the alarms beside it
+        }
+        let found = writers.iter().filter(|writer| code.contains(**writer));
+        others.extend(found.map(|writer| format!("{name}: {writer}")));
+    }
+    assert!(others.is_empty(), "not written by store::regular: {others:#?}");
 }
 
 #[test]

@@ -20,8 +20,7 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> 
     said += &format!("{}\n", comparison.scatter);
     if let Some(out) = &args.out {
         let page = report::comparison_html(&comparison);
-        std::fs::write(out, page)
-            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
+        store::output::write_file(out, page.as_bytes())?;
         said += &format!("report: {}\n", out.display());
     }
     if !quiet {

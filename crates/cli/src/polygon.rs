@@ -44,8 +44,7 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
         Told { design: &designed.design, best: &designed.ways[designed.best], all: &designed };
     if let Some(out) = &args.out {
         let page = report::polygon_html(&told.page());
-        std::fs::write(out, page)
-            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
+        store::output::write_file(out, page.as_bytes())?;
     }
     match args.format {
         Format::Json => say::out(&format!("{:#}\n", told.json())),

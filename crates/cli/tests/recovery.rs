@@ -146,6 +146,30 @@ fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
 }
 
 #[test]
+fn a_thread_is_not_cut_again_by_a_called_file_that_was_edited_without_a_word() {
+    let tap = "G99 G84 X0 Y0 Z-20 R5 F1250\n";
+    let calls = one_tap("G84", 11).replace(tap, "o<taps> call\n");
+    let taps = format!("o<taps> sub\n{tap}o<taps> endsub\n");
+    let simulator = Simulator::killing_at(&[2.5], &[]);
+    let file = simulator.folder.path().join("taps.ngc");
+    std::fs::write(&file, &taps).unwrap();
+    simulator.run(&calls, &[]);
+    assert_eq!(simulator.status()["tool_in_work"], 11);
+    assert_eq!(simulator.recover(&[])["outcome"], "recovered");
+    std::fs::write(&file, taps.replace("Z-20", "Z-15")).unwrap();
+    let refused = simulator.run(&calls, &["--from", "hole 1"]);
+    let why = complained(&refused);
+    assert_ne!(refused.status.code(), Some(0), "{why}");
+    assert!(why.contains("a file that it calls was changed since it was left at line"), "{why}");
+    assert!(why.contains("hole 1") && why.contains("--program-changed"), "{why}");
+    std::fs::write(&file, &taps).unwrap();
+    let again = simulator.run(&calls, &["--from", "hole 1"]);
+    assert_eq!(again.status.code(), Some(0), "{}{}", said(&again), complained(&again));
+    let certificate: Value = serde_json::from_slice(&again.stdout).unwrap();
+    assert_eq!(certificate["features"][0]["recovered"], true, "{certificate:#}");
+}
+
+#[test]
 fn an_operators_hold_on_a_machine_simulator_is_resumed_backed_out_or_recovered() {
     for (orders, ended, inside) in [
         ("hold at depth 8mm; resume at 4s", true, false),

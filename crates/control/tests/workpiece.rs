@@ -158,6 +158,157 @@ fn a_program_that_was_changed_since_it_was_left_is_not_begun_in_its_middle_witho
     second.request(&Request::Search(hole, false)).unwrap();
 }
 
+/// A program that calls two files, of which one calls the other, and is left after its first
+/// feature; the control that comes after it.
+struct LeftHalfDone {
+    home: tempfile::TempDir,
+    control: Control,
+}
+
+const CALLS: &str = "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X0 Y0 Z5\n\
+    o<holes> call\nG80\nG0 Z50\nM2\n";
+const HOLES: &str = "o<holes> sub\nG99 G81 X0 Y0 Z-16 R2 F600\no<more> call\no<holes> endsub\n";
+const MORE: &str = "o<more> sub\nG81 X20 Y0 Z-16 R2\nG81 X40 Y0 Z-16 R2\no<more> endsub\n";
+
+impl LeftHalfDone {
+    fn new() -> Self {
+        let home = tempfile::tempdir().unwrap();
+        let left = Self { control: control("tapping-center", &home.path().join("state")), home };
+        left.write("calls.ngc", CALLS);
+        left.write("holes.ngc", HOLES);
+        left.write("more.ngc", MORE);
+        left.write("other.ngc", PROGRAM);
+        let mut left = left;
+        left.load("calls.ngc");
+        left.control.request(&Request::Start).unwrap();
+        until(&mut left.control, |control| all(control.status().features) == 1);
+        left.switched_off_and_on()
+    }
+
+    fn switched_off_and_on(self) -> Self {
+        let Self { home, control: before } = self;
+        drop(before);
+        Self { control: control("tapping-center", &home.path().join("state")), home }
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.home.path().join(name), text).unwrap();
+    }
+
+    fn load(&mut self, name: &str) {
+        self.control.request(&Request::Load(self.home.path().join(name))).unwrap();
+    }
+
+    /// Where the second hole is, or why not.
+    fn search(&mut self) -> Result<(), String> {
+        let found = self.control.request(&Request::Search(restart::From::Hole(2), false));
+        found.map(drop).map_err(|why| why.to_string())
+    }
+}
+
+#[test]
+fn an_edit_of_any_file_that_a_program_calls_is_one_of_the_program() {
+    let mut left = LeftHalfDone::new();
+    for (file, text) in [("calls.ngc", CALLS), ("holes.ngc", HOLES), ("more.ngc", MORE)] {
+        let edited = text.replace("Z-16", "Z-18").replace("S3000", "S2500");
+        assert_ne!(edited, text);
+        left.write(file, &edited);
+        left.load("calls.ngc");
+        let refused = left.search().expect_err(file);
+        assert!(refused.contains("or a file that it calls was changed since"), "{refused}");
+        left.write(file, text);
+        left.load("calls.ngc");
+        left.search().expect(file);
+    }
+    // confirmed, it is begun; then it is the program that was left
+    left.write("more.ngc", &MORE.replace("X40", "X45"));
+    left.load("calls.ngc");
+    left.control.request(&Request::Search(restart::From::Hole(2), true)).unwrap();
+    let before = all(left.control.status().features);
+    left.control.request(&Request::Start).unwrap();
+    until(&mut left.control, |control| all(control.status().features) == before + 1);
+    let mut left = left.switched_off_and_on();
+    left.load("calls.ngc");
+    left.search().unwrap();
+}
+
+#[test]
+fn only_a_start_takes_the_place_of_how_far_a_program_came() {
+    let mut left = LeftHalfDone::new();
+    left.load("calls.ngc");
+    left.load("other.ngc");
+    left.search().unwrap();
+    let mut left = left.switched_off_and_on();
+    left.write("more.ngc", &MORE.replace("X40", "X45"));
+    left.load("other.ngc");
+    left.load("calls.ngc");
+    left.search().unwrap_err();
+    fs::create_dir(left.home.path().join("elsewhere")).unwrap();
+    left.load("./elsewhere/../calls.ngc");
+    left.search().unwrap_err();
+    // the same texts and others under another name, and others of the same name elsewhere
+    left.write("copy.ngc", CALLS);
+    left.load("copy.ngc");
+    left.search().unwrap();
+    left.write("elsewhere/calls.ngc", PROGRAM);
+    left.load("elsewhere/calls.ngc");
+    left.search().unwrap();
+    left.load("calls.ngc");
+    left.search().unwrap_err();
+    run(&mut left.control);
+    left.write("more.ngc", MORE);
+    left.load("calls.ngc");
+    left.search().unwrap();
+}
+
+#[test]
+fn a_called_file_that_is_edited_after_the_search_starts_nothing_and_the_place_is_kept() {
+    let mut left = LeftHalfDone::new();
+    left.load("calls.ngc");
+    left.search().unwrap();
+    left.write("more.ngc", &MORE.replace("X40", "X45"));
+    for _ in 0..2 {
+        let refused = left.control.request(&Request::Start).unwrap_err().to_string();
+        assert!(refused.contains("search again"), "{refused}");
+    }
+    left.write("more.ngc", MORE);
+    let before = all(left.control.status().features);
+    run(&mut left.control);
+    assert_eq!(all(left.control.status().features), before + 2);
+}
+
+/// A pipe that no program reads would keep the one thread that writes.
+#[test]
+#[cfg(unix)]
+fn logs_that_are_named_pipes_are_said_and_all_else_is_kept() {
+    let home = tempfile::tempdir().unwrap();
+    let state = home.path().join("state");
+    let mut control = control("tapping-center", &state);
+    let path = home.path().join("part.ngc");
+    fs::write(&path, PROGRAM.replacen("T2 M6\n", "(MSG, clamp it)\nT2 M6\n", 1)).unwrap();
+    for name in ["messages.jsonl", "features.jsonl"] {
+        let made = std::process::Command::new("mkfifo").arg(state.join(name)).status();
+        assert!(made.unwrap().success());
+    }
+    control.request(&Request::Load(path)).unwrap();
+    run(&mut control);
+    let mut said = Vec::new();
+    while let Some(event) = control.next_event() {
+        said.push(format!("{event:?}"));
+    }
+    for words in [
+        "a message is not kept: messages.jsonl: it is a named pipe",
+        "a feature is not in the log: features.jsonl: it is a named pipe",
+    ] {
+        assert!(said.iter().any(|text| text.contains(words)), "{words}: {said:#?}");
+    }
+    let machine = MachineIdentity::of(control.machine());
+    drop(control);
+    let (_, kept, found) = StateFolder::open(&state, &machine).unwrap();
+    assert_eq!((found, kept.changes), (Vec::new(), Vec::new()));
+    assert!(kept.last_program.unwrap().is_completed);
+}
+
 #[test]
 fn however_many_programs_are_run_the_features_in_memory_are_bounded() {
     let home = tempfile::tempdir().unwrap();

@@ -111,7 +111,7 @@ impl Link {
             return Err(NotReady::Unsettled);
         }
         refuse_changed(options, job, kept.record.as_ref())?;
-        let checksum = crc32fast::hash(&job.program.text);
+        let checksum = checksum(job);
         let of_this = |r: &SyncRecord| r.stage == Stage::Recovered && r.place.checksum == checksum;
         let recovered = kept.record.filter(|r| options.from.is_some() && of_this(r));
         let recovered = recovered.map(|record| record.place.hole);
@@ -145,7 +145,7 @@ impl Link {
         let before = restart.map_or(0, |restart| restart.holes);
         let program = sync_record::Program {
             name: &job.program.name,
-            text: &job.program.text,
+            checksum: checksum(job),
             command: command.to_vec(),
         };
         let record_writer = self.state.map(|(slots, identity)| {
@@ -180,6 +180,11 @@ pub(crate) fn simulated(job: &Job, seed: u64) -> Result<SimulatedMachine, Refuse
     }
 }
 
+/// By what a record knows again that none of the program's texts was changed.
+fn checksum(job: &Job) -> u32 {
+    job.session.texts(&job.program.text).crc32()
+}
+
 /// A program that was changed since its record was written is not begun in its middle without a
 /// word: its lines and holes may be others.
 fn refuse_changed(
@@ -190,14 +195,16 @@ fn refuse_changed(
     let Some(place) = record.map(|record| &record.place) else { return Ok(()) };
     let file = |name: &str| std::path::Path::new(name).file_name().map(ToOwned::to_owned);
     let is_this = file(&place.program).is_some() && file(&place.program) == file(&job.program.name);
-    let is_changed = place.checksum != crc32fast::hash(&job.program.text);
+    let is_changed = place.checksum != checksum(job);
     if options.from.is_none() || options.program_changed || !is_this || !is_changed {
         return Ok(());
     }
     Err(Refused::because(format!(
         "{} was changed since it was left at line {}, hole {}: its lines and holes may not be those that were cut; compare them, then say \
          --program-changed",
-        job.program.name, place.line, place.hole
+        job.session.texts(&job.program.text).described(&job.program.name),
+        place.line,
+        place.hole
     )))
 }
 

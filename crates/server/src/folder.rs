@@ -5,10 +5,13 @@
 //! to must lie in the folder, in none that holds state or secrets ([`Closed`]), have the name of a
 //! program and be one ([`program_files`]). A file that is there is replaced only by who says which
 //! version of it he replaces, or that it may be any; the version before is kept beside it.
+mod replaced;
+
 use crate::tokens::hex;
 use crate::wire::{FileBody, FolderBody};
 use control::job::program_files;
 use control::operation::hosted::{RefusalData, RefusalKind};
+use replaced::{Old, before};
 use sha2::{Digest, Sha256};
 use std::io::Write as _;
 use std::path::{Component, Path, PathBuf};
@@ -136,6 +139,7 @@ impl Folder {
             .canonicalize()
             .map_err(|e| format!("cannot open the folder of programs {}: {e}", path.display()))?;
         if root.is_dir() {
+            replaced::remove_remains(&root, DEEPEST);
             let (own, closed) = (Vec::new(), Vec::new());
             return Ok(Self { root, named: path.to_owned(), own, closed, writing: Arc::default() });
         }
@@ -299,36 +303,39 @@ impl Folder {
         program_files::check_text(text).map_err(|why| no_program(path, why))?;
         let target = self.target(path)?;
         let _one = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_there = target.exists();
         let disk = |e: &dyn core::fmt::Display| {
             FolderError::Disk(format!("cannot write \"{}\": {e}", short(path)))
         };
-        if is_there && is_same(&target, text) {
+        let old = Old::open(&target).map_err(|e| disk(&e))?;
+        if old.as_ref().is_some_and(|old| old.has(text)) {
             // it is as it was: the version before stays what it is
             return match replaces {
                 Replaces::Nothing => Err(exists(path)),
                 Replaces::Version(_) | Replaces::Any => Ok(version(text)),
             };
         }
-        may_replace(path, &target, is_there, replaces)?;
-        let beside = target.parent().unwrap_or(&self.root);
-        let new = || tempfile::Builder::new().prefix(".leadscrew-").tempfile_in(beside);
-        let mut file = new().map_err(|e| disk(&e))?;
-        file.write_all(text).map_err(|e| disk(&e))?;
-        if is_there {
-            let about = target.metadata().map_err(|e| disk(&e))?;
-            file.as_file().set_permissions(about.permissions()).map_err(|e| disk(&e))?;
-        }
-        file.as_file().sync_all().map_err(|e| disk(&e))?;
-        if let Some(before) = before(&target).filter(|_| is_there) {
-            let kept = new().map_err(|e| disk(&e))?;
-            std::fs::copy(&target, kept.path()).map_err(|e| disk(&e))?;
-            kept.as_file().sync_all().map_err(|e| disk(&e))?;
-            kept.persist(before).map_err(|e| disk(&e.error))?;
-        }
-        let done = if is_there { file.persist(&target) } else { file.persist_noclobber(&target) };
-        done.map_err(|e| disk(&e.error))?;
+        may_replace(path, old.as_ref(), replaces)?;
+        self.put(&target, text, old.as_ref()).map_err(|e| disk(&e))?;
         Ok(version(text))
+    }
+
+    /// Puts a text in a place, and the one that was there beside it.
+    fn put(&self, target: &Path, text: &[u8], old: Option<&Old>) -> std::io::Result<()> {
+        let beside = target.parent().unwrap_or(&self.root);
+        let mut file = replaced::new_file(beside)?;
+        file.write_all(text)?;
+        if let Some(old) = old {
+            old.give_permissions(&file)?;
+        }
+        file.as_file().sync_all()?;
+        let placed = match old {
+            None => file.persist_noclobber(target),
+            Some(old) => {
+                old.keep(beside)?;
+                file.persist(target)
+            }
+        };
+        placed.map(drop).map_err(|e| e.error)
     }
 
     /// Where a program is to be written.
@@ -346,9 +353,8 @@ impl Folder {
         if !self.is_open(&folder) || !self.is_open(&target) {
             return Err(outside(path));
         }
-        if target.is_dir() {
-            let reason = format!("\"{}\" is a folder", short(path));
-            return Err(FolderError::NotAPath(reason));
+        if let Ok(about) = target.metadata() {
+            must_be_a_file(path, &about)?;
         }
         named_as_program(path, &[&relative, &target])?;
         Ok(target)
@@ -427,37 +433,29 @@ fn version(text: &[u8]) -> String {
     hex(&Sha256::digest(text)[..16])
 }
 
-/// Where the version before is kept: beside it, hidden.
-fn before(target: &Path) -> Option<PathBuf> {
-    let name = target.file_name()?.to_str()?;
-    Some(target.with_file_name(format!(".{name}.before")))
-}
-
-/// Whether a file has just this text.
-fn is_same(target: &Path, text: &[u8]) -> bool {
-    store::read_bytes(target, "a program that is replaced", text.len() as u64)
-        .is_ok_and(|there| there == text)
+/// What is replaced is a program: no folder, no named pipe, socket or device.
+fn must_be_a_file(path: &str, about: &std::fs::Metadata) -> Result<(), FolderError> {
+    let what = match about {
+        about if about.is_file() => return Ok(()),
+        about if about.is_dir() => "is a folder",
+        _ => "is no file but a named pipe, a socket or a device: remove it, or write another one",
+    };
+    Err(FolderError::NotAPath(format!("\"{}\" {what}", short(path))))
 }
 
 /// Whether what is there may be replaced.
-fn may_replace(
-    path: &str,
-    target: &Path,
-    is_there: bool,
-    replaces: &Replaces,
-) -> Result<(), FolderError> {
+fn may_replace(path: &str, old: Option<&Old>, replaces: &Replaces) -> Result<(), FolderError> {
     let path = short(path);
-    match (is_there, replaces) {
-        (false, Replaces::Nothing | Replaces::Any) | (true, Replaces::Any) => Ok(()),
-        (true, Replaces::Nothing) => Err(exists(&path)),
-        (false, Replaces::Version(_)) => Err(FolderError::Exists(
+    match (old, replaces) {
+        (None, Replaces::Nothing | Replaces::Any) | (Some(_), Replaces::Any) => Ok(()),
+        (Some(_), Replaces::Nothing) => Err(exists(&path)),
+        (None, Replaces::Version(_)) => Err(FolderError::Exists(
             format!("\"{path}\" is no longer there"),
             "write it as a new program, without If-Match",
         )),
-        (true, Replaces::Version(known)) => {
-            let most = LARGEST_PROGRAM as u64;
-            let text = store::read_bytes(target, "a program that is replaced", most)
-                .map_err(|e| FolderError::Disk(e.to_string()))?;
+        (Some(old), Replaces::Version(known)) => {
+            let text =
+                old.read(LARGEST_PROGRAM as u64).map_err(|e| FolderError::Disk(e.to_string()))?;
             if known.contains(&version(&text)) {
                 return Ok(());
             }
@@ -535,6 +533,41 @@ mod tests {
         assert_eq!(std::fs::read(outside.path().join("secret.ngc")).expect("read"), b"M30\n");
         assert!(!outside.path().join("new.ngc").exists());
         assert!(folder.list().programs.is_empty(), "{:?}", folder.list());
+    }
+
+    /// Each of these would wait for a program at the other end.
+    #[test]
+    fn what_is_no_file_is_neither_read_nor_written_nor_listed_nor_waited_for() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| dir.path().join(name);
+        let pipe = |name: &str| {
+            let made = std::process::Command::new("mkfifo").arg(at(name)).status();
+            assert!(made.expect("run").success());
+        };
+        pipe("pipe.ngc");
+        std::os::unix::fs::symlink("pipe.ngc", at("link.ngc")).expect("linked");
+        let _listener = std::os::unix::net::UnixListener::bind(at("socket.ngc")).expect("bound");
+        std::os::unix::fs::symlink("/dev/null", at("device.ngc")).expect("linked");
+        let folder = Folder::open(dir.path()).expect("opened");
+        let version = Replaces::Version(vec!["0".into()]);
+        for name in ["pipe.ngc", "link.ngc", "socket.ngc", "device.ngc"] {
+            for replaces in [&Replaces::Any, &Replaces::Nothing, &version] {
+                let written = folder.write(name, b"M2\n", replaces);
+                assert!(matches!(written, Err(FolderError::NotAPath(_))), "{name}: {written:?}");
+            }
+            assert!(folder.read(name).is_err() && folder.read_before(name).is_err(), "{name}");
+            assert!(folder.existing(name).is_err() && folder.place(name).is_none(), "{name}");
+        }
+        assert!(folder.list().programs.is_empty(), "{:?}", folder.list());
+        // the version before a program
+        folder.write("a.ngc", b"G0 X1\n", &Replaces::Nothing).expect("written");
+        pipe(".a.ngc.before");
+        assert!(folder.read_before("a.ngc").is_err());
+        folder.write("a.ngc", b"G0 X2\n", &Replaces::Any).expect("written");
+        assert_eq!(folder.read_before("a.ngc").expect("kept").text, b"G0 X1\n");
+        let hidden = std::fs::read_dir(dir.path()).expect("read").flatten();
+        let hidden = hidden.filter(|e| e.file_name().to_string_lossy().starts_with(".leadscrew"));
+        assert_eq!(hidden.count(), 0, "nothing is left of what was written");
     }
 
     #[test]

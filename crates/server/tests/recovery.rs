@@ -113,9 +113,19 @@ fn a_tool_that_a_lost_control_has_left_in_its_thread_is_known_and_taken_out_by_t
     served.until("out", |status| status["is_tool_in_work"] == false);
     assert_eq!(served.status()["left_in_work"], Value::Null);
 
-    // and the thread is cut again, from its hole on
+    // by another text it is not cut again without a word, though the program lies elsewhere now
     served.home();
-    assert_eq!(served.put("/programs/part.ngc", PART.as_bytes()).0, 200);
+    let edited = format!("{PART}(edited)\n");
+    assert_eq!(served.put("/programs/part.ngc", edited.as_bytes()).0, 200);
+    served.accepted(json!({ "request": "load", "program": "part.ngc" }));
+    served.accepted(json!({ "request": "search", "hole": 4 }));
+    for _ in 0..2 {
+        let (_, answer) = served.request(&json!({ "request": "start" }));
+        let reason = answer["reason"].as_str().unwrap_or_default();
+        assert!(reason.contains("was changed since a tool was taken out of it"), "{answer}");
+    }
+    // and the thread is cut again, from its hole on
+    assert_eq!(served.put("/programs/part.ngc?replace=true", PART.as_bytes()).0, 200);
     served.accepted(json!({ "request": "load", "program": "part.ngc" }));
     served.accepted(json!({ "request": "search", "hole": 4 }));
     served.accepted(json!({ "request": "start" }));

@@ -227,6 +227,45 @@ fn a_run_for_which_the_disk_has_no_space_is_said_and_the_next_one_is_kept() {
     assert_eq!(runs(&served, "", 1)[0]["program"], "spot.ngc");
 }
 
+/// Each of these would wait for another program: for ever, and the one thread that writes with it.
+#[cfg(unix)]
+#[test]
+fn named_pipes_among_programs_and_state_are_refused_or_said_and_hold_up_nothing() {
+    let state = tempfile::tempdir().unwrap();
+    let served = ready(state.path());
+    let programs = served.folder.path();
+    for pipe in [
+        programs.join("pipe.ngc"),
+        programs.join("sub.ngc"),
+        state.path().join("messages.jsonl"),
+        state.path().join("features.jsonl"),
+    ] {
+        assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
+    }
+    for query in ["", "?replace=true"] {
+        let (status, answer) = served.put(&format!("/programs/pipe.ngc{query}"), b"M2\n");
+        assert_eq!(status, 422, "{answer}");
+        assert!(answer["reason"].as_str().unwrap().contains("named pipe"), "{answer}");
+    }
+    assert_eq!(served.get("/programs/pipe.ngc").0, 404);
+    assert_eq!(served.get("/programs/pipe.ngc?before=true").0, 404);
+    assert_eq!(served.request(&json!({ "request": "load", "program": "pipe.ngc" })).0, 422);
+    let said = format!("(MSG, clamp it)\n{SPOT}");
+    assert_eq!(served.put("/programs/said.ngc", said.as_bytes()).0, 200);
+    assert_eq!(served.put("/programs/calls.ngc", b"o<sub> call\nM2\n").0, 200);
+    assert_eq!(served.request(&json!({ "request": "load", "program": "calls.ngc" })).0, 422);
+    let listed = served.get("/programs").1;
+    let listed = listed.to_string();
+    assert!(listed.contains("calls.ngc") && !listed.contains("pipe.ngc"), "{listed}");
+    served.execute("said.ngc");
+    notice(&served, ["a message is not kept", "messages.jsonl", "named pipe"]);
+    notice(&served, ["a feature is not in the log", "features.jsonl", "named pipe"]);
+    served.accepted(json!({ "request": "feed_override", "percent": 50 }));
+    let kept = std::fs::read_to_string(state.path().join("settings.toml")).unwrap();
+    assert!(kept.contains("feed_override = 0.5"), "{kept}");
+    runs(&served, "", 1);
+}
+
 #[test]
 fn a_program_runs_where_the_folder_of_runs_cannot_be_written_and_that_is_said() {
     let state = tempfile::tempdir().unwrap();

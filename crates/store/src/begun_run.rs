@@ -5,8 +5,8 @@
 //!   RUNS/.ID-Xy12/begun.json   program, hash, when
 //!               /cut.jsonl     a verdict a line, as features are judged
 //! ```
+use crate::regular;
 use serde::{Deserialize, Serialize};
-use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::Path;
 
@@ -41,10 +41,10 @@ impl BegunRun {
     /// # Errors
     /// The disk refuses.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
-        let mut file = File::create(folder.join(FILES[0]))?;
+        let mut file = regular::create(&folder.join(FILES[0]))?;
         file.write_all(&serde_json::to_vec(self)?)?;
         file.sync_all()?;
-        File::create(folder.join(FILES[1]))?.sync_all()
+        regular::create(&folder.join(FILES[1]))?.sync_all()
     }
 
     /// What a folder says of a run that was begun in it; `None`: nothing.
@@ -62,7 +62,7 @@ impl BegunRun {
     /// # Errors
     /// The disk refuses.
     pub fn append(folder: &Path, feature: &CutFeature) -> io::Result<()> {
-        let file = OpenOptions::new().append(true).open(folder.join(FILES[1]));
+        let file = regular::append_to_existing(&folder.join(FILES[1]));
         let mut file = match file {
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
             other => other?,

@@ -21,6 +21,7 @@ mod nearest;
 pub mod output;
 pub mod parameters;
 pub mod phases;
+pub mod regular;
 pub mod solid;
 pub mod state;
 pub mod sync_record;

@@ -14,7 +14,7 @@
 //! The certificate goes first and comes last, so at every instant, a power cut included, a
 //! certificate that lies in the folder belongs to the files beside it. A run that fails or is
 //! refused leaves `out/` as it was; a killed one leaves a hidden folder besides.
-use crate::Error;
+use crate::{Error, regular};
 use std::{
     ffi::OsStr,
     fs::{self, File},
@@ -71,7 +71,8 @@ impl Folder {
     /// # Errors
     /// When the file system refuses.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
-        fs::write(self.path(name), bytes)
+        regular::create(&self.path(name))
+            .and_then(|mut file| file.write_all(bytes))
             .map_err(|cause| Error::file("write", &self.destination.join(name), cause))
     }
 
@@ -89,7 +90,7 @@ impl Folder {
         let mut names = Vec::new();
         for entry in fs::read_dir(self.making.path())? {
             let entry = entry?;
-            File::open(entry.path())?.sync_all()?;
+            regular::open(&entry.path())?.sync_all()?;
             names.push(entry.file_name());
         }
         sync_folder(self.making.path())?;
@@ -124,7 +125,8 @@ impl NewFile {
     /// # Errors
     /// Nothing can be written there.
     pub fn begin(destination: &Path) -> Result<Self, Error> {
-        let begun = hidden(".leadscrew-", FILE_MODE).tempfile_in(parent(destination));
+        let begin = || hidden(".leadscrew-", FILE_MODE).tempfile_in(parent(destination));
+        let begun = regular::may_be_replaced(destination).and_then(|()| begin());
         let file = begun.map_err(|cause| Error::file("create", destination, cause))?;
         Ok(Self { destination: destination.to_owned(), file })
     }
@@ -152,8 +154,14 @@ impl NewFile {
 /// Write one file so that a reader sees the old or the new one, never half of it.
 ///
 /// # Errors
-/// When the file system refuses; the old file is untouched then.
+/// When the file system refuses, or no file is there; what is there is untouched then.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    regular::may_be_replaced(path).map_err(|cause| Error::file("write", path, cause))?;
+    replace(path, bytes)
+}
+
+/// The same, whatever is there.
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let written = || {
         let mut file = hidden(".leadscrew-", FILE_MODE).tempfile_in(parent(path))?;
         file.write_all(bytes)?;
@@ -287,6 +295,13 @@ mod tests {
         write_file(&path, b"new").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(listing(home.path()), ["linuxcnc.var"]);
+        let pipe = home.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for place in [&pipe, Path::new("/dev/null")] {
+            let sentence = write_file(place, b"new").unwrap_err().to_string();
+            assert!(sentence.ends_with("and no file: name a file"), "{sentence}");
+            assert!(NewFile::begin(place).is_err());
+        }
         let sentence = write_file(&home.path().join("no/p.var"), b"").unwrap_err().to_string();
         assert!(sentence.ends_with("no/p.var: there is no such file or folder"), "{sentence}");
     }

@@ -6,7 +6,7 @@
 //!
 //! Every reader here first takes the whole text, never more than its limit plus one byte: a device
 //! that never ends, or a file that grows while it is read, cannot fill the memory.
-use crate::Error;
+use crate::{Error, regular};
 use diag::{Diagnostic, Span};
 use std::{
     fs::File,
@@ -30,31 +30,18 @@ pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>
     read_stream(file, path, what, limit)
 }
 
-/// A file that is to be read: the one place where files are opened, which does not wait for the
-/// writer of a named pipe. Who reads it has a limit.
+/// Opens a file that is to be read: the one place where files are opened that a user names, which
+/// waits for no named pipe ([`regular`]). Who reads it has a limit. A pipe that a process holds
+/// open, such as a shell's `<(…)`, has its writer: what is named by its place in `/dev` or `/proc`
+/// is opened whatever it is.
 ///
 /// # Errors
-/// It cannot be opened, or is such a pipe.
+/// It cannot be opened, or is no file.
 pub fn open(path: &Path) -> io::Result<File> {
-    if is_named_pipe(path) {
-        let why = "it is a named pipe, which waits for a writer, and no file; what another program writes is read from standard input, by the name -";
-        return Err(io::Error::other(why));
+    if path.starts_with("/dev") || path.starts_with("/proc") {
+        return File::open(path);
     }
-    File::open(path)
-}
-
-/// Whether no process may ever write to it. One that a process holds open, such as a shell's
-/// `<(…)`, has its writer.
-#[cfg(unix)]
-fn is_named_pipe(path: &Path) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    let open = path.starts_with("/dev") || path.starts_with("/proc");
-    !open && path.metadata().is_ok_and(|about| about.file_type().is_fifo())
-}
-
-#[cfg(not(unix))]
-const fn is_named_pipe(_: &Path) -> bool {
-    false
+    regular::open(path)
 }
 
 /// The bytes of a stream such as standard input, as [`read_bytes`]; `path` names it in sentences.

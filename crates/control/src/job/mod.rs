@@ -25,12 +25,14 @@ mod session;
 mod stock_comments;
 pub mod subprograms;
 pub mod table_notes;
+mod texts;
 
 pub use interruption::{Interruption, ReadProgress};
 pub use live::Live;
 pub use operations::{Before, Cursor, Left, Operations, Reading, Source};
 pub use options::ProgramOptions;
 pub use session::{Session, read_program, tools};
+pub use texts::Texts;
 
 /// The embedded machine that is taken where none is named.
 pub const DEFAULT_MACHINE: &str = "tapping-center";

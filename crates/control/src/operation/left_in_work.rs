@@ -236,7 +236,12 @@ impl Control {
         }
         let (slots, found) = Slots::open(folder.for_record(), &outside.identity)
             .map_err(|why| Refusal::because(why.to_string()))?;
-        let checksum = crc32fast::hash(text);
+        let texts = session.texts(text);
+        let why = self.changed_since_recovery(found.record.as_ref(), name, &texts);
+        if let Some(why) = why.filter(|_| restart.is_some()) {
+            return Err(Refusal::because(why));
+        }
+        let checksum = texts.crc32();
         let of_this = |record: &SyncRecord| {
             record.stage == Stage::Recovered && record.place.checksum == checksum
         };
@@ -246,7 +251,7 @@ impl Control {
             recovered.map(|record| record.place.hole),
             outside.welcome.evidence.last,
         );
-        let program = sync_record::Program { name, text, command: Vec::new() };
+        let program = sync_record::Program { name, checksum, command: Vec::new() };
         let top = session.work_zero().linear[2] + session.machine.setup.stock.to[2];
         let identity = outside.identity.clone();
         let is_real_time = outside.welcome.real_time || self.options.real_time.is_some();

@@ -13,10 +13,10 @@ use super::proof::{Basis, Fit, Proof};
 use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
 use super::tool_path::ToolPath;
-use super::under_way::{Loaded, LoadedProgram, UnderWay, count_from};
-use crate::job::Session;
+use super::under_way::{Loaded, LoadedProgram, Searched, UnderWay, count_from};
 use crate::job::preflight::wrong_from;
 use crate::job::restart::{self, Restart};
+use crate::job::{Session, Texts};
 use crate::observers::use_up;
 use crate::{Loaded as Ready, Refused, Running};
 use bus::State;
@@ -25,6 +25,7 @@ use diag::{Diagnostic, Severity};
 use kernel::Order;
 use std::sync::Arc;
 use store::state::LastProgram;
+use store::sync_record::{Stage, SyncRecord};
 
 /// Findings of a program that is accepted which are said.
 const MOST_NOTES: usize = 20;
@@ -50,14 +51,8 @@ impl Control {
         );
         let mut notes = vec![format!("{name}: {count} operations, {time}")];
         notes.extend(notes_of(&proved.known.findings));
-        let sha256 = store::certificate::sha256(text);
-        if let Some(why) = self.changed_since(name, &sha256) {
-            notes.push(why); // how far it came is kept until it is started
-        } else {
-            self.last_program =
-                Some(LastProgram { path: name.clone(), sha256, ..LastProgram::default() });
-            self.keep_program()?;
-        }
+        // how far the last program came is kept until one is started
+        notes.extend(self.changed_since(&fit, &fit.sha256()));
         let way = self.path_through(proved.operations.all());
         let shown = Arc::new(LoadedProgram { name: name.clone(), text: text.clone(), path: way });
         let (path, name) = (path.clone(), name.clone());
@@ -86,14 +81,38 @@ impl Control {
     }
 
     /// Why a place in this program may not be where it was: the program was left half done, and its
-    /// text is another one since.
-    fn changed_since(&self, name: &str, sha256: &str) -> Option<String> {
+    /// texts are others since.
+    fn changed_since(&self, fit: &Fit, sha256: &str) -> Option<String> {
         let last = self.last_program.as_ref()?;
         let is_half_done = last.line > 0 && !last.is_completed;
-        (is_half_done && last.path == name && last.sha256 != sha256).then(|| {
+        let is_this = is_same_place(&last.path, &fit.name);
+        (is_half_done && is_this && last.sha256 != sha256).then(|| {
             format!(
-                "{name} was changed since it was left at line {}, in feature {}: its lines and holes may not be those that were cut",
-                last.line, last.feature
+                "{} was changed since it was left at line {}, in feature {}: its lines and holes may not be those that were cut",
+                fit.session.texts(&fit.text).described(&fit.name), last.line, last.feature
+            )
+        })
+    }
+
+    /// Why a program is not begun in its middle beside this sync record: a recovery took a tool out
+    /// of other texts of it, and nothing that this control remembers is newer.
+    pub(super) fn changed_since_recovery(
+        &self,
+        record: Option<&SyncRecord>,
+        name: &str,
+        texts: &Texts<'_>,
+    ) -> Option<String> {
+        let place = &record.filter(|record| record.stage == Stage::Recovered)?.place;
+        let file = |name: &str| std::path::Path::new(name).file_name().map(ToOwned::to_owned);
+        let is_known =
+            |last: &LastProgram| is_same_place(&last.path, name) && last.sha256 == texts.sha256();
+        let searched = self.loaded.as_ref().and_then(|loaded| loaded.from.as_ref());
+        let is_confirmed = searched.is_some_and(|searched| searched.is_confirmed);
+        let is_other = file(&place.program) == file(name) && place.checksum != texts.crc32();
+        (is_other && !is_confirmed && !self.last_program.as_ref().is_some_and(is_known)).then(|| {
+            format!(
+                "{} was changed since a tool was taken out of it at line {}, hole {}: its lines and holes may not be those that were cut; compare them, then search with \"program changed\" (program_changed)",
+                texts.described(name), place.line, place.hole
             )
         })
     }
@@ -105,7 +124,8 @@ impl Control {
         is_confirmed: bool,
         fit: Fit,
     ) -> Result<Accepted, Refusal> {
-        if let Some(why) = self.changed_since(&fit.name, &store::certificate::sha256(&fit.text))
+        let sha256 = fit.sha256();
+        if let Some(why) = self.changed_since(&fit, &sha256)
             && !is_confirmed
         {
             return Err(Refusal::because(format!(
@@ -117,16 +137,19 @@ impl Control {
         let Some(loaded) = &mut self.loaded else { return Ok(Accepted::default()) };
         loaded.proof = Some(Proof::of(basis, Some(fit)));
         let notes = found?;
-        loaded.from = Some(from);
+        loaded.from = Some(Searched { from, sha256, is_confirmed });
         Ok(Accepted { notes })
     }
 
     fn start(&mut self, fit: Fit) -> Result<Accepted, Refusal> {
-        let from = self.loaded.as_mut().and_then(|loaded| loaded.from.take());
-        let restart = from.map(|from| find(&fit, from)).transpose()?;
+        let searched = self.loaded.as_ref().and_then(|loaded| loaded.from.clone());
+        let restart = searched.map(|searched| found_again(&fit, &searched)).transpose()?;
         let session = &fit.session;
         let notes = restart.as_ref().map_or_else(Vec::new, |restart| restored(session, restart));
         self.begin_text(Mode::Automatic, fit, restart)?;
+        if let Some(loaded) = &mut self.loaded {
+            loaded.from = None;
+        }
         Ok(Accepted { notes })
     }
 
@@ -163,7 +186,7 @@ impl Control {
         let writer = self.record_writer(&session, (&name, &text), restart.as_ref())?;
         match mode {
             Mode::Automatic => {
-                self.begin_last_program(&name, &text);
+                self.begin_last_program(&name, session.texts(&text).sha256());
                 self.start_on_workpiece(restart.is_none());
             }
             Mode::ManualDataInput | Mode::Manual => self.put_aside_features(),
@@ -203,9 +226,8 @@ impl Control {
         Ok(())
     }
 
-    /// How far a program of another text came counts no more.
-    fn begin_last_program(&mut self, name: &str, text: &[u8]) {
-        let sha256 = store::certificate::sha256(text);
+    /// How far a program of other texts came counts no more.
+    fn begin_last_program(&mut self, name: &str, sha256: String) {
         let is_same = |last: &LastProgram| last.path == name && last.sha256 == sha256;
         if !self.last_program.as_ref().is_some_and(is_same) {
             let path = name.to_owned();
@@ -324,6 +346,32 @@ impl Control {
             self.events.push(Event::Notice(format!("{name} was given up")));
         }
     }
+}
+
+/// Whether two paths name the same file, by their names alone: a control waits for no disk.
+fn is_same_place(a: &str, b: &str) -> bool {
+    let plain = |path: &str| {
+        let mut names = std::path::PathBuf::new();
+        for name in std::path::absolute(path).unwrap_or_else(|_| path.into()).components() {
+            match name {
+                std::path::Component::ParentDir => _ = names.pop(),
+                name => names.push(name),
+            }
+        }
+        names
+    };
+    a == b || plain(a) == plain(b)
+}
+
+/// The place that was searched, in the texts in which it was found.
+fn found_again(fit: &Fit, searched: &Searched) -> Result<Restart, Refusal> {
+    if fit.sha256() != searched.sha256 {
+        return Err(Refusal::because(format!(
+            "a file that {} calls was changed since the place to begin at was found: compare it, then search again",
+            fit.name
+        )));
+    }
+    find(fit, searched.from)
 }
 
 fn find(fit: &Fit, from: restart::From) -> Result<Restart, Refusal> {

@@ -31,6 +31,11 @@ pub(super) struct Fit {
 }
 
 impl Fit {
+    /// By what it is known again that none of its texts was changed.
+    pub(super) fn sha256(&self) -> String {
+        self.session.texts(&self.text).sha256()
+    }
+
     /// It is made from more than its text: subprograms in files, cams and what was measured of
     /// them.
     pub(super) fn reads_files(&self) -> bool {

@@ -25,11 +25,21 @@ pub(super) struct Loaded {
     /// It is made from more than its text, which may change until it is started.
     pub(super) reads_files: bool,
     /// Where the next start begins, if not at the beginning.
-    pub(super) from: Option<restart::From>,
+    pub(super) from: Option<Searched>,
     /// Planned time from start to end; `None`: not known yet.
     pub(super) planned: Option<Time>,
     /// What a picture of it shows.
     pub(super) shown: Arc<LoadedProgram>,
+}
+
+/// A place in a program from which it is to be begun.
+#[derive(Clone)]
+pub(super) struct Searched {
+    pub(super) from: restart::From,
+    /// SHA-256 of the texts in which it was found.
+    pub(super) sha256: String,
+    /// Texts that were changed since the program was left were compared.
+    pub(super) is_confirmed: bool,
 }
 
 /// A program that is loaded, for a client that shows it.

@@ -83,8 +83,8 @@ pub fn in_work(record: &SyncRecord, feedback: &bus::Feedback) -> bool {
 pub struct Program<'a> {
     /// Its path, as it is shown.
     pub name: &'a str,
-    /// Its text.
-    pub text: &'a [u8],
+    /// CRC-32 of its texts.
+    pub checksum: u32,
     /// The words that started it, for what goes on after a recovery.
     pub command: Vec<String>,
 }
@@ -159,7 +159,7 @@ impl RecordWriter {
             thread,
             identity,
             program: program.name.to_owned(),
-            checksum: crc32fast::hash(program.text),
+            checksum: program.checksum,
             tools: tools.clone(),
             real_time,
             holes: BTreeMap::new(),

@@ -5,11 +5,12 @@
 //! ```
 //!
 //! Alarms are counted from 1 as long as the folder lives: one that is missing between two, or after
-//! the last, is noticed.//!
+//! the last, is noticed.
+//!
 //! A line that was cut short by a power cut, or changed, does not fit its checksum and is passed
 //! over. Of more than [`MOST_ALARMS`] the older half is forgotten.
 use super::plain;
-use crate::{Error, output};
+use crate::{Error, output, regular};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 use std::path::Path;
@@ -108,7 +109,7 @@ impl AlarmFile {
             let before = self.last - self.alarms.len() as u64;
             let numbered = self.alarms.iter().zip(before + 1..);
             let text: String = numbered.map(|(alarm, nth)| line(alarm, nth)).collect();
-            output::write_file(&folder.join(Self::NAME), text.as_bytes())?;
+            output::replace(&folder.join(Self::NAME), text.as_bytes())?;
             self.is_dirty = false;
         }
         Ok(())
@@ -150,6 +151,7 @@ impl AlarmFile {
 
 fn append(folder: &Path, path: &Path, text: &str) -> io::Result<()> {
     let mut file = plain::options().create(true).append(true).open(path)?;
+    regular::must_be_regular(&file)?;
     let is_new = file.metadata()?.len() == 0;
     file.write_all(text.as_bytes())?;
     file.sync_all()?;

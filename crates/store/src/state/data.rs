@@ -41,13 +41,14 @@ impl Homing {
     }
 }
 
-/// The program that was loaded, and how far it came.
+/// The program that was started last, and how far it came.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LastProgram {
     /// Its path, as it was named.
     pub path: String,
-    /// SHA-256 of its text: another text makes the position meaningless.
+    /// SHA-256 of its texts, those of the files that it calls among them: others make the position
+    /// meaningless.
     pub sha256: String,
     /// Line of the block that was being executed.
     pub line: u32,

@@ -3,7 +3,8 @@
 //!
 //! They are for people, and nothing is read from them; so their lines are appended without a seal.
 //! Of a large one the file before it is kept as `NAME.previous`, and no other.
-use std::fs::{self, OpenOptions};
+use crate::regular;
+use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
@@ -70,13 +71,15 @@ fn append_line(
     largest: u64,
     entry: &impl serde::Serialize,
 ) -> io::Result<()> {
-    let path = folder.join(name);
-    if fs::metadata(&path).is_ok_and(|about| about.len() >= largest) {
-        fs::rename(&path, folder.join(super::previous(name)))?;
-    }
-    let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
-    let line = serde_json::to_string(entry)?;
-    writeln!(file, "{line}")
+    let appended = || -> io::Result<()> {
+        let path = folder.join(name);
+        if fs::metadata(&path).is_ok_and(|about| about.len() >= largest) {
+            fs::rename(&path, folder.join(super::previous(name)))?;
+        }
+        let line = serde_json::to_string(entry)?;
+        writeln!(regular::append(&path)?, "{line}")
+    };
+    appended().map_err(|e| io::Error::new(e.kind(), format!("{name}: {e}")))
 }
 
 #[cfg(test)]
@@ -96,5 +99,41 @@ mod tests {
         let sizes: Vec<_> = sizes.map(|about| about.len()).collect();
         assert_eq!(sizes.len(), 2);
         assert!(sizes.iter().all(|size| *size < LARGEST + 200_000), "{sizes:?}");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_log_that_is_a_named_pipe_is_refused_by_its_name_and_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [FILE, FEATURES] {
+            let made = std::process::Command::new("mkfifo").arg(folder.path().join(name)).status();
+            assert!(made.unwrap().success());
+        }
+        let message = append(
+            folder.path(),
+            &LoggedMessage {
+                unix_ms: 1,
+                time_s: 0.5,
+                program: "part.ngc".into(),
+                line: 7,
+                text: "x".into(),
+            },
+        );
+        let feature = append_feature(
+            folder.path(),
+            &LoggedFeature {
+                unix_ms: 1,
+                program: "part.ngc".into(),
+                workpiece: 1,
+                line: 7,
+                verdict: "good",
+                text: "a hole".into(),
+            },
+        );
+        for (name, logged) in [(FILE, message), (FEATURES, feature)] {
+            let why = logged.unwrap_err().to_string();
+            assert!(why.starts_with(&format!("{name}: it is a named pipe")), "{why}");
+            assert!(why.ends_with("remove it"), "{why}");
+        }
     }
 }

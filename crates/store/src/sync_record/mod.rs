@@ -60,7 +60,7 @@ pub struct Place {
     /// The program as the user named it.
     #[serde(serialize_with = "cut_name")]
     pub program: String,
-    /// CRC-32 of its text.
+    /// CRC-32 of its texts, those of the files that it calls among them.
     pub checksum: u32,
     /// Index of the operation.
     pub op: u32,

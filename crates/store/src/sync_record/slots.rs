@@ -14,8 +14,9 @@
 //! that the tap is out, which the encoders show. Where it says that nothing is in the work, the
 //! damaged one may be newer and say the contrary: that is refused.
 use super::{Identity, LONGEST, Stage, SyncRecord, Untrusted};
+use crate::regular;
 use crate::state::lock::FolderLock;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -96,7 +97,7 @@ impl StateFolder {
 
 impl Disk for StateFolder {
     fn write(&mut self, name: &str, bytes: &[u8]) -> io::Result<()> {
-        let mut file = File::create(self.path.join(name))?;
+        let mut file = regular::create(&self.path.join(name))?;
         file.write_all(bytes)?;
         file.flush()?;
         file.sync_all()

@@ -466,13 +466,19 @@ fn a_real_folder_keeps_the_record_and_lets_one_control_in() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_real_full_disk_is_named() {
+fn a_real_full_disk_and_a_pipe_are_named() {
     let home = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink("/dev/full", home.path().join("sync-record.new")).unwrap();
     let folder = StateFolder::open(home.path()).unwrap();
     let (mut slots, _) = Slots::open(folder, &identity()).unwrap();
     let refused = slots.write(&record(1, Stage::Inward)).unwrap_err();
     assert_eq!(refused.kind(), io::ErrorKind::StorageFull);
+    // nor does a pipe keep the thread that writes
+    let new = home.path().join("sync-record.new");
+    std::fs::remove_file(&new).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(new).status().unwrap().success());
+    let refused = slots.write(&record(1, Stage::Inward)).unwrap_err().to_string();
+    assert!(refused.contains("named pipe"), "{refused}");
 }
 
 proptest! {

@@ -4,7 +4,7 @@
 //!   push(&Sample) ─► Rows: one Vec per column ─(GROUP_ROWS full)─► encoded, compressed, on the disk
 //! ```
 use super::{Columns, GROUP_ROWS, Rows};
-use crate::Error;
+use crate::{Error, regular};
 use bus::{Sample, State};
 use parquet::{
     basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical},
@@ -37,7 +37,7 @@ impl Writer {
     /// # Errors
     /// When the file cannot be created.
     pub fn create(path: &Path, columns: Columns, about: &[(&str, &str)]) -> Result<Self, Error> {
-        let file = File::create(path).map_err(|cause| Error::file("create", path, cause))?;
+        let file = regular::create(path).map_err(|cause| Error::file("create", path, cause))?;
         let properties = properties(about);
         let schema = Arc::new(schema(&columns).map_err(|e| failed(path, &e))?);
         let file = SerializedFileWriter::new(file, schema, Arc::new(properties))
