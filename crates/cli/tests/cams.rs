@@ -246,12 +246,13 @@ fn a_generated_program_runs_as_it_was_printed() {
                 let words = [&["cam", "--machine", machine, "--speed", speed], *form].concat();
                 let printed = said(&leadscrew(&[&words[..], &["--format", "gcode"]].concat()));
                 let folder = tempfile::tempdir().unwrap();
-                let library: String = printed
+                let library: Vec<_> = printed
                     .lines()
                     .skip_while(|line| !(line.starts_with("(nodes") || line.starts_with("([[")))
                     .take_while(|line| !line.starts_with("(S") && !line.starts_with('G'))
-                    .map(|line| format!("{}\n", line.trim_start_matches('(').trim_end_matches(')')))
+                    .map(|line| line.trim_start_matches('(').trim_end_matches(')'))
                     .collect();
+                let library = library.join("\n") + "\n";
                 std::fs::write(folder.path().join("cams.toml"), library).unwrap();
                 let program = folder.path().join("cam.ngc");
                 std::fs::write(&program, &printed).unwrap();

@@ -254,7 +254,8 @@ impl Logs {
             }
             mb
         };
-        Self(is_over, Some(std::thread::spawn(write)))
+        let thread = std::thread::Builder::new().name("logs".into());
+        Self(is_over, Some(thread.spawn(write).unwrap()))
     }
 
     /// MB that were written.

@@ -5,10 +5,6 @@
 //!   NUL NUL setup of part 7  %  O0007 …  M30  %  NUL NUL
 //!   └──── leader ─────────┘                     └ trailer
 //! ```
-use crate::block::{Block, Word};
-use crate::expression::Value;
-use crate::fanuc::Grammar;
-use crate::parser::Parser;
 
 /// A text without the byte by which old systems marked the end of a file (Ctrl-Z), and what they
 /// filled it up with.
@@ -23,16 +19,13 @@ pub(crate) fn before_end_mark(source: &[u8]) -> &[u8] {
 }
 
 /// The leader of a tape: text for people before the line that begins with the percent sign. `from`
-/// is where the text begins. It is none where what stands there can be a program: a block, without
-/// a numbered program behind the sign; a numbered program; or its end.
+/// is where the text begins; `is_text` says whether what stands there is that, and no part of a
+/// program, also by whether a numbered program stands behind the sign.
 pub(crate) fn leader(
     source: &[u8],
     from: usize,
-    grammar: Grammar,
+    is_text: impl FnOnce(&[u8], bool) -> bool,
 ) -> Option<core::ops::Range<usize>> {
-    if grammar != Grammar::Fanuc {
-        return None;
-    }
     let is_sign = |at: &usize| {
         let before = &source[from..*at];
         let begin = memchr::memrchr(b'\n', before).map_or(0, |end| end + 1);
@@ -43,22 +36,5 @@ pub(crate) fn leader(
     let lines = behind.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
     let first = lines.into_iter().find(|line| !(line.is_empty() || line.starts_with(b"(")))?;
     let is_numbered = matches!(first, [b'O' | b'o' | b':' | b'<', ..]);
-    let before = &source[from..sign];
-    let mut parser = Parser::of_part(before, 0, grammar);
-    let (mut block, mut is_text) = (Block::new(), false);
-    while parser.next(&mut block) {
-        let ends = |word: &Word| {
-            let code =
-                matches!(word.value, Value::Number(n) if [2.0, 30.0, 98.0, 99.0].contains(&n));
-            word.letter == b'M' && code
-        };
-        let is_program = block.o.is_some() || block.words.iter().any(ends);
-        let is_block =
-            !block.words.is_empty() || block.control.is_some() || !block.assignments.is_empty();
-        if !block.faulty && (is_program || is_block && !is_numbered) {
-            return None;
-        }
-        is_text |= block.faulty || is_block;
-    }
-    is_text.then_some(from..sign)
+    is_text(&source[from..sign], is_numbered).then_some(from..sign)
 }

@@ -87,7 +87,10 @@ impl<'a> Parser<'a> {
         let blank = memchr::memrchr(0, &rest[..blank]).map_or(0, |last| last + 1);
         self.line += memchr::memchr_iter(b'\n', &rest[..blank]).count() as u32;
         self.offset += blank;
-        let Some(leader) = leader(self.source, self.offset, self.grammar) else { return };
+        if self.grammar != Grammar::Fanuc {
+            return;
+        }
+        let Some(leader) = leader(self.source, self.offset, is_leader) else { return };
         let text = &self.source[self.offset..leader.end];
         let first = text.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
         let lines = |text: &[u8]| memchr::memchr_iter(b'\n', text).count() as u32;
@@ -471,4 +474,25 @@ fn begins_o_word(before: &[u8]) -> bool {
     before
         .iter()
         .all(|b| matches!(b, b' ' | b'\t' | b'\r' | b'/' | b'n' | b'N' | b'.' | b'0'..=b'9'))
+}
+/// Whether a text before the percent sign is one for people: it is none where it can be a program,
+/// a block without a numbered program behind the sign, a numbered program, or its end.
+fn is_leader(before: &[u8], is_numbered: bool) -> bool {
+    let mut parser = Parser::of_part(before, 0, Grammar::Fanuc);
+    let (mut block, mut is_text) = (Block::new(), false);
+    while parser.next(&mut block) {
+        let ends = |word: &Word| {
+            let code =
+                matches!(word.value, Value::Number(n) if [2.0, 30.0, 98.0, 99.0].contains(&n));
+            word.letter == b'M' && code
+        };
+        let is_program = block.o.is_some() || block.words.iter().any(ends);
+        let is_block =
+            !block.words.is_empty() || block.control.is_some() || !block.assignments.is_empty();
+        if !block.faulty && (is_program || is_block && !is_numbered) {
+            return false;
+        }
+        is_text |= block.faulty || is_block;
+    }
+    is_text
 }

@@ -207,8 +207,8 @@ pub struct Limits {
     pub calls: usize,
     /// Blocks executed.
     pub blocks: u64,
-    /// Blocks executed since the machine has last moved or waited, where the program jumps back; each
-    /// 64 bytes of a block count as one more.
+    /// Blocks executed since the machine has last moved or waited, where the program jumps back;
+    /// each 64 bytes of a block count as one more.
     pub idle_blocks: u64,
     /// Errors after which reading on is of no use.
     pub errors: usize,

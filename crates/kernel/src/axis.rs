@@ -36,6 +36,7 @@ use crate::sight::Sight;
 use bus::{AxisCommand, AxisFeedback};
 use core::f64::consts::TAU;
 use motor_side::MotorSide;
+use unchanged::Unchanged;
 use units::{Coordinate, CoordinateSpeed, Force};
 
 /// Time in which a small jump of the setpoint is smoothed away, s.
@@ -45,7 +46,6 @@ const PLAY_CROSSING: f64 = 0.25;
 
 /// Bound of the force that stretches the screw at a reversal, over the breakaway force.
 const STRETCHING_MOST: f64 = 10.0;
-const UNKNOWN_FRICTION: f64 = 0.02;
 
 /// Where a tool side shall be, and how it moves there: mm and s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

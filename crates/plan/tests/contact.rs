@@ -436,7 +436,8 @@ fn said_with(bodies: Bodies, number: u32, kinds: impl IntoIterator<Item = OpKind
     }
     planner.finish(&mut |_| ());
     let found = planner.take_findings();
-    found.iter().map(|d| format!("{} {:?}: {}\n", d.code, d.severity, d.message)).collect()
+    let lines = found.iter().map(|d| format!("{} {:?}: {}\n", d.code, d.severity, d.message));
+    lines.collect::<Vec<_>>().concat()
 }
 
 #[test]

@@ -14,8 +14,9 @@ mod refusal;
 mod result;
 mod trace;
 
-use cli::answers::{self, CommandWords, Interruption};
+use cli::answers::{self, CommandWords};
 use control::Refused;
+use control::job::Interruption;
 use leadscrew::{Machine, MachineSource};
 use pyo3::prelude::*;
 use serde_json::Value;

@@ -50,7 +50,8 @@ fn by_section<'k>(keys: impl IntoIterator<Item = &'k AskedKey>) -> String {
             None => sections.push((title, row(key))),
         }
     }
-    sections.iter().map(|(title, rows)| format!("\n## {title}\n{HEAD}{rows}")).collect()
+    let sections = sections.iter().map(|(title, rows)| format!("\n## {title}\n{HEAD}{rows}"));
+    sections.collect::<Vec<_>>().concat()
 }
 
 #[test]

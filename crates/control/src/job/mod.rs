@@ -22,6 +22,8 @@ pub mod preflight;
 pub mod program_files;
 pub mod restart;
 mod session;
+mod session_files;
+mod side_by_side;
 mod stock_comments;
 pub mod subprograms;
 pub mod table_notes;

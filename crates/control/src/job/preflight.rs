@@ -15,6 +15,7 @@ use super::interruption::Interruption;
 use super::mill_stock::MilledStock;
 use super::operations::{Cursor, Operations, Reading, Source, share_read};
 use super::restart::Restart;
+use super::side_by_side::side_by_side;
 use super::table_notes::TableNotes;
 use crate::Refused;
 use crate::job::Session;
@@ -24,7 +25,6 @@ use interp::MissingTools;
 use plan::{Options, Planner, Sample, Start};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
-use std::thread::Builder;
 use units::{Length, Time};
 
 /// What is known.
@@ -382,19 +382,6 @@ pub fn planner(session: &Session, options: Options) -> Planner {
 /// side.
 pub fn ahead(session: &Session, options: Options) -> Planner {
     planner(session, options).side_by_side(side_by_side)
-}
-
-/// Run two pieces of work to their ends, the first one in a thread of its own if there is one to be
-/// had.
-fn side_by_side(first: &mut (dyn FnMut() + Send), second: &mut (dyn FnMut() + Send)) {
-    let is_begun = std::thread::scope(|scope| {
-        let begun = Builder::new().name("path-shape".into()).spawn_scoped(scope, &mut *first);
-        second();
-        begun.is_ok()
-    });
-    if !is_begun {
-        first();
-    }
 }
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an

@@ -341,7 +341,7 @@ pub(super) fn take_left(control: &mut Control, left: Left) {
     let mut wrong = Vec::new();
     for (mut tool, entry) in left.tools {
         // an entry that the program has not changed is the table's: geometry and wear together
-        let changed = |is: f64, was: f64| !((is - was).abs() <= 1e-9);
+        let changed = |is: f64, was: f64| is.is_nan() || (is - was).abs() > 1e-9;
         let number = tool.number;
         let mut takes = |what: &str, is: f64, was: f64, from: f64| {
             let takes = changed(is, was);
@@ -362,7 +362,9 @@ pub(super) fn take_left(control: &mut Control, left: Left) {
         control.data.tools.insert(tool);
     }
     if !wrong.is_empty() {
-        wrong.into_iter().for_each(|why| control.events.notice(why));
+        for why in wrong {
+            control.events.notice(why);
+        }
         control.forget_modes(); // they know the tool that is not taken
     }
 }

@@ -8,8 +8,9 @@
 //!           rests  half a second
 //! ```
 //!
-//! One that sticks stays where it is by no more than friction bears, and gives way by a count before
-//! it moves. One whose encoder does not count any more would be pushed to the end of its travel.
+//! One that sticks stays where it is by no more than friction bears, and gives way by a count
+//! before it moves. One whose encoder does not count any more would be pushed to the end of its
+//! travel.
 use crate::config::AxisControl;
 
 /// So long the loop may gather what it sees, s.
