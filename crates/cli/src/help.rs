@@ -268,7 +268,7 @@ mod tests {
             assert_eq!(short, help(&format!("leadscrew help {name}")), "{name}");
             let lines = short.lines().count();
             // who serves has a network, tokens and a broker to state
-            let most = if name == "serve" { 90 } else { 62 };
+            let most = if name == "serve" { 90 } else { 66 };
             assert!(lines <= most, "{name}: {lines} lines\n{short}");
             let all = help(&format!("leadscrew {name} --help all"));
             let nothing = meaningless(name);
