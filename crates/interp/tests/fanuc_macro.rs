@@ -209,7 +209,7 @@ fn forty_eight_more_work_offsets_and_an_external_one() {
         "O1\nG10L20P48X10.Y20.\nG10L2P0X1.\nG54.1P48G0X0Y0\nG54P48X1.Y0\n#7941=30.\nX0\nG54X0Y0\nM30\n",
         &[[11.0, 20.0, 0.0], [12.0, 20.0, 0.0], [31.0, 20.0, 0.0], [1.0, 0.0, 0.0]],
     );
-    comes_to("O1\nG10L20P3X0.\nG54.1P3\n#1=#4130\n#2=#4014\nG53G0X[#1+#2]\nM30\n", 57.1);
+    comes_to("O1\nG10L20P3X-5.\nG54.1P3\n#1=#4130\n#2=#4014\nG53G0X[#1+#2]\nM30\n", 57.1);
     is_told("O1\nG54.1P49X0\nM30\n", "I1021");
     is_told("O1\nG10L2P7X0\nM30\n", "I0617");
 }
