@@ -78,11 +78,12 @@ mod tests {
         assert_eq!(of_all(&folder), BTreeSet::from([3, 5]));
         is_renewed(&folder, 3).unwrap();
         assert_eq!(of_all(&folder), BTreeSet::from([5]));
-        std::fs::write(
-            folder.join("tools.toml"),
-            "[[tool]]\nnumber = 7\nkind = \"other\"\nlength_mm = 80.0\nlife = { broken = true }\n",
-        )
-        .unwrap();
+        let table = include_str!("../../../../programs/tools.toml");
+        let mut tools = crate::tools::parse_toml(table, 0).unwrap().library;
+        let mut broken = tools.get(7).unwrap().clone();
+        broken.life.is_broken = true;
+        tools.insert(broken);
+        std::fs::write(folder.join("tools.toml"), crate::tools::to_toml(&tools)).unwrap();
         assert_eq!(of_all(&folder), BTreeSet::from([5, 7]));
     }
 }
