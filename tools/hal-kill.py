@@ -214,10 +214,7 @@ def main():
         mill = Mill(leadscrew, machine, samples, folder)
         for number in range(count):
             way = WAYS[number % len(WAYS)]
-            for _ in range(3):
-                error, depth, what, why, said = one(mill, way, chance.uniform(0.0, 2.2))
-                if what != "not begun":
-                    break
+            error, depth, what, why, said = one(mill, way, chance.uniform(0.0, 2.2))
             where = f"{depth:6.3f} mm deep" if depth > LEAD else "out of its hole"
             print(f"{number + 1:3} {way:6}: {where}, {error * 1e3:.1f} um off the helix at most, {what}{why and ': ' + why}", flush=True)
             tally[way, what] = tally.get((way, what), 0) + 1

@@ -107,7 +107,7 @@ fn a_feed_that_is_held_in_a_thread_is_gone_on_with_or_left_or_stopped() {
             let (output, inside) = cell.run(&one_tap("G84", 11), orders);
             let certificate = cell.certificate(&output, code);
             assert_eq!(certificate["ended"], code == 0, "{cell:?} {orders}: {certificate:#}");
-            // an abort holds the tap in its thread, for recovery or for a way out
+            // an abort leaves the tap engaged, for a retract or a recovery
             let stays = orders.starts_with("abort");
             assert_eq!(inside.unwrap_or(stays), stays, "{cell:?} {orders}: {certificate:#}");
         }

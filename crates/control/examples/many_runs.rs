@@ -4,7 +4,7 @@
 //! It runs a program of 36 holes on one workpiece, a minute of machine time. In each run the
 //! feed is held and gone on with, and changed; between two of them an axis is jogged, a block
 //! executed, an offset set, a tool limited. Written are machine time, requests, resident memory and
-//! open files of the process after so many runs.
+//! open files of the process, ten times on the way.
 use canon::Axis;
 use control::job::ProgramOptions;
 use control::operation::{Execution, Jog, Request};
@@ -19,7 +19,7 @@ fn resident_mb() -> f64 {
     pages.unwrap_or(0.0) * 4096e-6
 }
 
-/// Open files.
+/// Number of files that the process has open.
 fn descriptors() -> usize {
     std::fs::read_dir("/proc/self/fd").map_or(0, Iterator::count)
 }

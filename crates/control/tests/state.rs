@@ -145,3 +145,36 @@ fn another_machines_state_is_refused_with_both_names_whatever_is_missing_of_it()
     let refused = switched_on("lathe", home.path()).err().unwrap();
     assert!(refused.contains("`tapping-center`") && refused.contains("`lathe`"), "{refused}");
 }
+
+/// What a program believes of a tool is kept only where the next start can read it.
+#[test]
+fn no_program_writes_a_tool_that_the_next_start_refuses() {
+    for (block, kept) in [
+        ("G10 L1 P3 Z1000000", false),
+        ("G10 L1 P3 Z-20000", false),
+        ("G10 L1 P3 R100000", false),
+        ("G10 L1 P3 R-3", false),
+        ("G10 L10 P3 Z-500000", false),
+        ("G20 G10 L1 P3 Z1000", false),
+        ("G10 L1 P3 Z120.5 R3", true),
+    ] {
+        let home = tempfile::tempdir().unwrap();
+        let mut first = crate::workpiece::control("tapping-center", home.path());
+        let tool = |control: &Control| {
+            let tool = control.tools().find(|tool| tool.number == 3).unwrap();
+            (tool.length.value(), tool.diameter.value())
+        };
+        let before = tool(&first);
+        first.request(&Request::ManualDataInput(block.into())).unwrap();
+        crate::workpiece::until(&mut first, |control| !control.execution().is_under_way());
+        let events = std::iter::from_fn(|| first.next_event());
+        let said = events.filter(|event| matches!(event, Event::Notice(why) if why.contains("T3")));
+        assert_eq!(said.count(), usize::from(!kept), "{block}");
+        let after = tool(&first);
+        assert_eq!(after == before, !kept, "{block}: {after:?}");
+        drop(first);
+        let second = switched_on("tapping-center", home.path()).unwrap();
+        assert!(second.alarms().is_empty(), "{block}: {:?}", second.alarms());
+        assert_eq!(tool(&second), after, "{block}");
+    }
+}

@@ -1,5 +1,6 @@
 //! A stock that a program states is the stock of the judge and of the simulated machine on a
 //! control that is on, as in a run.
+use crate::workpiece::{make_ready, until};
 use control::job::{ProgramOptions, Session, preflight};
 use control::observers::Workpiece;
 use control::operation::{Execution, Request};
@@ -12,16 +13,6 @@ const BLOCK: &str = "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X0 Y0 Z20\
 /// M24x1.5 on a bar of 24 mm; of the machine's 20 mm nothing is cut.
 const BAR: &str = "G21 G18 G90 G94 G8\nT32 M6\nG43 H32\nS1000 M3\nG0 X13 Y0 Z6\n\
     G76 P1.5 Z-12 I-1 J0.3 K0.985 R2 Q29.5 H1\nG0 X30 Z50\nM5\nM30\n";
-
-fn until(control: &mut Control, is_so: impl Fn(&Control) -> bool) {
-    for _ in 0..2_000_000 {
-        if is_so(control) {
-            return;
-        }
-        control.period();
-    }
-    panic!("{:?}", control.status());
-}
 
 /// What is said of each feature.
 fn said(features: &[Feature]) -> Vec<String> {
@@ -42,10 +33,7 @@ fn on_a_control(machine: &str, text: &str) -> Vec<String> {
     std::fs::write(&path, text).unwrap();
     let options = ControlOptions::simulated(ProgramOptions::from(machine));
     let mut control = Control::new(options).map_err(|why| why.to_string()).unwrap();
-    control.request(&Request::Power(true)).unwrap();
-    until(&mut control, Control::is_ready);
-    control.request(&Request::Home(None)).unwrap();
-    until(&mut control, |control| control.is_homed_all() && control.is_at_standstill());
+    make_ready(&mut control);
     control.request(&Request::Load(path)).map_err(|why| why.to_string()).unwrap();
     control.request(&Request::Start).map_err(|why| why.to_string()).unwrap();
     until(&mut control, |control| control.execution() == Execution::ProgramCompleted);
@@ -112,10 +100,7 @@ fn the_next_program_that_states_none_goes_on_with_the_workpiece_and_the_next_wor
     let home = tempfile::tempdir().unwrap();
     let options = ControlOptions::simulated(ProgramOptions::from("tapping-center"));
     let mut control = Control::new(options).map_err(|why| why.to_string()).unwrap();
-    control.request(&Request::Power(true)).unwrap();
-    until(&mut control, Control::is_ready);
-    control.request(&Request::Home(None)).unwrap();
-    until(&mut control, |control| control.is_homed_all() && control.is_at_standstill());
+    make_ready(&mut control);
     let cut = |control: &mut Control, stock: &str| {
         let path = home.path().join("part.ngc");
         std::fs::write(&path, format!("{stock}\n{BLOCK}")).unwrap();

@@ -12,20 +12,26 @@ const PROGRAM: &str = "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS3000 M3\nG0 X0 Y0 Z5
     G99 G81 X0 Y0 Z-16 R2 F600\nG81 X20 Y0 Z-16 R2\nG80\nG0 Z50\n\
     T3 M6\nG43 H3\nS1500 M3\nG99 G84 X0 Y0 Z-10 R5 F1500\nG84 X20 Y0 Z-10 R5\nG80\nG0 Z50\nM2\n";
 
-fn control(machine: &str, state: &Path) -> Control {
+/// A control of this machine with a state folder, switched on and homed.
+pub(crate) fn control(machine: &str, state: &Path) -> Control {
     let options = ControlOptions {
         state: Some(state.to_owned()),
         ..ControlOptions::simulated(ProgramOptions::from(machine))
     };
     let mut control = Control::new(options).map_err(|why| why.to_string()).unwrap();
-    control.request(&Request::Power(true)).unwrap();
-    until(&mut control, Control::is_ready);
-    control.request(&Request::Home(None)).unwrap();
-    until(&mut control, |control| control.is_homed_all() && control.is_at_standstill());
+    make_ready(&mut control);
     control
 }
 
-fn until(control: &mut Control, is_so: impl Fn(&Control) -> bool) {
+/// Switches a control on and homes it.
+pub(crate) fn make_ready(control: &mut Control) {
+    control.request(&Request::Power(true)).unwrap();
+    until(control, Control::is_ready);
+    control.request(&Request::Home(None)).unwrap();
+    until(control, |control| control.is_homed_all() && control.is_at_standstill());
+}
+
+pub(crate) fn until(control: &mut Control, is_so: impl Fn(&Control) -> bool) {
     for _ in 0..2_000_000 {
         if is_so(control) {
             return;

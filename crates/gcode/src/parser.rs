@@ -475,6 +475,7 @@ fn begins_o_word(before: &[u8]) -> bool {
         .iter()
         .all(|b| matches!(b, b' ' | b'\t' | b'\r' | b'/' | b'n' | b'N' | b'.' | b'0'..=b'9'))
 }
+
 /// Whether a text before the percent sign is one for people: it is none where it can be a program,
 /// a block without a numbered program behind the sign, a numbered program, or its end.
 fn is_leader(before: &[u8], is_numbered: bool) -> bool {

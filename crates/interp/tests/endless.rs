@@ -117,7 +117,7 @@ fn a_loop_that_only_counts_is_refused_where_it_leads_back() {
     for (program, line) in idle {
         assert_eq!(stopped(program, 5000), [format!("I0803@{line}")], "{program}");
     }
-    // a block that takes long counts for more than one, and nobody waits for what is not wanted
+    // a long block counts for more than one, and a program that is not wanted is broken off
     let sines = format!("#1=[#1+1{}]\n", "+abs[sin[#1]]".repeat(30)).repeat(40);
     let long = format!("o1 do\n{sines}o1 while [1]\nM2\n");
     assert_eq!(stopped(&long, 500_000), ["I0803@42"]);

@@ -781,3 +781,20 @@ fn a_mill_is_led_by_the_radius_that_something_states_or_is_refused() {
     assert!(read(Dialect::LinuxCnc, "G41.1 D12", false).1);
     assert!(read(Dialect::LinuxCnc, "G10 L1 P3 R6\nG41 D3", false).1, "the program writes it");
 }
+
+/// A message is of its own block, whatever stands before it and whatever leads to it.
+#[test]
+fn a_message_has_the_line_of_its_block() {
+    for (text, line) in [
+        ("O1\nG21 G90\n\n\nG0 X1.\n\n\n#3006=1(TURN THE PART)\n\nG0 X2.\nM30\n", 8),
+        ("O1\nG0 X1.\nIF [1 EQ 1] THEN #3006=1(TURN THE PART)\nM30\n", 3),
+        ("O1\nG0 X1.\nN7 #3006=1(TURN THE PART)\nM30\n", 3),
+    ] {
+        for dialect in [Dialect::Fanuc, Dialect::Haas, Dialect::Mitsubishi, Dialect::FanucLatheA] {
+            let setup = setup(dialect);
+            let mut ops = Ops::new(text.as_bytes(), &setup);
+            let found = ops.find(|op| matches!(op.kind, OpKind::Message(_))).unwrap();
+            assert_eq!(found.span.line, line, "{text} in {}", dialect.name());
+        }
+    }
+}

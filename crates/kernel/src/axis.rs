@@ -456,10 +456,10 @@ impl AxisLoop {
                 }
                 let in_position = self.error.abs() <= self.control.windows.in_position.value();
                 let rests = ways == (0.0, 0.0) && in_position && self.force_limit.is_infinite();
-                let borne = self.unchanged.borne(rests, self.reading, self.force + weight);
+                let bound = self.unchanged.bound(rests, self.reading, self.force + weight);
                 let limits = (
-                    (-weight - borne).clamp(-limit, limit),
-                    (-weight + borne).clamp(-limit, limit),
+                    (-weight - bound).clamp(-limit, limit),
+                    (-weight + bound).clamp(-limit, limit),
                 );
                 self.servo.update(Input {
                     error,

@@ -30,7 +30,7 @@ pub struct Bodies {
 /// A round body about the axis of the work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    /// Its radius.
+    /// Largest distance from the axis of the work.
     pub radius: Length,
     /// Z of its end towards the chuck's side.
     pub from: Length,

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 pub struct AskedKey {
     /// The table it stands in, such as `[axes.x]`.
     pub table: String,
-    /// Its name.
+    /// The key as the file writes it.
     pub key: &'static str,
     /// What may stand there.
     pub value: String,

@@ -167,7 +167,7 @@ pub fn asked_keys() -> Vec<(&'static str, Vec<AskedKey>)> {
     KINDS.iter().map(|(name, _)| (*name, of(name))).collect()
 }
 
-/// Which form.
+/// A profile's form, as its library names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FormKind {
     Table,

@@ -24,7 +24,7 @@ const MILLS: [&str; 5] =
     [DEFAULT_MACHINE, "machining-center", "router", "mill-5-axis", "portal-mill"];
 /// Those for hobby programs.
 const ROUTERS: [&str; 4] = ["router", "machining-center", "mill-5-axis", "portal-mill"];
-/// Those that turn.
+/// Machines for programs that turn.
 const LATHES: [&str; 3] = ["lathe", "turning-center", "lathe-chuck-zero"];
 /// Findings that another machine would not have: travel, feed, an axis, the speed of the spindle,
 /// taps, the pocket; spindles for polygons, cams and gears.

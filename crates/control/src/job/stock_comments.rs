@@ -33,11 +33,11 @@ pub(super) enum Stated {
     Size([f64; 3]),
     /// A bar about the zero of G54 along X and Y, mm.
     Round {
-        /// Over all.
+        /// Outer diameter, mm.
         diameter: f64,
-        /// Of the hole through it; `None`: it is solid.
+        /// Diameter of the hole through it, mm; `None`: it is solid.
         bore: Option<f64>,
-        /// From its face on; `None`: as the machine's file has it.
+        /// Length from its face on, mm; `None`: as the machine's file has it.
         length: Option<f64>,
     },
 }

@@ -66,7 +66,7 @@ impl Units {
         }
     }
 
-    /// Its symbol.
+    /// The unit's symbol.
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::Inch => "in",

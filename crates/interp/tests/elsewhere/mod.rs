@@ -40,7 +40,7 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ),
     (
         "A0112",
-        "A called tool broke, and nobody has said since that it was changed: how to say so is said.",
+        "A called tool is broken, and has not been renewed since: the ways to renew it are named.",
     ),
     (
         "A0114",

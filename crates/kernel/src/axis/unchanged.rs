@@ -1,60 +1,60 @@
-//! An axis at rest whose reading does not change.
+//! Bound of the force of an axis that rests while its reading does not change.
 //!
 //! ```text
-//!   force │            ╭╌╌ what the loop would gather of the error that it sees
+//!   force │            ╭╌╌ what the loop would integrate of the error that it sees
 //!         │      ╭─────╯
-//!         │ ─────╯     └── what friction bears, or a little more than when the reading changed last
+//!         │ ─────╯     └── what friction bears, or a little more than at the last change
 //!         └──────────────► time
-//!           rests  half a second
+//!           rests  0.5 s
 //! ```
 //!
-//! One that sticks stays where it is by no more than friction bears, and gives way by a count
-//! before it moves. One whose encoder does not count any more would be pushed to the end of its
-//! travel.
+//! An axis that sticks stays where it is: that takes no more force than friction bears, and within
+//! the margin above it the reading changes by a count. An axis whose encoder is stuck would be
+//! pushed to the end of its travel by the integrated error.
 use crate::config::AxisControl;
 
-/// So long the loop may gather what it sees, s.
-const GATHERS_S: f64 = 0.5;
-/// Share of its breakaway force that the drive may give from then on, and of the drive's most where
-/// friction is not known.
-const STICKS: f64 = 0.4;
-const UNKNOWN_FRICTION: f64 = 0.02;
-/// And this share of that more than when the reading changed last: within it, an axis that sticks
-/// gives way by a count.
-const GIVES: f64 = 0.25;
+/// Time during which the error is integrated without a bound, s.
+const INTEGRATION_S: f64 = 0.5;
+/// Force afterwards, as a share of the breakaway force: friction differs from the machine's file.
+const STICTION_SHARE: f64 = 0.4;
+/// The same as a share of the drive's peak force, where the file states no friction.
+const PEAK_SHARE: f64 = 0.02;
+/// Margin over the force at the last change of the reading, as a share of the force above.
+const MARGIN_SHARE: f64 = 0.25;
 
-/// What is known of a reading that stays.
+/// A reading since its last change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unchanged {
     reading: f64,
-    /// Force beyond the weight that may be given once it has stayed for long.
-    most: f64,
-    /// What friction bears.
-    friction: f64,
-    /// Periods since it changed, and so many of them are long.
+    /// Largest force beyond the weight after [`INTEGRATION_S`], N.
+    bound: f64,
+    /// Force that friction bears for certain, N.
+    stiction: f64,
+    /// Periods since the last change.
     periods: u32,
-    long: u32,
+    /// Periods in [`INTEGRATION_S`].
+    integration: u32,
 }
 
 impl Unchanged {
     pub(super) fn new(control: &AxisControl, period_s: f64) -> Self {
         let breakaway = control.friction.breakaway.value();
-        let unknown = UNKNOWN_FRICTION * control.peak_force.value();
-        let friction = if breakaway > 0.0 { STICKS * breakaway } else { unknown };
-        let long = (GATHERS_S / period_s) as u32;
-        Self { reading: f64::NAN, most: friction, friction, periods: 0, long }
+        let by_peak = PEAK_SHARE * control.peak_force.value();
+        let stiction = if breakaway > 0.0 { STICTION_SHARE * breakaway } else { by_peak };
+        let integration = (INTEGRATION_S / period_s) as u32;
+        Self { reading: f64::NAN, bound: stiction, stiction, periods: 0, integration }
     }
 
-    /// Force beyond the weight that the drive may give; infinite as a rule. `force` is that of the
-    /// period before.
-    pub(super) fn borne(&mut self, rests: bool, reading: f64, force: f64) -> f64 {
+    /// Returns the largest force beyond the weight that the drive may give, N; infinite while the
+    /// axis moves. `force` is that of the period before.
+    pub(super) fn bound(&mut self, rests: bool, reading: f64, force: f64) -> f64 {
         if !rests || reading != self.reading {
             self.reading = reading;
-            self.most = self.friction.max(force.abs() + GIVES * self.friction);
+            self.bound = self.stiction.max(force.abs() + MARGIN_SHARE * self.stiction);
             self.periods = 0;
             return f64::INFINITY;
         }
         self.periods = self.periods.saturating_add(1);
-        if self.periods > self.long { self.most } else { f64::INFINITY }
+        if self.periods > self.integration { self.bound } else { f64::INFINITY }
     }
 }

@@ -43,7 +43,7 @@ impl Old {
         self.about.len() == length && self.read(length).is_ok_and(|there| there == text)
     }
 
-    /// Its text, of which there may be so many bytes.
+    /// Reads its text, up to a limit in bytes.
     pub(super) fn read(&self, most: u64) -> Result<Vec<u8>, store::Error> {
         // a regular file has a beginning; where it has not, less is read, and it is another text
         let _ = (&self.file).rewind();

@@ -141,13 +141,22 @@ fn the_time_of_a_long_program_is_planned_while_it_waits_for_its_start() {
 const LONG: &str =
     "G21 G90 G54\no1 while [#1 LT 40000000]\n#1=[#1+1]\nG0 X[#1 MOD 10]\no1 endwhile\nM2\n";
 
+/// Blocks that order nothing, each of them long: a minute's work before the loop is refused.
+fn computing() -> String {
+    let line = format!("#1=[#1+1{}]\n", "+abs[sin[#1]]".repeat(60));
+    format!("G21 G90 G54\no1 do\n{}o1 while [1]\nM2\n", line.repeat(20))
+}
+
 /// A program is loaded that is broken off by something else: why the load was refused.
-fn broken_off(break_off: impl FnOnce(&Client, &std::path::Path, &dyn Fn())) -> Option<RefusalData> {
+fn broken_off(
+    text: &str,
+    break_off: impl FnOnce(&Client, &std::path::Path, &dyn Fn()),
+) -> Option<RefusalData> {
     let hosted = hosted();
     let client = hosted.client();
     let folder = tempfile::tempdir().expect("a folder");
     let long = folder.path().join("long.ngc");
-    std::fs::write(&long, LONG).expect("a program");
+    std::fs::write(&long, text).expect("a program");
     let (sender, receiver) = std::sync::mpsc::channel();
     let is_gone = Arc::new(std::sync::atomic::AtomicBool::new(false));
     let gone = Arc::clone(&is_gone);
@@ -169,22 +178,24 @@ fn broken_off(break_off: impl FnOnce(&Client, &std::path::Path, &dyn Fn())) -> O
 #[test]
 fn a_load_ends_by_a_reset_a_stop_a_newer_load_and_where_its_client_is_gone() {
     let reason = |refusal: Option<RefusalData>| refusal.expect("it is broken off").reason;
-    let by_reset = broken_off(|client, _, _| {
-        client.request(Request::Reset).expect("nothing is under way");
-    });
-    assert!(reason(by_reset).contains("broken off by a reset"));
-    let by_stop = broken_off(|client, _, _| {
-        client.request(Request::Stop).expect("there is something to stop");
-    });
-    assert!(reason(by_stop).contains("broken off by a stop"));
-    let by_newer = broken_off(|client, folder, _| {
-        let short = folder.join("short.ngc");
-        std::fs::write(&short, "G21 G90 G54\nG0 X1\nM2\n").expect("a program");
-        client.request(Request::Load(short)).expect("it is good");
-    });
-    assert!(reason(by_newer).contains("broken off by a newer load"));
-    let by_nobody = broken_off(|_, _, go| go());
-    assert!(reason(by_nobody).contains("the end of the connection"));
+    for text in [LONG, &computing()] {
+        let by_reset = broken_off(text, |client, _, _| {
+            client.request(Request::Reset).expect("nothing is under way");
+        });
+        assert!(reason(by_reset).contains("broken off by a reset"));
+        let by_stop = broken_off(text, |client, _, _| {
+            client.request(Request::Stop).expect("there is something to stop");
+        });
+        assert!(reason(by_stop).contains("broken off by a stop"));
+        let by_newer = broken_off(text, |client, folder, _| {
+            let short = folder.join("short.ngc");
+            std::fs::write(&short, "G21 G90 G54\nG0 X1\nM2\n").expect("a program");
+            client.request(Request::Load(short)).expect("it is good");
+        });
+        assert!(reason(by_newer).contains("broken off by a newer load"));
+        let by_nobody = broken_off(text, |_, _, go| go());
+        assert!(reason(by_nobody).contains("the end of the connection"));
+    }
 }
 
 #[test]

@@ -32,7 +32,7 @@ const fn row(letter: u8, codes: &'static [u16], letters: &'static [u8]) -> Count
     Counting { letter, codes, letters, on_lathes: false }
 }
 
-/// By code.
+/// Words that count, by rising code of the block they stand in.
 const TABLE: &[Counting] = &[
     row(b'G', &[100], b"LPQ"),    // offsets: which, and the number of a nose
     row(b'G', &[300, 541], b"P"), // the second reference point, further work offsets

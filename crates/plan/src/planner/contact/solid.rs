@@ -424,9 +424,9 @@ fn between(from: Point, to: Point) -> impl Iterator<Item = Point> {
     })
 }
 
-/// Of a probe.
+/// Advice for a probe that meets the stock.
 const HOLES: &str = "a hole that the work has before the program begins is stated under [[setup.holes]] in the machine's file";
-/// Of an empty spindle.
+/// Advice for an empty spindle that does.
 const NO_TOOL: &str = "write T and M6 before it, such as T1 M6; a program whose tools are clamped by hand names the one that is";
-/// Of what the machine's file states as larger than it is.
+/// Advice where the machine's file may state a larger stock than there is.
 const SMALLER: &str = "[setup.stock] in the machine's file says how large the work is: if the real one is smaller, write its size there";
