@@ -181,6 +181,8 @@ impl TurnedBar {
         match side {
             _ if self.outer[index] <= self.inner[index] => f64::NEG_INFINITY,
             Side::External => self.outer[index] - at.radius,
+            // beyond the outside there is nothing to bore
+            Side::Internal if at.radius >= self.outer[index] => self.outer[index] - at.radius,
             Side::Internal => at.radius - self.inner[index],
         }
     }

@@ -1137,7 +1137,7 @@ def part_crossing_chains():
     turned("back-m4", "left-hand by M4, away from the chuck by M4 again: a right-hand helix over the left-hand one", "no pass", head.replace("M3", "M4") + last + "G4 P0.4\nG33 Z6 K1.5\nG0 X12\n", words="cut across")
     turned("away-from-chuck", "M4 and every pass away from the chuck: right-hand, begun in a relief groove", "pass", with_tool(5, "G0 Z-18\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-16.5\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-21\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-19.5\nG0 X11\nG1 X8.6 F60\nG0 X12\n", s=800) + "T4 M6\nG43 H4\nS600 M4\nG0 X12 Y0 Z-18.5\n" + "".join(f"G0 X{x}\nG33 Z4 K1.5\nG0 X12\nG0 Z-18.5\n" for x in PASSES))
     taper = lambda xs, run, z=-15, lead=1.5: "".join(f"G0 X{x:.3f}\nG32 X{x + run:.3f} Z{z}. F{lead}\nG0 X24.\nZ5.\n" for x in xs)
-    fan = lambda tool: f"T0{tool}0{tool}\nG97 S800 M3\nG0 X24. Y0 Z5.\n"
+    fan = lambda tool: f"T{tool:02}{tool:02}\nG97 S800 M3\nG0 X24. Y0 Z5.\n"
     home = "G0 X60. Z50.\n"
     fanuc_turned("taper-two-inserts", "a taper thread roughed by one insert, finished by another: one thread, not judged, and not said to cut across itself", "no pass", fan(10) + taper((18.4, 17.9), 1.25) + home + fan(3) + taper((17.5, 17.3), 1.25) + home, words="!cut across")
     fanuc_turned("taper-by-g92", "a taper by G92 R: not judged, with the reason", "no pass", fan(3) + "G92 X19.2 Z-15. R-0.625 F1.5\nX18.8\nX18.5\nX18.3\n" + home, words="taper")

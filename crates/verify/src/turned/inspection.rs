@@ -123,9 +123,10 @@ impl Ordered<'_> {
             Axis::Z => [a.min(b), a.max(b)],
             _ => [f64::INFINITY, f64::NEG_INFINITY],
         };
-        let phase = if lead == 0.0 { 0.0 } else { phase(crossings, side, lead, span) };
+        let slope = if lead == 0.0 { 0.0 } else { self.law.slope() };
+        let phase = if lead == 0.0 || slope > 0.0 { 0.0 } else { phase(crossings, side, lead, span) };
         let form = Form::of_thread(self.tool, self.law.main().lead().abs(), side);
-        Lie { side, lead, starts: 1, phase, span, form, depth }
+        Lie { side, lead, slope, starts: 1, phase, span, form, depth }
     }
 
     /// What is looked for between two Z.
