@@ -111,7 +111,9 @@ fn side_of(nose: f64, angle: f64, length: f64) -> Vec<[f64; 2]> {
         [nose * libm::sin(at), nose * (1.0 - libm::cos(at))]
     });
     let mut side: Vec<[f64; 2]> = arc.collect();
-    if angle < core::f64::consts::FRAC_PI_2 && let Some([d, rise]) = side.last().copied() {
+    if angle < core::f64::consts::FRAC_PI_2
+        && let Some([d, rise]) = side.last().copied()
+    {
         side.push([d + length * libm::cos(angle), rise + length * libm::sin(angle)]);
     }
     side
@@ -146,11 +148,10 @@ mod tests {
             assert!((near - far).abs() < 1e-12, "{d}");
         }
         let groove = |number| edges(Insert::grooving(Length::mm(3.0)), number).ends();
-        assert_eq!([groove(None), groove(Some(8)), groove(Some(4))], [
-            [0.0, 3.0],
-            [-1.5, 1.5],
-            [-3.0, 0.0]
-        ]);
+        assert_eq!(
+            [groove(None), groove(Some(8)), groove(Some(4))],
+            [[0.0, 3.0], [-1.5, 1.5], [-3.0, 0.0]]
+        );
     }
 
     #[test]

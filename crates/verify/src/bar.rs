@@ -236,6 +236,19 @@ impl TurnedBar {
         })
     }
 
+    /// How far along Z, this way, the material lies below the tool's point, to either side of a
+    /// groove of a thread that may be there; 0: it never reaches the point.
+    pub(crate) fn groove_before(&self, side: Side, way: f64) -> f64 {
+        let Some(at) = self.last else { return 0.0 };
+        let Some(from) = self.place(at.z) else { return 0.0 };
+        let level = if side == Side::External { at.radius } else { -at.radius };
+        let heights: Vec<f64> = self.heights(0, side).collect();
+        let along: Box<dyn Iterator<Item = usize>> =
+            if way > 0.0 { Box::new(from..self.places) } else { Box::new((0..=from).rev()) };
+        let first = along.into_iter().position(|place| heights[place] > level + TRACE_MM);
+        first.map_or(0.0, |count| count as f64 * self.step)
+    }
+
     /// The sections that the tool's point has passed since the last sample.
     pub(crate) fn follow(&mut self, sample: &Sample, tool: Option<&Tool>) -> Vec<Crossing> {
         let (x, y) = (sample.axis(0).value() - self.axis[0], sample.axis(1).value() - self.axis[1]);

@@ -409,7 +409,12 @@ impl Judge {
                 let gone = |op: &u32| !absorbed.contains(op);
                 let again = |op: u32| {
                     let reason = found.verdict.reason()?;
-                    Some(Undone { op, line, how: format!("hobbed again: {reason}"), is_known: true })
+                    Some(Undone {
+                        op,
+                        line,
+                        how: format!("hobbed again: {reason}"),
+                        is_known: true,
+                    })
                 };
                 undone.extend(earlier.absorbed.into_iter().filter(gone).filter_map(again));
                 let over = earlier.destroyed.into_iter();

@@ -91,6 +91,9 @@ struct Pass {
     /// The run-out began.
     whole: bool,
     contact: Contact,
+    /// How far behind the thread's beginning the work begins, as of a thread that begins in a relief
+    /// groove, mm; `None`: not looked at yet.
+    groove: Option<f64>,
 }
 
 /// What was recorded of a thread.
@@ -167,6 +170,13 @@ impl TurnedTrack {
         }
         if depth < 0.0 {
             return;
+        }
+        if let Some((bar, _)) = turning.filter(|_| law.axis() == Axis::Z) {
+            let side = self.side.unwrap_or_else(|| bar.side());
+            let groove = *pass.groove.get_or_insert_with(|| bar.groove_before(side, law.sign()));
+            if depth < groove {
+                return; // it comes to its speed there
+            }
         }
         // the material of a face begins at the bar's outside, which the block does not say
         let is_in_a_face = law.axis() != Axis::Z;

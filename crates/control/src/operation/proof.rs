@@ -1,8 +1,8 @@
 //! A text that was interpreted and judged, and what for: as long as that is so it may be executed
 //! without being proved again.
 use super::timeline::Timeline;
-use crate::job::{ClampedStock, Session};
 use crate::job::preflight::Proved;
+use crate::job::{ClampedStock, Session};
 use canon::{Position, ToolLibrary};
 use interp::Parameters;
 use std::path::PathBuf;

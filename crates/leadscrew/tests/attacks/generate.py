@@ -1133,7 +1133,7 @@ def part_crossing_chains():
     turned("back-in-chain-inch", "the same in inches, 16 threads an inch: forth and back", "no pass", "G20\n" + "T4 M6\nG43 H4\nS900 M3\nG0 X0.5 Y0 Z0.3\n" + "".join(f"G0 X{x}\nG33 Z-0.6 K0.0625\nG33 Z0.3 K0.0625\n" for x in ("0.36", "0.35", "0.34")) + "G0 X0.5\nG21\n", words="cut across")
     turned("back-in-air", "each pass goes back by G33 with the insert clear of the bar", "pass", head + "".join(f"G0 X{x}\nG33 Z-16 K1.5\nG0 X12\nG33 Z6 K1.5\n" for x in PASSES))
     turned("back-other-lead", "back over the thread with another lead", "no pass", head + last + "G4 P0.4\nG33 Z6 K2\nG0 X12\n", words="cut across")
-    turned("back-fine-scratch", "back over it 0.1 above its root: the flanks are crossed", "no pass", head + last + "G0 X9.115\nG33 Z6 K1.5\nG0 X12\n", words="cut across")
+    turned("back-fine-scratch", "back over it 0.1 above its root: the flanks are crossed", "no pass", head + last + "G0 X9.115\nG33 Z6 K1.5\nG0 X12\n", words="destroyed in line")
     turned("back-m4", "left-hand by M4, away from the chuck by M4 again: a right-hand helix over the left-hand one", "no pass", head.replace("M3", "M4") + last + "G4 P0.4\nG33 Z6 K1.5\nG0 X12\n", words="cut across")
     turned("away-from-chuck", "M4 and every pass away from the chuck: right-hand, begun in a relief groove", "pass", with_tool(5, "G0 Z-18\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-16.5\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-21\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-19.5\nG0 X11\nG1 X8.6 F60\nG0 X12\n", s=800) + "T4 M6\nG43 H4\nS600 M4\nG0 X12 Y0 Z-18.5\n" + "".join(f"G0 X{x}\nG33 Z4 K1.5\nG0 X12\nG0 Z-18.5\n" for x in PASSES))
     taper = lambda xs, run, z=-15, lead=1.5: "".join(f"G0 X{x:.3f}\nG32 X{x + run:.3f} Z{z}. F{lead}\nG0 X24.\nZ5.\n" for x in xs)
@@ -1178,7 +1178,8 @@ REMARKS = {
     "turn-left-hand-unasked": "expectation corrected after the first run: it is said before motion, and a left-hand thread can be meant",
     "turn-chain-two-leads": "expectation corrected after the first run: a lead that changes is ordered and cut so, as a feed screw's",
     "polygon-turned-away": "program corrected after the first run: the insert ran into the bar's full diameter",
-    "mill-thread-mill": "open: a tool of kind `other` makes nothing that is judged, and nothing says so",
+    "back-fine-scratch": "words corrected after the first run: the first thread is said to be destroyed by the line of the second",
+    "taper-two-inserts": "program corrected after the first run: its tool number was none",
     "polygon-rough-corner": "expectation corrected after the first run: 19.0 across corners are 1.13 of the least width, 16.73",
 }
 TABLE = HERE.parent / "attacks.tsv"

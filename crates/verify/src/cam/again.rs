@@ -135,7 +135,12 @@ impl Cams {
                 match first {
                     Some(first) => first.destroyed(new.line, &how),
                     None => {
-                        undone.extend(old.op.map(|op| Undone { op, line: new.line, how, is_known: true }));
+                        undone.extend(old.op.map(|op| Undone {
+                            op,
+                            line: new.line,
+                            how,
+                            is_known: true,
+                        }));
                     }
                 }
             }

@@ -68,12 +68,8 @@ impl Cutter {
 
     /// The largest that a tool can be of which only the diameter is known.
     pub(crate) fn around(tool: &Tool) -> Option<Self> {
-        let radius = match &tool.kind {
-            ToolKind::PolygonCutter(cutter) => cutter.radius.value(),
-            _ if is_of_unknown_form(tool) => tool.diameter.value() / 2.0,
-            _ => return None,
-        };
-        (radius > 0.0).then(|| Self::flat(radius))
+        let radius = tool.diameter.value() / 2.0;
+        (is_of_unknown_form(tool) && radius > 0.0).then(|| Self::flat(radius))
     }
 
     /// How far its edge stands above its tip, mm.

@@ -321,10 +321,7 @@ impl Milling {
 
 /// A tool that cuts a block with edges of which the tool table says no more than how far they reach.
 pub(crate) const fn is_of_unknown_form(tool: &Tool) -> bool {
-    matches!(
-        tool.kind,
-        ToolKind::Other | ToolKind::Insert(_) | ToolKind::PolygonCutter(_) | ToolKind::Hob(_)
-    )
+    matches!(tool.kind, ToolKind::Other)
 }
 
 /// Over or beside the block within a radius, and below its top.

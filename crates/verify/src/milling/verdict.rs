@@ -104,9 +104,8 @@ pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Con
 
 /// What a tool has done of which the table does not say what its edges leave.
 fn unknown_form(milled: &Milled, tool: &Tool) -> String {
-    let deep = milled.depth.map(|deepest| {
-        format!(", {} mm deep: {}", mm(deepest.value), deepest.place)
-    });
+    let deep =
+        milled.depth.map(|deepest| format!(", {} mm deep: {}", mm(deepest.value), deepest.place));
     let through = rapids(milled, tool).map(|rapids| format!("; if it is as wide there, {rapids}"));
     format!(
         "the form of {} is not known, and it was in the stock{}{}; the kind that it has in the tool table, such as \"end-mill\" with its `form`, says what it leaves",

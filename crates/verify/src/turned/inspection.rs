@@ -124,7 +124,8 @@ impl Ordered<'_> {
             _ => [f64::INFINITY, f64::NEG_INFINITY],
         };
         let slope = if lead == 0.0 { 0.0 } else { self.law.slope() };
-        let phase = if lead == 0.0 || slope > 0.0 { 0.0 } else { phase(crossings, side, lead, span) };
+        let phase =
+            if lead == 0.0 || slope > 0.0 { 0.0 } else { phase(crossings, side, lead, span) };
         let form = Form::of_thread(self.tool, self.law.main().lead().abs(), side);
         Lie { side, lead, slope, starts: 1, phase, span, form, depth }
     }
@@ -259,8 +260,9 @@ fn relief(ordered: &Ordered<'_>, bar: &TurnedBar, side: Side, depth: f64, pitch:
     let is_below = |z: f64| bar.place(z).is_some_and(|at| heights[at] <= root + RELIEF_MM);
     let (_, step) = bar.places();
     let most = ((MOST_RELIEF * pitch).min((span[1] - span[0]) / 2.0) / step) as u32;
+    let free = if ordered.law.runs_out() { ends } else { begins };
     let from = |end: f64, way: f64| {
-        let is_open = (end - begins).abs() < step && ordered.law.is_open();
+        let is_open = (end - free).abs() < step && ordered.law.is_open();
         let below = |k: &u32| !is_open && is_below(end + way * step * f64::from(*k));
         (0..most).take_while(below).count() as f64 * step
     };

@@ -245,7 +245,7 @@ impl<'a> Law<'a> {
     }
 
     /// It runs out of the work, towards its free end: along +Z.
-    fn runs_out(&self) -> bool {
+    pub(super) fn runs_out(&self) -> bool {
         self.axis() == Axis::Z && self.sign() > 0.0
     }
 
@@ -290,7 +290,11 @@ impl<'a> Law<'a> {
     pub(super) fn slope(&self) -> f64 {
         let [from, to] = self.ends();
         let [x, y] = [0, 1].map(|i| (to.linear[i] - from.linear[i]).value());
-        if self.is_straight() { 0.0 } else { x.hypot(y) / (to.linear[2] - from.linear[2]).value().abs() }
+        if self.is_straight() {
+            0.0
+        } else {
+            x.hypot(y) / (to.linear[2] - from.linear[2]).value().abs()
+        }
     }
 
     pub(super) fn start_angle(&self) -> Angle {

@@ -54,7 +54,7 @@ impl CameFrom {
     }
 
     /// Where the tool stood before the last rapid that fed it in to here, across a thread's axis.
-    fn before(&self, here: &Position, thread: Axis) -> Position {
+    pub(super) fn before(&self, here: &Position, thread: Axis) -> Position {
         let mut stood = *here;
         let across = || (0..3).filter(|i| *i != thread.index());
         let last = across().filter_map(|i| self.axes[i]).map(|(rapid, _)| rapid).max();
@@ -81,10 +81,18 @@ impl OrderedThread {
 
     /// A stretch goes back over what is ordered so far, and cuts a helix of the other hand if it
     /// cuts.
-    pub(crate) fn is_left_by(&self, op: u32, from: &Position, came: &CameFrom, kind: &OpKind) -> bool {
+    pub(crate) fn is_left_by(
+        &self,
+        op: u32,
+        from: &Position,
+        came: &CameFrom,
+        kind: &OpKind,
+    ) -> bool {
         let OpKind::Threading(order) = kind else { return false };
         let new = Stretch::new(op, from, order, *from).turned(came.is_reversed);
-        self.passes.last().is_some_and(|pass| pass.iter().any(|stretch| stretch.is_crossed_by(&new)))
+        self.passes
+            .last()
+            .is_some_and(|pass| pass.iter().any(|stretch| stretch.is_crossed_by(&new)))
     }
 
     /// An op from `from` on; whether it belongs to this thread.

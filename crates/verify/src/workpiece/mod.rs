@@ -419,7 +419,9 @@ impl TappedPlace {
     /// A tool has gone through it of which no more is known than how far it reaches.
     fn may_be_cut_away(&self, line: u32, level: f64, undone: &mut Vec<Undone>) {
         let left = self.left_of(level);
-        let how = format!("a tool whose form is not known went through it: if it is as wide as its diameter there, {left}");
+        let how = format!(
+            "a tool whose form is not known went through it: if it is as wide as its diameter there, {left}"
+        );
         let of = |op: &u32| Undone { op: *op, line, how: how.clone(), is_known: false };
         undone.extend(self.ops.iter().map(of));
     }
