@@ -13,8 +13,8 @@
 //! Coordinates are those of the insert's *tip* in the machine's frame, mm. What is remembered errs
 //! on the side of too much removed: a cut takes the insert's [edges](crate::edges) and a cell to
 //! each side, thin material before the tip is cut by its edge, and of a bored place nothing is
-//! known once it was cut, from inside or from outside. A thread along the bar leaves its crests: down to its root it
-//! is open to what goes straight out of it, and to another pass.
+//! known once it was cut, from inside or from outside. A thread along the bar leaves its crests:
+//! down to its root it is open to what goes straight out of it, and to another pass.
 use crate::edges::EdgePolygon;
 use crate::stock::Stock;
 use alloc::{vec, vec::Vec};
@@ -209,7 +209,7 @@ impl Outline {
         self.along(ends, beyond + self.cell, |at| places.push(at));
         for at in places {
             let r = self.off_axis(at);
-            self.within([r, at[2]], edges, |outline, i, r| outline.cut_cell(i, r));
+            self.within([r, at[2]], edges, Self::cut_cell);
             let Some((tip, _)) = self.cells(at[2], at[2]) else { continue };
             let thin = tip + (EDGE / self.cell) as usize;
             let free = (tip..self.outer.len()).find(|i| self.outer[*i] <= r);

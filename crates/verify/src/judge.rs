@@ -24,7 +24,8 @@ use crate::stroke::Stroke;
 use crate::taken_back::TakenBack;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
-use crate::workpiece::{Undone, Workpiece, of_before};
+use crate::undone::{Undone, of_before};
+use crate::workpiece::Workpiece;
 use canon::{
     CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap, Tool,
 };

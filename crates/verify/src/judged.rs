@@ -2,8 +2,8 @@
 //! says it of a [`GroundCam`](crate::GroundCam), and all of them together make
 //! [features](crate::Feature).
 use crate::Contact;
+use crate::undone::Undone;
 use crate::verdict::Verdict;
-use crate::workpiece::Undone;
 use units::Time;
 
 /// One thing cut into the workpiece, measured and judged.

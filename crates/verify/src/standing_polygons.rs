@@ -19,8 +19,8 @@ use crate::feature::Feature;
 use crate::judged::Judged;
 use crate::polygon::{Facet, Polygon, Section};
 use crate::turned::Facets;
+use crate::undone::{Undone, of_before};
 use crate::verdict::Verdict;
-use crate::workpiece::{Undone, of_before};
 use turned::Round;
 use units::Length;
 

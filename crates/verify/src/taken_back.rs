@@ -10,8 +10,8 @@ use crate::feature::{Feature, FeatureKind};
 use crate::judge::Judge;
 use crate::thread::UNSEEN;
 use crate::turned;
+use crate::undone::Undone;
 use crate::verdict::Verdict;
-use crate::workpiece::Undone;
 use units::Time;
 
 /// Features of programs before of which it is kept that they were destroyed.

@@ -91,8 +91,8 @@ struct Pass {
     /// The run-out began.
     whole: bool,
     contact: Contact,
-    /// How far behind the thread's beginning the work begins, as of a thread that begins in a relief
-    /// groove, mm; `None`: not looked at yet.
+    /// How far behind the thread's beginning the work begins, as of a thread that begins in a
+    /// relief groove, mm; `None`: not looked at yet.
     groove: Option<f64>,
 }
 

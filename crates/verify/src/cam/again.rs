@@ -9,7 +9,7 @@
 use super::{CamTrack, GroundCam, STEPS, Seen};
 use crate::feature::Feature;
 use crate::judged::Judged;
-use crate::workpiece::{Undone, of_before};
+use crate::undone::{Undone, of_before};
 use bus::Sample;
 use units::Length;
 

@@ -319,7 +319,8 @@ impl Milling {
     }
 }
 
-/// A tool that cuts a block with edges of which the tool table says no more than how far they reach.
+/// A tool that cuts a block with edges of which the tool table says no more than how far they
+/// reach.
 pub(crate) const fn is_of_unknown_form(tool: &Tool) -> bool {
     matches!(tool.kind, ToolKind::Other)
 }

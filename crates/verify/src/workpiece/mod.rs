@@ -22,6 +22,7 @@ pub(crate) use surface::{Surface, Under};
 
 use crate::milling::{Cutter, is_of_unknown_form};
 use crate::stroke::{axis_mm, edge_of};
+use crate::undone::{Undone, of_before};
 use crate::{Config, Stock};
 use bus::Sample;
 use canon::{Tool, ToolKind};
@@ -42,25 +43,6 @@ const ELSEWHERE_MM: f64 = 0.1;
 const MILL_STEP_MM: f64 = 0.05;
 /// Features that one thread keeps: tapped and tapped again.
 const MOST_OPS: usize = 4;
-
-/// A feature that was changed by a later cut.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Undone {
-    /// First op of the feature.
-    pub op: u32,
-    /// Line of the later cut.
-    pub line: u32,
-    /// What is left of it.
-    pub how: String,
-    /// It is known what the tool has left; `false`: no more than how far it reaches.
-    pub is_known: bool,
-}
-
-/// Number of an operation of a program before, among those of the next one.
-pub(crate) const fn of_before(op: u32) -> u32 {
-    const BEFORE: u32 = 1 << 31;
-    op | BEFORE
-}
 
 /// What tools have made of the work.
 #[derive(Clone, Debug, Default)]
