@@ -211,10 +211,11 @@ impl Outline {
             let r = self.off_axis(at);
             self.within([r, at[2]], edges, Self::cut_cell);
             let Some((tip, _)) = self.cells(at[2], at[2]) else { continue };
-            let thin = tip + (EDGE / self.cell) as usize;
-            let free = (tip..self.outer.len()).find(|i| self.outer[*i] <= r);
+            let thin = (tip + (EDGE / self.cell) as usize).min(self.outer.len());
+            let Some(from) = (tip..thin).find(|i| self.outer[*i] > r) else { continue };
+            let free = (from..self.outer.len()).find(|i| self.outer[*i] <= r);
             if let Some(free) = free.or(Some(self.outer.len())).filter(|free| *free <= thin) {
-                (tip..free).for_each(|i| self.cut_cell(i, r));
+                (from..free).for_each(|i| self.cut_cell(i, r));
             }
         }
     }
@@ -463,6 +464,10 @@ mod tests {
         let mut bar = bar(0.0);
         bar.cut(line([12.0, -1.0], [-0.5, -1.0]), &edges());
         assert_eq!(bar.met(line([0.5, -1.0], [0.5, 5.0]), 0.2), None);
+        let mut faced = self::bar(0.0);
+        let pointed = canon::Insert::threading(units::Angle::deg(60.0), None, None);
+        faced.cut(line([12.0, -1.0], [-0.3, -1.0]), &EdgePolygon::of(&pointed));
+        assert_eq!(faced.met(line([0.3, -1.0], [0.3, 5.0]), 0.2), None, "by a pointed insert");
         let met = bar.met(line([0.5, 5.0], [0.5, -3.0]), 0.2).unwrap();
         assert!((1.0..=2.0).contains(&met.depth), "{met:?}");
         // a groove leaves what is before it
