@@ -78,7 +78,7 @@ pub enum ToolKind {
     Hob(HobTool),
     /// Touches the work, and cuts nothing; its diameter is that of its ball.
     Probe(TouchProbe),
-    /// Anything else; it makes no feature that is judged.
+    /// Anything else: what it leaves in a block is not judged; a bar takes it for a turning insert.
     Other,
 }
 

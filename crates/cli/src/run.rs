@@ -76,12 +76,32 @@ fn prove(run: &mut Run, quiet: bool) -> Result<(), Refused> {
 }
 
 fn begins(restart: &Restart) -> String {
-    let Restart { line, tool, spin, holes, .. } = restart;
+    let Restart { line, tool, spin, holes, others, .. } = restart;
     let rpm = spin.in_rpm();
     format!(
-        "begins at line {line} with tool {tool} and the spindle at {rpm:.0} rpm; {holes} of the program's holes are left out; \
-         the work is as the part before leaves it, simulated\n"
+        "begins at line {line} with tool {tool} and the spindle at {rpm:.0} rpm; {holes} of the program's holes are left out{}; \
+         the work is as the part before leaves it, simulated\n",
+        others_in_words(others)
     )
+}
+
+/// What is left out beside holes and threads that are tapped: ", 2 polygons (lines 8 and 14)".
+fn others_in_words(others: &[(&'static str, u32)]) -> String {
+    let mut kinds: Vec<(&str, Vec<String>)> = Vec::new();
+    for (kind, line) in others {
+        match kinds.iter_mut().find(|(known, _)| known == kind) {
+            Some((_, lines)) => lines.push(line.to_string()),
+            None => kinds.push((kind, vec![line.to_string()])),
+        }
+    }
+    let said = kinds.into_iter().map(|(kind, lines)| match &lines[..] {
+        [line] => format!(", and the {kind} of line {line}"),
+        [first @ .., last] => {
+            format!(", and {} {kind}s of lines {} and {last}", lines.len(), first.join(", "))
+        }
+        [] => String::new(),
+    });
+    said.collect()
 }
 
 /// Report, certificate and solids: all that was asked for, or nothing.

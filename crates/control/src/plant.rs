@@ -113,10 +113,13 @@ impl Plant {
         })
     }
 
-    /// A new tool is in the place of a broken one on a machine that is simulated here.
+    /// A new tool is in the place of a broken one on a machine that is simulated, here or in
+    /// another process.
     pub fn renew_tool(&mut self, number: u32) {
-        if let Self::Inside(machine) = self {
-            machine.machine_mut().renew_tool(number);
+        match self {
+            Self::Inside(machine) => machine.machine_mut().renew_tool(number),
+            Self::Outside(remote) => remote.renew_tool(number),
+            Self::Hal(_) => {}
         }
     }
 

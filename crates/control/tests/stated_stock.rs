@@ -114,3 +114,50 @@ fn the_next_program_that_states_none_goes_on_with_the_workpiece_and_the_next_wor
     control.request(&Request::BeginWorkpiece(None)).unwrap();
     assert!(cut(&mut control, "(the machine's)")[0].contains("16.00 deep"));
 }
+
+/// A hole from 5 mm below the zero on, approached by a rapid to 4 mm below it.
+const BELOW: &str = "G21 G90 G54 G17 G94\nT2 M6\nG43 H2\nS2000 M3\nG0 X20 Y0 Z20\nG0 Z-4\n\
+    G81 Z-16 R-4 F300\nG80\nG0 Z50\nM2\n";
+
+#[test]
+fn the_next_program_is_planned_against_the_stock_that_one_before_has_stated_or_the_command_line() {
+    let home = tempfile::tempdir().unwrap();
+    let path = |name: &str, text: &str| {
+        let path = home.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let below = path("below.ngc", BELOW);
+    let block = path("block.ngc", &format!("(STOCK X-20 Y-20 Z-40 X200 Y60 Z-5)\n{BLOCK}"));
+    let start = |control: &mut Control, path: &std::path::PathBuf| {
+        control.request(&Request::Load(path.clone())).map_err(|why| why.to_string())?;
+        control.request(&Request::Start).map_err(|why| why.to_string())?;
+        until(control, |control| control.execution() == Execution::ProgramCompleted);
+        (0..10).for_each(|_| control.period());
+        Ok::<_, String>(said(&control.features()))
+    };
+    let on = |stock: Option<&str>| {
+        let stock = stock.map(str::to_owned);
+        let program = ProgramOptions { stock, ..ProgramOptions::from("tapping-center") };
+        let options = ControlOptions::simulated(program);
+        let mut control = Control::new(options).map_err(|why| why.to_string()).unwrap();
+        make_ready(&mut control);
+        control
+    };
+    let mut control = on(None);
+    let into_the_stock = |found: Result<Vec<String>, String>| {
+        let why = found.expect_err("4 mm into the machine's own stock");
+        assert!(why.contains("4 mm into the stock"), "{why}");
+    };
+    into_the_stock(start(&mut control, &below));
+    start(&mut control, &block).unwrap();
+    let found = start(&mut control, &below).unwrap();
+    assert!(found.last().is_some_and(|last| last.contains("11.00 deep: Pass")), "{found:?}");
+    control.request(&Request::EndWorkpiece).unwrap();
+    into_the_stock(start(&mut control, &below));
+    control.request(&Request::BeginWorkpiece(None)).unwrap();
+    into_the_stock(start(&mut control, &below));
+    let mut control = on(Some("X-20 Y-20 Z-40 X60 Y60 Z-5"));
+    let found = start(&mut control, &below).unwrap();
+    assert!(found[0].contains("11.00 deep: Pass"), "{found:?}");
+}

@@ -93,8 +93,12 @@ impl Link {
         };
         let machine = job.session.machine.name.clone();
         let hello = Hello { name: "leadscrew run".into(), machine };
-        let remote =
+        let mut remote =
             Remote::connect(plant::connect(path)?, hello).map_err(|e| plant::gone(path, &e))?;
+        options.renewed.iter().for_each(|number| remote.renew_tool(*number));
+        if let Some(why) = remote.lost() {
+            return Err(plant::gone(path, why).into());
+        }
         let feedback = remote.feedback();
         job.session.stands(feedback);
         let identity = plant::identity(remote.welcome());

@@ -11,10 +11,11 @@
 //! ```
 //!
 //! Coordinates are those of the insert's *tip* in the machine's frame, mm. What is remembered errs
-//! on the side of too much removed: a cut takes the width of the insert to both sides, thin
-//! material before the tip is cut by its edge, and of a bored place nothing is known once it was
-//! cut, from inside or from outside. A thread along the bar leaves its crests: down to its root it
-//! is open to what goes straight out of it, and to another pass.
+//! on the side of too much removed: a cut takes the insert's [edges](crate::edges) and a cell to
+//! each side, thin material before the tip is cut by its edge, and of a bored place nothing is
+//! known once it was cut, from inside or from outside. A thread along the bar leaves its crests:
+//! down to its root it is open to what goes straight out of it, and to another pass.
+use crate::edges::EdgePolygon;
 use crate::stock::Stock;
 use alloc::{vec, vec::Vec};
 use units::Length;
@@ -33,6 +34,8 @@ const CELL: f64 = 0.1;
 const MOST_CELLS: f64 = 4096.0;
 /// Material so thin before the tip is cut by the insert's edge, mm.
 const EDGE: f64 = 6.0;
+/// Nearer to the axis edges beside the tip are not looked at, mm.
+const NEAR_AXIS: f64 = 1.0;
 
 /// Where a line goes into the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +48,8 @@ pub(crate) struct Met {
     pub(crate) surface: f64,
     /// Radius that is clear of all that the line passes.
     pub(crate) clear: f64,
+    /// Z of the place where an edge beside the tip is in the material; `None`: the tip is.
+    pub(crate) edge: Option<f64>,
 }
 
 /// What of a tool meets the bar behind its point, mm.
@@ -197,27 +202,53 @@ impl Outline {
         }
     }
 
-    /// An insert that cuts so far to both sides of its tip was fed along a line.
-    pub(crate) fn cut(&mut self, ends: [[f64; 3]; 2], side: f64) {
-        let side = side + self.cell;
+    /// An insert with these edges was fed along a line.
+    pub(crate) fn cut(&mut self, ends: [[f64; 3]; 2], edges: &EdgePolygon) {
+        let beyond = edges.ends().map(f64::abs).into_iter().fold(0.0, f64::max);
         let mut places = Vec::new();
-        self.along(ends, side, |at| places.push(at));
+        self.along(ends, beyond + self.cell, |at| places.push(at));
         for at in places {
             let r = self.off_axis(at);
-            let Some((first, mut last)) = self.cells(at[2] - side, at[2] + side) else { continue };
-            let edge = last + (EDGE / self.cell) as usize;
-            let free = (last..self.outer.len()).find(|i| self.outer[*i] <= r);
-            let free = free.unwrap_or(self.outer.len());
-            if free <= edge {
-                last = last.max(free - 1);
+            self.within([r, at[2]], edges, Self::cut_cell);
+            let Some((tip, _)) = self.cells(at[2], at[2]) else { continue };
+            let thin = (tip + (EDGE / self.cell) as usize).min(self.outer.len());
+            let Some(from) = (tip..thin).find(|i| self.outer[*i] > r) else { continue };
+            let free = (from..self.outer.len()).find(|i| self.outer[*i] <= r);
+            if let Some(free) = free.or(Some(self.outer.len())).filter(|free| *free <= thin) {
+                (from..free).for_each(|i| self.cut_cell(i, r));
             }
-            for i in first..=last.min(self.outer.len() - 1) {
-                if self.inner[i] <= 0.0 {
-                    self.outer[i] = self.outer[i].min(r);
-                } else if r > self.inner[i] && r < self.outer[i] {
-                    (self.inner[i], self.outer[i]) = (0.0, 0.0);
-                }
+        }
+    }
+
+    /// The cells in which edges whose tip is at this place cut, and the radius down to which they
+    /// do, a cell to each side.
+    fn within(
+        &mut self,
+        [r, z]: [f64; 2],
+        edges: &EdgePolygon,
+        mut each: impl FnMut(&mut Self, usize, f64),
+    ) {
+        let [low, high] = edges.ends();
+        let Some((first, last)) = self.cells(z + low - self.cell, z + high + self.cell) else {
+            return;
+        };
+        let deepest = r + edges.lowest();
+        for i in first..=last {
+            if self.outer[i] <= deepest {
+                continue;
             }
+            let from = self.rear + i as f64 * self.cell - z;
+            if let Some(rise) = edges.least([from - self.cell / 2.0, from + self.cell * 1.5]) {
+                each(self, i, r + rise);
+            }
+        }
+    }
+
+    fn cut_cell(&mut self, i: usize, r: f64) {
+        if self.inner[i] <= 0.0 {
+            self.outer[i] = self.outer[i].min(r);
+        } else if r > self.inner[i] && r < self.outer[i] {
+            (self.inner[i], self.outer[i]) = (0.0, 0.0);
         }
     }
 
@@ -250,8 +281,8 @@ impl Outline {
         along.chain(ends).reduce(f64::min)
     }
 
-    /// An insert that cuts so far to both sides of its tip has turned a thread along a line.
-    pub(crate) fn threaded(&mut self, ends: [[f64; 3]; 2], side: f64) {
+    /// An insert with these edges has turned a thread along a line.
+    pub(crate) fn threaded(&mut self, ends: [[f64; 3]; 2], edges: &EdgePolygon) {
         let [a, b] = ends;
         let is_outside = |outline: &Self, at: [f64; 3]| {
             let cells = outline.cells(at[2], at[2]);
@@ -259,14 +290,14 @@ impl Outline {
         };
         let is_along = (b[2] - a[2]).abs() > (self.off_axis(b) - self.off_axis(a)).abs();
         if !(is_along && is_outside(self, a) && is_outside(self, b)) {
-            return self.cut(ends, side);
+            return self.cut(ends, edges);
         }
         let mut places = Vec::new();
         self.along(ends, 0.0, |at| places.push(at));
         for at in places {
-            if let Some((i, _)) = self.cells(at[2], at[2]) {
-                self.root[i] = self.root[i].min(self.off_axis(at));
-            }
+            self.within([self.off_axis(at), at[2]], edges, |outline, i, r| {
+                outline.root[i] = outline.root[i].min(r);
+            });
         }
     }
 
@@ -278,6 +309,51 @@ impl Outline {
         for i in first..self.outer.len() {
             self.inner[i] = self.inner[i].max(radius + off);
         }
+    }
+
+    /// Where edges that point towards the axis go deepest into the material beside their tip, if
+    /// they go deeper than `scrapes`.
+    pub(crate) fn met_beside(
+        &self,
+        ends: [[f64; 3]; 2],
+        edges: &EdgePolygon,
+        scrapes: f64,
+    ) -> Option<Met> {
+        let [low, high] = edges.ends();
+        let mut met: Option<Met> = None;
+        self.along(ends, low.abs().max(high.abs()), |at| {
+            let r = self.off_axis(at);
+            let Some((first, last)) = self.cells(at[2] + low, at[2] + high) else { return };
+            let in_bore = (first..=last).any(|i| self.inner[i] > 0.0);
+            if in_bore || r < NEAR_AXIS {
+                return; // a boring bar, or what is left in the middle of a face
+            }
+            for i in first..=last {
+                let middle = self.rear + (i as f64 + 0.5) * self.cell;
+                let Some(rise) = edges.least([middle - at[2]; 2]) else { continue };
+                let here = r + rise;
+                if self.solid(i) - here <= scrapes {
+                    continue;
+                }
+                let is_free = |k: &usize| self.solid(*k) <= here;
+                let front = (i..self.outer.len()).find(is_free).unwrap_or(self.outer.len());
+                let rear = (0..i).rev().find(is_free).map_or(usize::MAX, |k| i - k);
+                let way = (front - i).min(rear) as f64 * self.cell;
+                let depth = (self.solid(i) - here).min(way);
+                if depth > scrapes && met.is_none_or(|met| depth > met.depth) {
+                    let (surface, edge) = (self.outer[i], Some(middle));
+                    met = Some(Met { at, depth, surface, clear: surface, edge });
+                }
+            }
+        });
+        met
+    }
+
+    /// Radius up to which a cell and those beside it are surely solid: a thread is open down to its
+    /// root.
+    fn solid(&self, i: usize) -> f64 {
+        let around = i.saturating_sub(1)..=(i + 1).min(self.outer.len() - 1);
+        around.map(|k| self.outer[k].min(self.root[k])).fold(f64::INFINITY, f64::min)
     }
 
     /// Where a line goes deepest into the material, if it goes deeper than `scrapes`.
@@ -303,7 +379,7 @@ impl Outline {
             let out = if inner > 0.0 { (outer - r).min(r - inner) } else { outer - r };
             let depth = out.min(front - at[2]);
             if depth > scrapes && met.is_none_or(|met| depth > met.depth) {
-                met = Some(Met { at: place, depth, surface: outer, clear: 0.0 });
+                met = Some(Met { at: place, depth, surface: outer, clear: 0.0, edge: None });
             }
         });
         let (low, high) = (ends[0][2].min(ends[1][2]), ends[0][2].max(ends[1][2]));
@@ -325,6 +401,11 @@ mod tests {
         Outline::new(&Stock { from, to, zero: Length::ZERO, bar: Some(bar) }, bar)
     }
 
+    /// A turning insert of 80° with a nose of 0.2 mm.
+    fn edges() -> EdgePolygon {
+        EdgePolygon::of(&canon::Insert::turning(units::Angle::deg(80.0), Length::mm(0.2)))
+    }
+
     fn line(from: [f64; 2], to: [f64; 2]) -> [[f64; 3]; 2] {
         [from, to].map(|[r, z]| [5.0 + r, 0.0, z])
     }
@@ -340,11 +421,11 @@ mod tests {
     #[test]
     fn what_was_turned_is_open_down_to_where_it_was_turned() {
         let mut bar = bar(0.0);
-        bar.cut(line([7.0, 2.0], [7.0, -30.0]), 0.4);
+        bar.cut(line([7.0, 2.0], [7.0, -30.0]), &edges());
         assert_eq!(bar.met(line([7.0, 2.0], [7.0, -30.0]), 0.2), None);
         let met = bar.met(line([7.0, 2.0], [7.0, -40.0]), 0.2).unwrap();
         assert!((met.depth - 3.0).abs() < 1e-9 && met.surface == 10.0 && met.clear == 10.0);
-        assert!((-31.0..-30.4).contains(&met.at[2]), "{met:?}"); // where it goes in, not where it is deepest
+        assert!((-30.5..-30.0).contains(&met.at[2]), "{met:?}"); // where it goes in, not where it is deepest
         let met = bar.met(line([5.0, 2.0], [5.0, -20.0]), 0.2).unwrap();
         assert!((met.depth - 2.0).abs() < 1e-9, "{met:?}");
     }
@@ -366,7 +447,7 @@ mod tests {
     #[test]
     fn a_thread_is_left_straight_out_and_has_crests_for_all_else() {
         let mut bar = bar(0.0);
-        bar.threaded(line([9.0, 2.0], [9.0, -30.0]), 0.4);
+        bar.threaded(line([9.0, 2.0], [9.0, -30.0]), &edges());
         assert_eq!(bar.met(line([9.0, -30.0], [15.0, -30.0]), 0.2), None);
         let depth = |ends| bar.met(ends, 0.2).map_or(0.0, |met| met.depth);
         assert!((depth(line([9.0, 2.0], [9.0, -20.0])) - 1.0).abs() < 1e-9);
@@ -374,19 +455,24 @@ mod tests {
         assert!((depth(line([8.0, -20.0], [15.0, -20.0])) - 2.0).abs() < 1e-9);
         assert!(depth(line([9.0, -40.0], [15.0, -40.0])) > 0.9);
         // turned off, it is gone
-        bar.cut(line([8.5, 2.0], [8.5, -35.0]), 0.4);
+        bar.cut(line([8.5, 2.0], [8.5, -35.0]), &edges());
         assert_eq!(bar.met(line([9.0, 2.0], [9.0, -20.0]), 0.2), None);
     }
 
     #[test]
     fn facing_takes_what_is_before_the_edge() {
         let mut bar = bar(0.0);
-        bar.cut(line([12.0, -1.0], [-0.5, -1.0]), 0.4);
+        bar.cut(line([12.0, -1.0], [-0.5, -1.0]), &edges());
         assert_eq!(bar.met(line([0.5, -1.0], [0.5, 5.0]), 0.2), None);
+        let mut faced = self::bar(0.0);
+        let pointed = canon::Insert::threading(units::Angle::deg(60.0), None, None);
+        faced.cut(line([12.0, -1.0], [-0.3, -1.0]), &EdgePolygon::of(&pointed));
+        assert_eq!(faced.met(line([0.3, -1.0], [0.3, 5.0]), 0.2), None, "by a pointed insert");
         let met = bar.met(line([0.5, 5.0], [0.5, -3.0]), 0.2).unwrap();
         assert!((1.0..=2.0).contains(&met.depth), "{met:?}");
         // a groove leaves what is before it
-        bar.cut(line([12.0, -30.0], [6.0, -30.0]), 0.4);
+        let groove = EdgePolygon::of(&canon::Insert::grooving(Length::mm(1.0)));
+        bar.cut(line([12.0, -30.0], [6.0, -30.0]), &groove);
         assert!(bar.met(line([12.0, -20.0], [8.0, -20.0]), 0.2).is_some());
     }
 
@@ -401,7 +487,8 @@ mod tests {
         let met = bar.behind([11.5, 0.0, -20.0], Some(12.0), Some(15.0)).unwrap();
         assert!((met.by() - 5.0).abs() < 1e-9, "{met:?}");
         // a groove of 3 mm with a point that stands 2 mm over a shank 12 mm wide
-        bar.cut(line([7.0, -30.0], [7.0, -31.0]), 0.4);
+        let groove = EdgePolygon::of(&canon::Insert::grooving(Length::mm(2.0)));
+        bar.cut(line([7.0, -30.0], [7.0, -31.0]), &groove);
         let at = [5.0 + 7.0, 0.0, -30.5];
         let met = bar.behind(at, Some(12.0), Some(2.0)).unwrap();
         assert!((met.by() - 1.0).abs() < 1e-9, "{met:?}");
@@ -415,7 +502,7 @@ mod tests {
         bar.bored(line([0.0, 5.0], [0.0, -50.0]), 4.0);
         assert_eq!(bar.met(line([3.0, 5.0], [3.0, -10.0]), 0.2), None);
         assert!(bar.met(line([6.0, 5.0], [6.0, -10.0]), 0.2).is_some());
-        bar.cut(line([5.0, 5.0], [5.0, -20.0]), 0.4);
+        bar.cut(line([5.0, 5.0], [5.0, -20.0]), &edges());
         assert_eq!(bar.met(line([6.0, 5.0], [6.0, -10.0]), 0.2), None);
         assert!(bar.met(line([6.0, 5.0], [6.0, -30.0]), 0.2).is_some());
     }

@@ -58,6 +58,7 @@ mod clock;
 mod clutch;
 mod coupled;
 mod curve;
+mod edges;
 mod ends;
 mod findings;
 mod heat;

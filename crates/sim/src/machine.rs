@@ -167,6 +167,8 @@ impl SimulatedMachine {
     pub fn renew_tool(&mut self, number: u32) {
         if let Some(cutting) = &mut self.cutting {
             cutting.renew_tool(number);
+            self.truth.tool_broken = cutting.is_broken();
+            self.truth.broken_by = cutting.broken_by();
         }
     }
 

@@ -181,6 +181,8 @@ impl TurnedBar {
         match side {
             _ if self.outer[index] <= self.inner[index] => f64::NEG_INFINITY,
             Side::External => self.outer[index] - at.radius,
+            // beyond the outside there is nothing to bore
+            Side::Internal if at.radius >= self.outer[index] => self.outer[index] - at.radius,
             Side::Internal => at.radius - self.inner[index],
         }
     }
@@ -232,6 +234,19 @@ impl TurnedBar {
             let here = Crossing { section: 0, radius: at.radius, z: at.z };
             self.depth(&here, side.unwrap_or(self.side)) <= 0.0
         })
+    }
+
+    /// How far along Z, this way, the material lies below the tool's point, to either side of a
+    /// groove of a thread that may be there; 0: it never reaches the point.
+    pub(crate) fn groove_before(&self, side: Side, way: f64) -> f64 {
+        let Some(at) = self.last else { return 0.0 };
+        let Some(from) = self.place(at.z) else { return 0.0 };
+        let level = if side == Side::External { at.radius } else { -at.radius };
+        let heights: Vec<f64> = self.heights(0, side).collect();
+        let along: Box<dyn Iterator<Item = usize>> =
+            if way > 0.0 { Box::new(from..self.places) } else { Box::new((0..=from).rev()) };
+        let first = along.into_iter().position(|place| heights[place] > level + TRACE_MM);
+        first.map_or(0.0, |count| count as f64 * self.step)
     }
 
     /// The sections that the tool's point has passed since the last sample.

@@ -24,7 +24,8 @@ use crate::stroke::Stroke;
 use crate::taken_back::TakenBack;
 use crate::thread::ThreadTrack;
 use crate::turned::{self, TurnedTrack};
-use crate::workpiece::{Undone, Workpiece};
+use crate::undone::{Undone, of_before};
+use crate::workpiece::Workpiece;
 use canon::{
     CamLibrary, CamOrder, Hole, Op, OpKind, Position, ProgramFrame, Span, SpindleOrder, Tap, Tool,
 };
@@ -51,6 +52,8 @@ pub struct Judge {
     pub(crate) gears: gear::Cuts,
     pub(crate) ground: cam::Cams,
     pub(crate) features: Vec<Feature>,
+    /// What a program before has cut: listed once it is destroyed.
+    pub(crate) before: Vec<Feature>,
     pub(crate) removals: Removals,
     /// Where the ops so far have brought the axes.
     at: Position,
@@ -74,6 +77,7 @@ pub struct Work {
     milling: Milling,
     gears: gear::Cuts,
     ground: cam::Cams,
+    features: Vec<Feature>,
 }
 
 /// One feature that the program orders.
@@ -124,6 +128,7 @@ impl Judge {
             gears: gear::Cuts::default(),
             ground: cam::Cams::default(),
             features: Vec::new(),
+            before: Vec::new(),
             removals: Removals::default(),
             at: Position::default(),
             came_from: turned::CameFrom::default(),
@@ -142,6 +147,7 @@ impl Judge {
         self.milling = work.milling.at_rest();
         self.gears = work.gears.at_rest();
         self.ground = work.ground.at_rest();
+        self.before = work.features;
         if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
             *own = bar.at_rest();
             self.threads = work.threads.at_rest();
@@ -175,8 +181,10 @@ impl Judge {
             self.close();
         }
         self.settle_turned();
+        let numbered = |feature: Feature| Feature { op: of_before(feature.op), ..feature };
+        let features = self.features.into_iter().map(numbered).collect();
         let Self { work: block, polygons, bar, threads, milling, gears, ground, .. } = self;
-        Work { block, polygons, bar, threads, milling, gears, ground }
+        Work { block, polygons, bar, threads, milling, gears, ground, features }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
@@ -191,6 +199,7 @@ impl Judge {
                 self.at = *to;
             }
             OpKind::Threading(order) => self.at = order.to,
+            OpKind::Spindle { spindle: 0, order } => self.came_from.spindle(order),
             _ => {}
         }
         self.milling.op(index, op);
@@ -203,6 +212,7 @@ impl Judge {
     }
 
     fn order(&mut self, index: u32, op: &Op, from: &Position) {
+        let mut thread = turned::OrderedThread::default();
         if let Some(open) = self.orders.back_mut().filter(|order| order.end.is_none()) {
             if let What::Polygon(ordered) = &mut open.what {
                 ordered.see(&op.kind);
@@ -220,6 +230,9 @@ impl Judge {
             if let What::Turned(ordered) = &mut open.what {
                 if ordered.see(index, from, &self.came_from, &op.kind) {
                     return;
+                }
+                if ordered.is_left_by(index, from, &self.came_from, &op.kind) {
+                    thread = turned::OrderedThread::after(ordered, &self.came_from);
                 }
                 open.end = Some(index);
             }
@@ -254,9 +267,8 @@ impl Judge {
                 None => return,
             },
             OpKind::Threading(_) => {
-                let mut ordered = turned::OrderedThread::default();
-                ordered.see(index, from, &self.came_from, &op.kind);
-                (What::Turned(ordered), None)
+                thread.see(index, from, &self.came_from, &op.kind);
+                (What::Turned(thread), None)
             }
             OpKind::Hob(hob) => (What::Gear(Box::new(gear::OrderedGear { hob: *hob })), None),
             OpKind::Polygon(polygon) => {
@@ -398,11 +410,16 @@ impl Judge {
                 let gone = |op: &u32| !absorbed.contains(op);
                 let again = |op: u32| {
                     let reason = found.verdict.reason()?;
-                    Some(Undone { op, line, how: format!("hobbed again: {reason}") })
+                    Some(Undone {
+                        op,
+                        line,
+                        how: format!("hobbed again: {reason}"),
+                        is_known: true,
+                    })
                 };
                 undone.extend(earlier.absorbed.into_iter().filter(gone).filter_map(again));
                 let over = earlier.destroyed.into_iter();
-                undone.extend(over.map(|(op, how)| Undone { op, line, how }));
+                undone.extend(over.map(|(op, how)| Undone { op, line, how, is_known: true }));
                 Some(found.map(Box::new).map(FeatureKind::Gear))
             }
             (Track::Turned(track), What::Turned(ordered)) => {

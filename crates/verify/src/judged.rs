@@ -2,6 +2,7 @@
 //! says it of a [`GroundCam`](crate::GroundCam), and all of them together make
 //! [features](crate::Feature).
 use crate::Contact;
+use crate::undone::Undone;
 use crate::verdict::Verdict;
 use units::Time;
 
@@ -37,6 +38,27 @@ impl<K> Judged<K> {
             }
         };
         self.verdict = Verdict::Fail { reason };
+    }
+
+    /// Takes back what was said of it, as far as a later cut is known to have changed it.
+    pub fn changed(&mut self, undone: &Undone) {
+        if undone.is_known {
+            self.destroyed(undone.line, &undone.how);
+        } else {
+            self.doubted(undone.line, &undone.how);
+        }
+    }
+
+    /// What was said of it may not hold any more: a later line may have changed it.
+    fn doubted(&mut self, line: u32, how: &str) {
+        let later = format!("not judged after line {line}: {how}");
+        self.verdict = match &self.verdict {
+            Verdict::Pass => Verdict::NotJudged { reason: format!("good when cut, {later}") },
+            Verdict::NotJudged { reason } => {
+                Verdict::NotJudged { reason: format!("{reason}; {later}") }
+            }
+            Verdict::Fail { reason } => Verdict::Fail { reason: reason.clone() },
+        };
     }
 
     /// Finds something wrong with it beside what was found already.

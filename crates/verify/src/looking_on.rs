@@ -3,7 +3,7 @@
 use crate::feature::milled;
 use crate::judge::{Judge, Track, What};
 use crate::turned;
-use crate::workpiece::Undone;
+use crate::undone::Undone;
 use bus::Sample;
 
 impl Judge {

@@ -19,8 +19,8 @@ use crate::feature::Feature;
 use crate::judged::Judged;
 use crate::polygon::{Facet, Polygon, Section};
 use crate::turned::Facets;
+use crate::undone::{Undone, of_before};
 use crate::verdict::Verdict;
-use crate::workpiece::Undone;
 use turned::Round;
 use units::Length;
 
@@ -47,7 +47,6 @@ struct Face {
 struct Standing {
     /// By which the bar knows it.
     id: usize,
-    /// `None`: a program before has cut it, whose operations are not numbered any more.
     op: Option<u32>,
     line: u32,
     name: String,
@@ -141,7 +140,7 @@ impl Standing {
 
     /// A later line has spoilt it.
     fn undone(&self, line: u32, how: &str) -> Option<Undone> {
-        self.op.map(|op| Undone { op, line, how: how.to_owned() })
+        self.op.map(|op| Undone { op, line, how: how.to_owned(), is_known: true })
     }
 
     /// The facets at a height, between two sections or beyond the last ones; `None` above and below
@@ -195,9 +194,9 @@ pub(crate) struct StandingPolygons {
 }
 
 impl StandingPolygons {
-    /// As a program finds them whose operations are numbered anew.
+    /// As a program finds them that is another one.
     pub(crate) fn at_rest(mut self) -> Self {
-        self.all.iter_mut().for_each(|polygon| polygon.op = None);
+        self.all.iter_mut().for_each(|polygon| polygon.op = polygon.op.map(of_before));
         self
     }
 

@@ -10,8 +10,9 @@ use crate::feature::{Feature, FeatureKind};
 use crate::judge::Judge;
 use crate::thread::UNSEEN;
 use crate::turned;
+use crate::undone::Undone;
 use crate::verdict::Verdict;
-use crate::workpiece::Undone;
+use units::Time;
 
 /// Features of programs before of which it is kept that they were destroyed.
 const MOST_FORGOTTEN: usize = 1000;
@@ -105,8 +106,13 @@ impl Judge {
         for undone in undone {
             let made = |f: &Feature| f.op == undone.op && !matches!(f.kind, FeatureKind::Milled(_));
             if let Some(place) = self.features.iter().rposition(made) {
-                self.features[place].destroyed(undone.line, &undone.how);
+                self.features[place].changed(&undone);
                 self.taken_back.changed.push(place);
+            } else if let Some(place) = self.before.iter().position(made) {
+                let mut feature = self.before.swap_remove(place);
+                feature.changed(&undone);
+                (feature.time, feature.duration) = (self.now, Time::ZERO);
+                self.features.push(feature);
             } else if self.orders.iter().any(|order| order.first == undone.op) {
                 self.taken_back.to_come.push(undone);
             } else if self.taken_back.forgotten.len() < MOST_FORGOTTEN {

@@ -45,6 +45,7 @@ mod figures;
 mod inspection;
 mod law;
 mod lie;
+mod ordered;
 mod places;
 mod profile;
 mod run_in;
@@ -53,6 +54,7 @@ mod sizes;
 mod verdict;
 
 pub use feature::{LeadOfTurn, TurnedThread};
+pub(crate) use ordered::{CameFrom, OrderedThread};
 pub(crate) use places::{Facets, ListChange, Places, ThreadCut};
 pub use size::TurnedLimits;
 pub use sizes::TurnedSizes;
@@ -62,116 +64,20 @@ use crate::bar::{Crossing, TurnedBar};
 use crate::insert::Side;
 use crate::judged::Judged;
 use bus::Sample;
-use canon::{Axis, Hand, OpKind, Position};
+use canon::{Axis, Hand, Position};
 use figures::{lead_error, leads, start_angle, thinned};
 use inspection::{Contact, inspect};
-use law::{Law, RUN_OUT, Stretch};
+use law::{Law, RUN_OUT};
 use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Time, Torque};
 
 /// Share of the way back to where a tool stood before it was fed in, from which on it is clear of
 /// the work.
 const CLEAR: f64 = 0.99;
-/// Shorter than this is no way in which a tool was fed in: the rounding of coordinates, and where
-/// axes stand.
-const FED_IN_MM: f64 = 0.01;
+use ordered::FED_IN_MM;
 /// A tool so far off its ordered way across the thread is being taken off the work, mm.
 const LEAVES_MM: f64 = 0.1;
 /// Passes of the point through sections that are kept of one thread: 24 MB, 80,000 turns.
 const MOST_CROSSINGS: usize = 1_000_000;
-
-/// The passes that a program orders over one thread.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct OrderedThread {
-    passes: Vec<Vec<Stretch>>,
-    chained: bool,
-}
-
-/// Where each linear axis was before the last rapid that moved it, and which rapid that was.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct CameFrom {
-    axes: [Option<(u64, Length)>; 3],
-    rapids: u64,
-}
-
-impl CameFrom {
-    /// A rapid of the program.
-    pub(crate) fn rapid(&mut self, from: &Position, to: &Position) {
-        self.rapids += 1;
-        for (came, (from, to)) in self.axes.iter_mut().zip(from.linear.iter().zip(&to.linear)) {
-            if (*from - *to).abs().value() > FED_IN_MM {
-                *came = Some((self.rapids, *from));
-            }
-        }
-    }
-
-    /// Where the tool stood before the last rapid that fed it in to here, across a thread's axis.
-    fn before(&self, here: &Position, thread: Axis) -> Position {
-        let mut stood = *here;
-        let across = || (0..3).filter(|i| *i != thread.index());
-        let last = across().filter_map(|i| self.axes[i]).map(|(rapid, _)| rapid).max();
-        for i in across() {
-            if let Some((_, from)) = self.axes[i].filter(|(rapid, _)| Some(*rapid) == last) {
-                stood.linear[i] = from;
-            }
-        }
-        stood
-    }
-}
-
-impl OrderedThread {
-    /// An op from `from` on; whether it belongs to this thread.
-    pub(crate) fn see(&mut self, op: u32, from: &Position, came: &CameFrom, kind: &OpKind) -> bool {
-        let OpKind::Threading(order) = kind else {
-            self.chained = false;
-            return matches!(
-                kind,
-                OpKind::Rapid { .. }
-                    | OpKind::Dwell { .. }
-                    | OpKind::Spindle { .. }
-                    | OpKind::Coolant { .. }
-                    | OpKind::Overrides { .. }
-                    | OpKind::PathMode(_)
-                    | OpKind::Output(_)
-                    | OpKind::Message(_)
-            );
-        };
-        let stood = came.before(from, order.axis);
-        let stretch = Stretch::new(op, from, order, stood);
-        match self.passes.last_mut() {
-            Some(pass) if self.chained => {
-                let before = pass.last().map_or(0.0, |last| last.before + last.turns);
-                // a chain that feeds the tool in by itself begins where it is clear
-                let first = pass.first().map_or(*from, |first| first.from);
-                let across = |i: usize| i != order.axis.index();
-                let feeds_in = (0..3).any(|i| across(i) && first.linear[i] != from.linear[i]);
-                let stood = if feeds_in { first } else { stood };
-                pass.push(Stretch { stood, before, ..stretch });
-            }
-            last => {
-                if last.and_then(|pass| pass.first()).is_some_and(|first| !first.is_under(&stretch))
-                {
-                    return false; // another thread
-                }
-                self.passes.push(vec![stretch]);
-                self.chained = true;
-            }
-        }
-        true
-    }
-
-    /// The pass that an op belongs to, its thread, and the turns from the thread's start to the
-    /// chain's end.
-    fn find(&self, op: u32) -> Option<(usize, Law<'_>, f64)> {
-        let (index, pass) = self
-            .passes
-            .iter()
-            .enumerate()
-            .rfind(|(_, pass)| pass.first().is_some_and(|s| s.op <= op))?;
-        let thread = Law::of(pass)?;
-        let whole = pass.last().map_or(0.0, |last| last.before + last.turns);
-        (op >= thread.first().op).then_some((index, thread, whole - thread.first().before))
-    }
-}
 
 /// What was recorded of one pass.
 #[derive(Clone, Debug, Default)]
@@ -185,6 +91,9 @@ struct Pass {
     /// The run-out began.
     whole: bool,
     contact: Contact,
+    /// How far behind the thread's beginning the work begins, as of a thread that begins in a
+    /// relief groove, mm; `None`: not looked at yet.
+    groove: Option<f64>,
 }
 
 /// What was recorded of a thread.
@@ -261,6 +170,13 @@ impl TurnedTrack {
         }
         if depth < 0.0 {
             return;
+        }
+        if let Some((bar, _)) = turning.filter(|_| law.axis() == Axis::Z) {
+            let side = self.side.unwrap_or_else(|| bar.side());
+            let groove = *pass.groove.get_or_insert_with(|| bar.groove_before(side, law.sign()));
+            if depth < groove {
+                return; // it comes to its speed there
+            }
         }
         // the material of a face begins at the bar's outside, which the block does not say
         let is_in_a_face = law.axis() != Axis::Z;
@@ -400,6 +316,9 @@ impl TurnedTrack {
         now: Time,
     ) -> Option<Judged<TurnedThread>> {
         let law = ordered.passes.last().and_then(|pass| Law::of(pass));
+        if bar.is_some() && ordered.goes_back && self.contact().touched == 0 {
+            return None; // the way back from a pass, clear of the work
+        }
         let run_in = law.filter(|_| bar.is_none()).map(|law| self.leave_run_in_out(&law));
         let slope = law.map_or(0.0, |law| law.main().lead());
         let tool = self.tool.and_then(|number| config.tools.get(number));

@@ -26,6 +26,9 @@ pub enum Message {
     Order(Order),
     /// Its answer, as JSON.
     Told(#[serde(serialize_with = "cut_text")] String),
+    /// Between two periods of a session: a person has put a new tool of this number in the place of
+    /// the old one. The answer is what is observed.
+    RenewTool(u32),
 }
 
 /// Who controls.
@@ -152,6 +155,7 @@ impl Message {
             Self::Observed(_) => "feedback",
             Self::Order(_) => "an order",
             Self::Told(_) => "an answer",
+            Self::RenewTool(_) => "a new tool",
         }
     }
 

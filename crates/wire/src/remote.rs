@@ -224,8 +224,22 @@ impl<S: Read + Write> Remote<S> {
         self.engagement = engagement;
     }
 
+    /// A new tool of this number is in the place of the old one.
+    pub fn renew_tool(&mut self, number: u32) {
+        if self.lost.is_none() {
+            match self.answer_to(&Message::RenewTool(number)) {
+                Ok(observed) => self.last = observed,
+                Err(why) => self.lost = Some(why),
+            }
+        }
+    }
+
     fn ask(&mut self, command: &Command) -> Result<Observed, Error> {
-        self.port.send(&Message::Command(*command, self.engagement))?;
+        self.answer_to(&Message::Command(*command, self.engagement))
+    }
+
+    fn answer_to(&mut self, message: &Message) -> Result<Observed, Error> {
+        self.port.send(message)?;
         match self.port.take()? {
             Message::Observed(observed) => Ok(observed),
             Message::Refused(why) => Err(Error::Refused(why)),

@@ -65,7 +65,8 @@ Examples:
   leadscrew run programs/plate-12xM6.ngc
   leadscrew run part.ngc --machine shop.toml --tools shop.tbl --out out/part
   leadscrew run part.ngc --missing-tools stand-in --material 42CrMo4",
-        after_long_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of \
+        after_long_help = "Exit code: 0 the program ended and every feature is within tolerance (of a program that only taps: if its \
+holes are there, which is said first; --pre-drilled states it); 1 a feature is out of \
 tolerance; 2 the program or a file was refused, or a tap is in the work and nothing but `leadscrew recover` may \
 move; 3 an alarm on the machine.
 

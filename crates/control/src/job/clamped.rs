@@ -13,11 +13,13 @@ use store::machine::MachineFile;
 use units::Length;
 
 /// What states the stock.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ClampedStock {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ClampedStock {
     pub(super) stated: Option<Stated>,
     /// It is none that this machine can clamp: why.
     unfit: Option<&'static str>,
+    /// A program before has stated it, on the same workpiece.
+    is_there: bool,
 }
 
 impl ClampedStock {
@@ -25,10 +27,11 @@ impl ClampedStock {
     pub(super) fn of(option: Option<&str>, text: &[u8]) -> Result<Self, Refused> {
         let Some(option) = option else {
             let head = &text[..text.len().min(super::mill_stock::MilledStock::LOOKED_AT)];
-            return Ok(Self { stated: stated(&String::from_utf8_lossy(head)), unfit: None });
+            let stated = stated(&String::from_utf8_lossy(head));
+            return Ok(Self { stated, ..Self::default() });
         };
         let found = stated(&format!("(STOCK {option})"));
-        found.map(|stated| Self { stated: Some(stated), unfit: None }).ok_or_else(|| {
+        found.map(|stated| Self { stated: Some(stated), ..Self::default() }).ok_or_else(|| {
             Refused::because(format!(
                 "--stock: \"{option}\" is no stock: expected a bar such as 'DIA 32 LENGTH 80', two corners in G54 such as 'X0 Y0 Z-20 X100 Y60 Z0', or a size such as '100X60X20', in mm"
             ))
@@ -79,9 +82,14 @@ impl ClampedStock {
         }
     }
 
-    /// It was stated and counts.
+    /// It was stated for this program and counts.
     pub(super) const fn is_stated(&self) -> bool {
-        self.stated.is_some() && self.unfit.is_none()
+        self.stated.is_some() && self.unfit.is_none() && !self.is_there
+    }
+
+    /// The same, as the next program finds it that states none.
+    pub(super) const fn standing(self) -> Self {
+        Self { is_there: true, ..self }
     }
 
     /// That what is stated does not count, and why.

@@ -9,6 +9,7 @@
 pub mod cams;
 pub mod choice;
 mod clamped;
+pub(crate) use clamped::ClampedStock;
 mod described;
 pub mod dialect;
 pub mod drawn;

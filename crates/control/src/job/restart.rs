@@ -52,6 +52,8 @@ pub struct Restart {
     pub line: u32,
     /// Holes and threads that are left out.
     pub holes: u32,
+    /// What else is left out: what it is, and its line.
+    pub others: Vec<(&'static str, u32)>,
     /// The tool.
     pub tool: u32,
     /// The spindle.
@@ -68,6 +70,7 @@ struct InForce {
     /// The cam that is selected, and what is to be done about it.
     cam: Vec<OpKind>,
     holes: u32,
+    others: Vec<(&'static str, u32)>,
 }
 
 impl InForce {
@@ -89,6 +92,11 @@ impl InForce {
             OpKind::Coolant { .. } => self.coolant = Some(op.kind.clone()),
             OpKind::PathMode(_) | OpKind::Overrides { .. } => self.mode = Some(op.kind.clone()),
             OpKind::Tap(_) | OpKind::Hole(_) => self.holes += 1,
+            OpKind::Polygon(_) => self.others.push(("polygon", op.span.line)),
+            OpKind::Hob(_) => self.others.push(("gear", op.span.line)),
+            OpKind::Cam(CamOrder::Grind { .. }) => {
+                self.others.push(("ground cam", op.span.line));
+            }
             OpKind::Cam(CamOrder::Select { .. }) => self.cam = vec![op.kind.clone()],
             OpKind::Cam(CamOrder::Compensate) => self.cam.push(op.kind.clone()),
             OpKind::Cam(CamOrder::Deselect) => self.cam.clear(),
@@ -180,6 +188,9 @@ pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restar
         if let OpKind::Threading(order) = &op.kind {
             // the stretches of a chain go on where the last one ended
             let is_next = passes.as_ref().is_some_and(|all| all.goes_on || all.has(&here, order));
+            if !is_next {
+                in_force.others.push(("turned thread", op.span.line));
+            }
             passes = passes.filter(|_| is_next).or_else(|| {
                 let (begin, ends) = (begin.clone()?, [here, order.to]);
                 Some(Passes { begin, ends, lead: order.lead, goes_on: true })
@@ -277,6 +288,7 @@ fn restart(skip: usize, first: &Op, in_force: &InForce, at: &Position, top: Leng
         prelude: prelude.into_iter().map(|kind| Op { span, kind }).collect(),
         line: span.line,
         holes: in_force.holes,
+        others: in_force.others.clone(),
         tool: in_force.tool,
         spin: spin.unwrap_or(Spin::ZERO),
     }

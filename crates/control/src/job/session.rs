@@ -179,6 +179,19 @@ impl Session {
         }
     }
 
+    /// What the program states of its stock, or finds clamped.
+    pub(crate) const fn clamped(&self) -> ClampedStock {
+        self.stock
+    }
+
+    /// A program that states no stock goes on with the one that is clamped.
+    pub(crate) fn finds_clamped(&mut self, stock: ClampedStock) {
+        if self.stock.stated.is_none() && stock.stated.is_some() {
+            self.stock = stock.standing();
+            self.clamp_stock();
+        }
+    }
+
     fn clamp_stock(&mut self) {
         self.stock.clamp(&mut self.machine);
         if let Some(plant) = &mut self.plant {

@@ -1,4 +1,5 @@
 //! What was cut from a workpiece: counted, the newest of it kept to be shown.
+use crate::job::ClampedStock;
 use std::collections::VecDeque;
 use store::state::WorkpieceRecord;
 use verify::{Feature, Undone, Verdict};
@@ -26,6 +27,8 @@ pub(super) struct WorkpieceLog {
     pub(super) record: WorkpieceRecord,
     /// The newest features of programs before the last one.
     pub(super) shown: VecDeque<Feature>,
+    /// What a program has stated of it.
+    pub(super) stock: ClampedStock,
     /// What was cut, by a control before this one too, is another list than before.
     pub(super) changes: u64,
 }
@@ -68,16 +71,17 @@ impl WorkpieceLog {
     /// A feature of a program before was destroyed; `None`: it is no longer kept.
     pub(super) fn take_back(&mut self, undone: &Undone) -> Option<Feature> {
         let feature = self.shown.iter_mut().rfind(|feature| feature.op == undone.op)?;
-        let count = match feature.verdict {
-            Verdict::Pass => Some(&mut self.record.good),
-            Verdict::NotJudged { .. } => Some(&mut self.record.not_judged),
-            Verdict::Fail { .. } => None,
+        let of = |verdict: &Verdict, record: &mut WorkpieceRecord, by: fn(u64) -> u64| {
+            let count = match verdict {
+                Verdict::Pass => &mut record.good,
+                Verdict::NotJudged { .. } => &mut record.not_judged,
+                Verdict::Fail { .. } => &mut record.failed,
+            };
+            *count = by(*count);
         };
-        if let Some(count) = count {
-            *count = count.saturating_sub(1);
-            self.record.failed += 1;
-        }
-        feature.destroyed(undone.line, &undone.how);
+        of(&feature.verdict, &mut self.record, |count| count.saturating_sub(1));
+        feature.changed(undone);
+        of(&feature.verdict, &mut self.record, |count| count + 1);
         self.changes += 1;
         Some(feature.clone())
     }

@@ -1,8 +1,8 @@
 //! A text that was interpreted and judged, and what for: as long as that is so it may be executed
 //! without being proved again.
 use super::timeline::Timeline;
-use crate::job::Session;
 use crate::job::preflight::Proved;
+use crate::job::{ClampedStock, Session};
 use canon::{Position, ToolLibrary};
 use interp::Parameters;
 use std::path::PathBuf;
@@ -17,6 +17,8 @@ pub(super) struct Basis {
     /// Which of all that was ever in force is in force.
     pub(super) rest_number: u64,
     pub(super) block_skip: Vec<u8>,
+    /// What a program before has stated of the workpiece on which it is to run.
+    pub(super) stock: ClampedStock,
 }
 
 /// A text that may be executed.

@@ -58,8 +58,9 @@ pub struct Found {
 impl Found {
     /// In a session that was loaded from files.
     pub fn put_into(self, session: &mut Session) {
-        let Self { basis: Basis { position, mounted, parameters, tools, .. }, before, stands } =
-            self;
+        let Self { basis, before, stands } = self;
+        let Basis { position, mounted, parameters, tools, stock, .. } = basis;
+        session.finds_clamped(stock);
         if stands {
             session.on_control((position, mounted), parameters, tools, before);
         } else {
@@ -111,7 +112,8 @@ impl Proving {
             // here, and not where it was asked for: a control waits for no disk
             let text = text.map_or_else(|| read_program(&path), Ok)?;
             let mut session = Session::load(&options, &path, &text)?;
-            let Basis { position, mounted, parameters, tools, .. } = basis.clone();
+            let Basis { position, mounted, parameters, tools, stock, .. } = basis.clone();
+            session.finds_clamped(stock);
             session.on_control((position, mounted), parameters, tools, before);
             session.interruption = interruption;
             let plan = session.plan_options(session.machine.setup.stock.material);
@@ -272,6 +274,7 @@ impl Control {
             tools: self.data.tools.clone(),
             rest_number: self.data.rest_number,
             block_skip: self.options.program.block_skip.clone(),
+            stock: self.stock_of_next(),
         }
     }
 }

@@ -14,8 +14,8 @@ use super::request::{Accepted, Refusal};
 use super::writer::Key;
 use crate::clock::unix_ms;
 use crate::config;
-use crate::job::Session;
 use crate::job::mill_stock::MilledStock;
+use crate::job::{ClampedStock, Session};
 use store::begun_run::{BegunRun, CutFeature};
 use store::state::{StateFolder, WorkpieceRecord, message_log};
 use verify::{Feature, Judge, Verdict};
@@ -118,6 +118,16 @@ impl Control {
         self.keep_workpiece_or_say();
     }
 
+    /// What is clamped when the next program begins, as a program before has stated it.
+    pub(super) fn stock_of_next(&self) -> ClampedStock {
+        let begins_another =
+            self.base.machine.control.start_begins_workpiece && self.cut.record.programs > 0;
+        if self.cut.record.is_ended || begins_another {
+            return ClampedStock::default();
+        }
+        self.cut.stock
+    }
+
     fn next_workpiece(&mut self, name: String) {
         let number = self.cut.record.number + 1;
         let changes = self.cut.changes + 1;
@@ -148,6 +158,7 @@ impl Control {
         let (stock, gear_blank) = (block.or(config.stock), block);
         let stated = verify::Config { stock, gear_blank, mill_stock: milled, ..config };
         self.workpiece.judge.is_clamped(&stated);
+        self.cut.stock = session.clamped();
         if let Some((stock, bar)) = simulated_stock(session, self.seed, &zero) {
             self.executor.machine.clamp_stock(stock, bar);
         }

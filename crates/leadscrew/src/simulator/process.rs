@@ -172,6 +172,11 @@ impl SimulatorProcess {
         Ok(())
     }
 
+    /// A new tool of this number is in the place of the old one.
+    pub(super) fn renew_tool(&mut self, number: u32) {
+        self.machine.renew_tool(number);
+    }
+
     /// The operator has seen that no tool is in the work.
     pub(super) const fn tool_is_free(&mut self) {
         self.retained.tool_is_free();

@@ -130,7 +130,8 @@ impl Served {
             | Message::Refused(_)
             | Message::Command(..)
             | Message::Observed(_)
-            | Message::Told(_) => {
+            | Message::Told(_)
+            | Message::RenewTool(_) => {
                 port.send(&Message::Refused("expected a greeting or an order".into()))
             }
         }
@@ -243,11 +244,25 @@ impl Served {
         Ok(is_on.then(|| if asks { simulator.answer() } else { simulator.observed() }))
     }
 
+    /// A new tool is in the place of the old one; `None`: the mains have failed.
+    fn renew_tool(&self, session: u64, number: u32) -> Option<Observed> {
+        let mut simulator = lock(&self.simulator);
+        (simulator.session() == session).then(|| {
+            simulator.renew_tool(number);
+            simulator.observed()
+        })
+    }
+
     /// Time waits for the control. Returns when the power is cut.
     fn in_lock_step(&self, session: u64, port: &mut Port<UnixStream>) -> Result<(), Error> {
         loop {
-            let command = command(&port.take()?)?;
-            let Some(observed) = self.obey(session, &command, true)? else { return Ok(()) };
+            let message = port.take()?;
+            let observed = if let Message::RenewTool(number) = message {
+                self.renew_tool(session, number)
+            } else {
+                self.obey(session, &command(&message)?, true)?
+            };
+            let Some(observed) = observed else { return Ok(()) };
             port.send(&Message::Observed(observed))?;
         }
     }
@@ -271,6 +286,11 @@ impl Served {
             let left = due.saturating_duration_since(clock::now());
             pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
             let answer = if let Some(message) = port.take_soon()? {
+                if let Message::RenewTool(number) = message {
+                    let Some(observed) = self.renew_tool(session, number) else { return Ok(()) };
+                    port.send(&Message::Observed(observed))?;
+                    continue;
+                }
                 last = command(&message)?;
                 (silent, has_spoken) = (Duration::ZERO, true);
                 true
@@ -316,7 +336,8 @@ fn command(message: &Message) -> Result<(bus::Command, Option<Engagement>), Erro
         | Message::Refused(_)
         | Message::Observed(_)
         | Message::Order(_)
-        | Message::Told(_) => {
+        | Message::Told(_)
+        | Message::RenewTool(_) => {
             Err(Error::Unexpected { found: "another message", expected: "a command" })
         }
     }

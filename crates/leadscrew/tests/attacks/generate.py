@@ -1095,7 +1095,75 @@ def part_cams():
     cam("cam-toyoda", "an eccentric by Toyoda's words", "pass", "N10 G00 X240\nN20 G51 P1234\nN30 G52\nN40 G53 G04 S20 P2\nN50 G55\nN60 G50\nN70 G01 X-0.1 F0.1 R0.1 S20\nN80 G04 S20 P2\nN90 M30\n", dialect="--dialect toyoda")
 
 
-for part in (part_good_posts, part_feeds, part_frames, part_holes, part_mills, part_faults, part_turning, part_polygons, part_gears, part_cams):
+def part_unknown_tools():
+    """Tools of which the table does not say what they leave: their diameter is all that is known."""
+    g1 = lambda **w: ("G1", w)
+    g0 = lambda **w: ("G0", w)
+    holes("other-across-thread", "linuxcnc", "a tool of kind other fed across the finished M8, 5 deep", "no pass", M8 + [mill(31, 3000, 300, [g0(X=-20, Y=0), g0(Z=2), g1(Z=-5), g1(X=20), g0(Z=20)])], words="not known")
+    holes("other-across-thread-inch", "fanuc-inch", "the same from a post that writes inches, along Y", "no pass", M8 + [mill(31, 3000, 300, [g0(X=0, Y=-20), g0(Z=2), g1(Z=-5), g1(Y=20), g0(Z=20)])], words="not known")
+    holes("other-over-thread-in-air", "linuxcnc", "fed across 5 mm above the finished M8", "pass", M8 + [mill(31, 3000, 300, [g0(X=-20, Y=0), g0(Z=5), g1(X=20), g0(Z=20)])])
+    holes("other-beside-block", "haas", "fed down beside the block", "pass", M8 + [mill(31, 3000, 300, [g0(X=210, Y=0), g0(Z=5), g1(Z=-5), g1(X=230), g0(Z=20)])], machine="tapping-center")
+    holes("other-in-hole", "linuxcnc", "a brush of 6 in the middle of the hole of 6.8, not below its cylinder", "pass", [drill(11, ONE, -24), mill(31, 3000, 300, [g0(X=0, Y=0), g0(Z=5), g1(Z=-15), g1(Z=5), g0(Z=20)]), tap(20, ONE, -18)])
+    holes("other-in-thread", "haas", "a brush of 6 in the middle of the finished M8: within its minor diameter", "pass", M8 + [mill(31, 3000, 300, [g0(X=0, Y=0), g0(Z=5), g1(Z=-12), g1(Z=5), g0(Z=20)])])
+    holes("other-orbit-in-thread", "linuxcnc", "it goes around in the finished M8, 0.8 off its axis: into the flanks", "no pass", M8 + [ring(31, 0, 0, 0.8, -8, s=3000, f=200)], words="not known")
+    holes("other-orbit-free", "linuxcnc", "it goes around in the finished M8, 0.3 off its axis: free of the flanks", "pass", M8 + [ring(31, 0, 0, 0.3, -8, s=3000, f=200)])
+    holes("other-slot-far", "mitsubishi", "a slot of unknown form 25 beside the M8", "no pass", M8 + [slot(31, (25, -10), (25, 10), -3, s=3000, f=300)], words="not known")
+    holes("other-by-cycle", "linuxcnc", "a hole by G81 with a tool of kind other beside a drilled one", "no pass", [drill(11, ONE, -20), drill(31, [(20, 0)], -10, s=800, f=100)], words="not known")
+    holes("other-reams", "fanuc", "a hole of 5.8 opened to 6 by a tool of kind other", "no pass", [drill(29, ONE, -18), drill(31, ONE, -12, cycle="G85", s=800, f=150)], words="not known")
+    holes("other-before-tap", "linuxcnc", "a thread milled by a tool of kind other, then tapped over: the flanks are not known", "no pass", [drill(11, ONE, -24), ring(31, 0, 0, 0.9, -12, s=3000, f=200), tap(20, ONE, -18)])
+    holes("tap-fed-by-g1", "linuxcnc", "the tap fed into its hole by G1, without its cycle", "no pass", [drill(11, ONE, -24), mill(20, 200, 250, [g0(X=0, Y=0), g0(Z=5), g1(Z=-15), g1(Z=5), g0(Z=20)])])
+    holes("drill-as-mill", "linuxcnc", "the drill of 6.8 fed sideways through solid", "no pass", [mill(11, 2000, 300, [g0(X=0, Y=0), g0(Z=5), g1(Z=-5), g1(X=20), g0(Z=20)])])
+    across = lambda z: [g0(X=-20, Y=0), g0(Z=2), g1(Z=z), g1(X=20), g0(Z=20)]
+    for_passes = lambda *zs, tool=3: [mill(tool, 4000, 500, [m for z in zs for m in across(z)])]
+    holes("mill-passes-shallow-summed", "linuxcnc", "four passes of 0.09 over the finished M8, each deeper", "no pass", M8 + for_passes(-0.09, -0.18, -0.27, -0.36), words="destroyed in line")
+    holes("mill-passes-shallow-inch", "haas-inch", "the same in inches, by two mills in turn", "no pass", M8 + for_passes(-0.09, -0.18) + for_passes(-0.27, -0.36, tool=2), words="destroyed in line")
+    holes("mill-passes-same-depth", "fanuc", "four passes 0.09 deep, all at one depth", "pass", M8 + for_passes(-0.09, -0.09, -0.09, -0.09))
+    holes("mill-chamfers-summed", "linuxcnc", "a chamfer mill over the M8 in four passes, in the end 3.5 deep at the core hole", "no pass", M8 + [ring(6, 0, 0, 1.0, z) for z in (-3.5, -4.5, -5.2, -5.95)], words="destroyed in line")
+    holes("mill-faces-below-zero", "linuxcnc", "faced three times by 0.09 under a thread of 13: 0.27 gone", "no pass", M8 + [face(-0.09), face(-0.18), face(-0.27)], words="destroyed in line")
+
+
+def part_crossing_chains():
+    """G33 that goes back over its thread, tapers, and what lies beside them."""
+    PASSES = ("9.65", "9.38", "9.2", "9.08", "9.015")
+    head = "T4 M6\nG43 H4\nS900 M3\nG0 X12 Y0 Z6\n"
+    last = "".join(f"G0 X{x}\nG33 Z-16 K1.5\nG0 X12\nG0 Z6\n" for x in PASSES[:-1]) + "G0 X9.015\nG33 Z-16 K1.5\n"
+    turned("back-same-sense", "the last pass goes back in the groove, the spindle turning on: a crossing helix", "no pass", head + last + "G4 P0.4\nG33 Z6 K1.5\nG0 X12\n", words="cut across")
+    turned("back-each-pass", "every pass is cut on the way back, too", "no pass", head + "".join(f"G0 X{x}\nG33 Z-16 K1.5\nG4 P0.4\nG33 Z6 K1.5\n" for x in PASSES) + "G0 X12\n", words="cut across")
+    turned("back-in-chain", "forth and back in one chain without a stop", "no pass", head + "".join(f"G0 X{x}\nG33 Z-16 K1.5\nG33 Z6 K1.5\n" for x in PASSES) + "G0 X12\n", words="cut across")
+    turned("back-in-chain-inch", "the same in inches, 16 threads an inch: forth and back", "no pass", "G20\n" + "T4 M6\nG43 H4\nS900 M3\nG0 X0.5 Y0 Z0.3\n" + "".join(f"G0 X{x}\nG33 Z-0.6 K0.0625\nG33 Z0.3 K0.0625\n" for x in ("0.36", "0.35", "0.34")) + "G0 X0.5\nG21\n", words="cut across")
+    turned("back-in-air", "each pass goes back by G33 with the insert clear of the bar", "pass", head + "".join(f"G0 X{x}\nG33 Z-16 K1.5\nG0 X12\nG33 Z6 K1.5\n" for x in PASSES))
+    turned("back-other-lead", "back over the thread with another lead", "no pass", head + last + "G4 P0.4\nG33 Z6 K2\nG0 X12\n", words="cut across")
+    turned("back-fine-scratch", "back over it 0.1 above its root: the flanks are crossed", "no pass", head + last + "G0 X9.115\nG33 Z6 K1.5\nG0 X12\n", words="destroyed in line")
+    turned("back-m4", "left-hand by M4, away from the chuck by M4 again: a right-hand helix over the left-hand one", "no pass", head.replace("M3", "M4") + last + "G4 P0.4\nG33 Z6 K1.5\nG0 X12\n", words="cut across")
+    turned("away-from-chuck", "M4 and every pass away from the chuck: right-hand, begun in a relief groove", "pass", with_tool(5, "G0 Z-18\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-16.5\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-21\nG0 X11\nG1 X8.6 F60\nG0 X12\nG0 Z-19.5\nG0 X11\nG1 X8.6 F60\nG0 X12\n", s=800) + "T4 M6\nG43 H4\nS600 M4\nG0 X12 Y0 Z-18.5\n" + "".join(f"G0 X{x}\nG33 Z4 K1.5\nG0 X12\nG0 Z-18.5\n" for x in PASSES))
+    taper = lambda xs, run, z=-15, lead=1.5: "".join(f"G0 X{x:.3f}\nG32 X{x + run:.3f} Z{z}. F{lead}\nG0 X24.\nZ5.\n" for x in xs)
+    fan = lambda tool: f"T{tool:02}{tool:02}\nG97 S800 M3\nG0 X24. Y0 Z5.\n"
+    home = "G0 X60. Z50.\n"
+    fanuc_turned("taper-two-inserts", "a taper thread roughed by one insert, finished by another: one thread, not judged, and not said to cut across itself", "no pass", fan(10) + taper((18.4, 17.9), 1.25) + home + fan(3) + taper((17.5, 17.3), 1.25) + home, words="!cut across")
+    fanuc_turned("taper-by-g92", "a taper by G92 R: not judged, with the reason", "no pass", fan(3) + "G92 X19.2 Z-15. R-0.625 F1.5\nX18.8\nX18.5\nX18.3\n" + home, words="taper")
+    fanuc_turned("taper-by-g76", "a taper by G76 R: not judged, with the reason", "no pass", fan(3) + "G76 P010060 Q100 R0.03\nG76 X18.3 Z-15. R-0.625 P920 Q300 F1.5\n" + home, words="taper")
+    fanuc_turned("taper-in-air", "a taper 3 mm off the bar: not cut", "no pass", fan(3) + taper((26.4, 25.9), 1.25) + home, words="not cut")
+    fanuc_turned("taper-over-straight", "a taper thread over the finished straight one", "no pass", fan(4) + "".join(f"G0 X{x}\nG32 Z-15. F1.5\nG0 X24.\nZ5.\n" for x in ("19.3", "18.76", "18.4", "18.16", "18.03")) + taper((17.6,), 1.0) + home)
+    fanuc_turned("taper-hardly", "a straight thread whose end is half a micrometre off: straight as far as axes go", "pass", fan(4) + "".join(f"G0 X{x:.3f}\nG32 X{x + 0.0008:.4f} Z-15. F1.5\nG0 X24.\nZ5.\n" for x in (19.3, 18.76, 18.4, 18.16, 18.03)) + home)
+    fanuc_turned("taper-then-turned-away", "the taper thread is turned away: still no pass", "no pass", fan(3) + taper((18.4, 17.9, 17.5, 17.3), 1.25) + home + "T0101\nG97 S800 M3\nG0 X22. Z2.\nX15.\nG1 Z-16. F0.2\nG0 X24.\n" + home)
+
+
+def part_inserts_before_motion():
+    """What an insert's edges meet is known before motion."""
+    groove = lambda z, x: f"G0 Z{z}\nG0 X11\nG1 X{x} F60\n"
+    turned("edge-left-of-groove", "a rapid of the grooving insert, 1.5 mm to the left of its own groove", "refused", with_tool(5, groove(-20, 8) + "G0 X12\nG0 Z-21.5\nG0 X9\n", s=800))
+    turned("edge-right-of-groove", "a rapid of the grooving insert, 1 mm to the right of its own groove: its right half goes into solid", "refused", with_tool(5, groove(-20, 8) + "G0 X12\nG0 Z-19\nG0 X9\n", s=800))
+    turned("edge-in-own-groove", "a rapid into its own groove and out again, then the thread before it", "pass", with_tool(5, groove(-20, 8) + "G0 X12\nG0 X8.4\nG0 X12\n", s=800) + THREAD)
+    turned("edge-at-shoulder", "turned to a shoulder, out along it by a rapid, and back in by a rapid", "pass", with_tool(1, "G0 Z2\nG0 X9.9\nG1 Z-30 F250\nG0 X12\nG0 Z2\nG0 X9.91\nG0 Z-29.9\nG0 X12\n") + THREAD)
+    turned("edge-into-shoulder", "a rapid 0.6 mm beyond the shoulder that was turned", "refused", with_tool(1, "G0 Z2\nG0 X8\nG1 Z-30 F150\nG0 X12\nG0 Z2\nG0 X8.05\nG0 Z-30.6\nG0 X12\n"))
+    turned("edge-trailing", "behind a shoulder the insert of 80 degrees where that of 35 has turned a neck: its edge meets the flank", "refused", with_tool(2, "G0 Z-10\nG0 X10.5\nG1 X7 Z-20 F100\nG1 Z-24\nG0 X12\n") + with_tool(1, "G0 Z-22\nG0 X7.1\nG0 X12\n"))
+    turned("edge-trailing-same", "the same neck and the insert of 35 degrees that has turned it, then a thread before the neck", "pass", with_tool(2, "G0 Z-10\nG0 X10.5\nG1 X7 Z-20 F100\nG1 Z-24\nG0 X12\nG0 Z-22\nG0 X7.1\nG0 X12\n") + THREAD.replace("Z-15", "Z-8"))
+    turned("edge-faced-and-back", "faced past the middle and off by a rapid along Z, then the thread", "pass", with_tool(1, "G0 X11 Z-0.5\nG1 X-0.9 F150\nG0 Z5\n") + THREAD)
+    turned("edge-chamfer-retract", "a chamfer of 1 mm, away by a rapid across, then the thread", "pass", with_tool(2, "G0 X8.5 Z1\nG1 X10.5 Z-1 F100\nG0 X12\n") + THREAD)
+
+
+for part in (part_good_posts, part_feeds, part_frames, part_holes, part_mills, part_faults, part_turning, part_polygons, part_gears, part_cams, part_unknown_tools, part_crossing_chains,
+             part_inserts_before_motion):
     part()
 
 for old in HERE.glob("*.ngc"):
@@ -1110,7 +1178,8 @@ REMARKS = {
     "turn-left-hand-unasked": "expectation corrected after the first run: it is said before motion, and a left-hand thread can be meant",
     "turn-chain-two-leads": "expectation corrected after the first run: a lead that changes is ordered and cut so, as a feed screw's",
     "polygon-turned-away": "program corrected after the first run: the insert ran into the bar's full diameter",
-    "mill-thread-mill": "open: a tool of kind `other` makes nothing that is judged, and nothing says so",
+    "back-fine-scratch": "words corrected after the first run: the first thread is said to be destroyed by the line of the second",
+    "taper-two-inserts": "program corrected after the first run: its tool number was none",
     "polygon-rough-corner": "expectation corrected after the first run: 19.0 across corners are 1.13 of the least width, 16.73",
 }
 TABLE = HERE.parent / "attacks.tsv"

@@ -9,7 +9,7 @@
 use super::{CamTrack, GroundCam, STEPS, Seen};
 use crate::feature::Feature;
 use crate::judged::Judged;
-use crate::workpiece::Undone;
+use crate::undone::{Undone, of_before};
 use bus::Sample;
 use units::Length;
 
@@ -70,7 +70,7 @@ fn gone(depth: f64, turn: f64) -> String {
 impl Cams {
     /// As a program finds them whose operations are numbered anew.
     pub(crate) fn at_rest(mut self) -> Self {
-        self.all.iter_mut().for_each(|cam| cam.op = None);
+        self.all.iter_mut().for_each(|cam| cam.op = cam.op.map(of_before));
         self
     }
 
@@ -135,7 +135,12 @@ impl Cams {
                 match first {
                     Some(first) => first.destroyed(new.line, &how),
                     None => {
-                        undone.extend(old.op.map(|op| Undone { op, line: new.line, how }));
+                        undone.extend(old.op.map(|op| Undone {
+                            op,
+                            line: new.line,
+                            how,
+                            is_known: true,
+                        }));
                     }
                 }
             }
@@ -195,7 +200,7 @@ impl Cams {
             spoilt.is_said = true;
             let how =
                 format!("the wheel went into it: {}", gone(spoilt.deepest_mm, spoilt.at_turn));
-            Some(Undone { op: cam.op?, line: spoilt.line, how })
+            Some(Undone { op: cam.op?, line: spoilt.line, how, is_known: true })
         };
         self.all.iter_mut().filter_map(said).collect()
     }

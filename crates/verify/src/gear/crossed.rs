@@ -6,7 +6,8 @@ use super::track::Pass;
 use crate::Config;
 use crate::milling::Cutter;
 use crate::stroke::{axis_mm, edge_of};
-use crate::workpiece::{ToolCut, Undone};
+use crate::undone::{Undone, of_before};
+use crate::workpiece::ToolCut;
 use bus::Sample;
 use canon::ToolKind;
 use units::Length;
@@ -76,7 +77,7 @@ impl Teeth {
 impl Cuts {
     /// As a program finds them whose operations are numbered anew.
     pub(crate) fn at_rest(mut self) -> Self {
-        self.cuts.iter_mut().for_each(|gear| gear.op = None);
+        self.cuts.iter_mut().for_each(|gear| gear.op = gear.op.map(of_before));
         self
     }
 
@@ -111,7 +112,7 @@ impl Cuts {
             let (line, said) = gear.teeth.spoilt.as_mut().filter(|(_, said)| !said)?;
             *said = true;
             let line = *line;
-            Some(Undone { op: gear.op?, line, how: gear.teeth.too_narrow()? })
+            Some(Undone { op: gear.op?, line, how: gear.teeth.too_narrow()?, is_known: true })
         };
         self.cuts.iter_mut().filter_map(said).collect()
     }

@@ -14,6 +14,7 @@
 //! A cell is what stands at its middle: a wall may stand half a cell off, at every wall. Cells are
 //! as small as D/[`CELLS_ACROSS`] of the smallest mill so far, unless the whole grid would have
 //! more than [`MOST_CELLS`]. Only what is open from above is known: no undercuts.
+use super::is_of_unknown_form;
 use crate::Stock;
 use crate::workpiece::Bore;
 use canon::{MillForm, Tool, ToolKind};
@@ -63,6 +64,12 @@ impl Cutter {
         };
         let radius = tool.diameter.value() / 2.0 + tool.wear.radius.value();
         (radius > 0.0).then_some(Self { radius, form })
+    }
+
+    /// The largest that a tool can be of which only the diameter is known.
+    pub(crate) fn around(tool: &Tool) -> Option<Self> {
+        let radius = tool.diameter.value() / 2.0;
+        (is_of_unknown_form(tool) && radius > 0.0).then(|| Self::flat(radius))
     }
 
     /// How far its edge stands above its tip, mm.

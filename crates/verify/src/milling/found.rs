@@ -5,11 +5,13 @@ use super::milled::{HeightMap, Largest, Milled, MillingPlace, RapidCut};
 use super::verdict::{Noticed, force_basis, verdict};
 use crate::judged::Judged;
 use crate::{Config, Contact};
-use canon::{Tool, ToolKind};
+use canon::{Mill, Tool, ToolKind};
 use units::{Angle, Force, Length, Spin, Time};
 
 /// Rapids and other findings of one mill that are kept.
 const MOST: usize = 50;
+/// A tool of unknown form that has removed less has removed nothing: the rounding of cells, mm³.
+const TRACE_MM3: f64 = 0.01;
 /// Cells of a picture, each way.
 const PIXELS: usize = 160;
 
@@ -111,7 +113,12 @@ impl Found {
         field: Option<&Field>,
         config: &Config,
     ) -> Option<Judged<Milled>> {
-        let ToolKind::EndMill(mill) = &tool.kind else { return None };
+        let mill = match &tool.kind {
+            ToolKind::EndMill(mill) => *mill,
+            // one that has touched nothing has made nothing
+            _ if self.removed < TRACE_MM3 && self.rapid_count == 0 => return None,
+            _ => Mill::default(),
+        };
         let (op, line, from, to) = match (self.begun, self.rapids.first()) {
             (Some(begun), _) => begun,
             (None, Some(rapid)) => (0, rapid.place.line, Time::ZERO, Time::ZERO),

@@ -173,6 +173,10 @@ impl Milling {
         };
         match &tool.kind {
             ToolKind::EndMill(_) => self.follow(sample, tool, config, work),
+            // of a block that stands: what turns has a judge that knows inserts
+            _ if is_of_unknown_form(tool) && config.mill_stock.is_some() => {
+                self.follow(sample, tool, config, work);
+            }
             ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } if self.field.is_some() => {
                 self.drill(sample, tool);
             }
@@ -315,6 +319,12 @@ impl Milling {
     }
 }
 
+/// A tool that cuts a block with edges of which the tool table says no more than how far they
+/// reach.
+pub(crate) const fn is_of_unknown_form(tool: &Tool) -> bool {
+    matches!(tool.kind, ToolKind::Other)
+}
+
 /// Over or beside the block within a radius, and below its top.
 fn near(block: &Stock, tip: [f64; 3], radius: f64) -> bool {
     tip[2] < block.top().value() && block.over_side([tip[0], tip[1]], -radius) <= 0.0
@@ -328,7 +338,7 @@ impl Use {
     fn new(tool: &Tool) -> Self {
         Self {
             number: tool.number,
-            cutter: Cutter::of(tool),
+            cutter: Cutter::of(tool).or_else(|| Cutter::around(tool)),
             window: None,
             found: Found::default(),
             rotary: None,

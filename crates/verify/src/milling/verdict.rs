@@ -51,7 +51,7 @@ pub(super) fn extent(block: &Stock) -> String {
 
 pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Config) -> Verdict {
     let ToolKind::EndMill(mill) = &tool.kind else {
-        return Verdict::NotJudged { reason: "no mill".into() };
+        return Verdict::NotJudged { reason: unknown_form(milled, tool) };
     };
     let assumed = milled.source.is_some_and(StockSource::is_assumed) || tool.stand_in;
     let mut wrong = Vec::new();
@@ -100,6 +100,19 @@ pub(super) fn verdict(seen: &Noticed, milled: &Milled, tool: &Tool, config: &Con
     }
     unknown.extend(unlimited(milled, mill));
     Verdict::unless(&wrong, (!unknown.is_empty()).then(|| unknown.join("; ")))
+}
+
+/// What a tool has done of which the table does not say what its edges leave.
+fn unknown_form(milled: &Milled, tool: &Tool) -> String {
+    let deep =
+        milled.depth.map(|deepest| format!(", {} mm deep: {}", mm(deepest.value), deepest.place));
+    let through = rapids(milled, tool).map(|rapids| format!("; if it is as wide there, {rapids}"));
+    format!(
+        "the form of {} is not known, and it was in the stock{}{}; the kind that it has in the tool table, such as \"end-mill\" with its `form`, says what it leaves",
+        tool.name(),
+        deep.unwrap_or_default(),
+        through.unwrap_or_default(),
+    )
 }
 
 /// Rapids through the stock, the first ones by name: as they are said before motion.

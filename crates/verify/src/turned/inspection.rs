@@ -123,9 +123,11 @@ impl Ordered<'_> {
             Axis::Z => [a.min(b), a.max(b)],
             _ => [f64::INFINITY, f64::NEG_INFINITY],
         };
-        let phase = if lead == 0.0 { 0.0 } else { phase(crossings, side, lead, span) };
+        let slope = if lead == 0.0 { 0.0 } else { self.law.slope() };
+        let phase =
+            if lead == 0.0 || slope > 0.0 { 0.0 } else { phase(crossings, side, lead, span) };
         let form = Form::of_thread(self.tool, self.law.main().lead().abs(), side);
-        Lie { side, lead, starts: 1, phase, span, form, depth }
+        Lie { side, lead, slope, starts: 1, phase, span, form, depth }
     }
 
     /// What is looked for between two Z.
@@ -258,8 +260,9 @@ fn relief(ordered: &Ordered<'_>, bar: &TurnedBar, side: Side, depth: f64, pitch:
     let is_below = |z: f64| bar.place(z).is_some_and(|at| heights[at] <= root + RELIEF_MM);
     let (_, step) = bar.places();
     let most = ((MOST_RELIEF * pitch).min((span[1] - span[0]) / 2.0) / step) as u32;
+    let free = if ordered.law.runs_out() { ends } else { begins };
     let from = |end: f64, way: f64| {
-        let is_open = (end - begins).abs() < step && ordered.law.is_open();
+        let is_open = (end - free).abs() < step && ordered.law.is_open();
         let below = |k: &u32| !is_open && is_below(end + way * step * f64::from(*k));
         (0..most).take_while(below).count() as f64 * step
     };

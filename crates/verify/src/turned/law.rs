@@ -34,13 +34,44 @@ pub(super) struct Stretch {
     /// Turns since the start angle where it begins, and how many it takes.
     pub(super) before: f64,
     pub(super) turns: f64,
+    /// The spindle turns backwards.
+    pub(super) is_reversed: bool,
+    /// The chain has turned back where it begins: in its first revolution the axis is on no helix.
+    pub(super) turns_back: bool,
 }
 
 impl Stretch {
     pub(super) fn new(op: u32, from: &Position, order: &Threading, stood: Position) -> Self {
-        let mut new = Self { op, from: *from, order: *order, stood, before: 0.0, turns: 0.0 };
+        let (from, order) = (*from, *order);
+        let (before, turns, is_reversed, turns_back) = (0.0, 0.0, false, false);
+        let mut new = Self { op, from, order, stood, before, turns, is_reversed, turns_back };
         new.turns = new.turn_at(new.length());
         new
+    }
+
+    /// With a spindle that turns so.
+    pub(super) const fn turned(self, is_reversed: bool) -> Self {
+        Self { is_reversed, ..self }
+    }
+
+    /// Another one goes back over it, along Z, with the hand that this one has not.
+    pub(super) fn is_crossed_by(&self, other: &Self) -> bool {
+        let hand = |s: &Self| s.way() * if s.is_reversed { -1.0 } else { 1.0 };
+        let is_along = self.order.axis == Axis::Z && other.order.axis == Axis::Z;
+        is_along && hand(self) * hand(other) < 0.0 && self.common(other) > 0.0
+    }
+
+    /// Length along the axis that both pass, mm.
+    fn common(&self, other: &Self) -> f64 {
+        let ([low, high], [from, to]) = (self.along(), other.along());
+        high.min(to) - low.max(from)
+    }
+
+    /// Between which places of the axis it lies, mm.
+    fn along(&self) -> [f64; 2] {
+        let axis = self.order.axis;
+        let [a, b] = [self.from.along(axis).value(), self.order.to.along(axis).value()];
+        [a.min(b), a.max(b)]
     }
 
     fn delta(&self) -> [f64; 3] {
@@ -89,17 +120,11 @@ impl Stretch {
     pub(super) fn is_under(&self, other: &Self) -> bool {
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
         let (a, b) = (&self.order, &other.order);
-        let ends = |stretch: &Self| {
-            let axis = stretch.order.axis;
-            let ends = [stretch.from.along(axis).value(), stretch.order.to.along(axis).value()];
-            [ends[0].min(ends[1]), ends[0].max(ends[1])]
-        };
-        let ([low, high], [from, to]) = (ends(self), ends(other));
-        let common = high.min(to) - low.max(from);
+        let ([low, high], [from, to]) = (self.along(), other.along());
         a.axis == b.axis
             && same(a.lead.value(), b.lead.value())
             && same(a.growth.value(), b.growth.value())
-            && common >= 0.5 * (high - low).max(to - from)
+            && self.common(other) >= 0.5 * (high - low).max(to - from)
     }
 
     fn goes_on_as(&self, other: &Self) -> bool {
@@ -192,8 +217,11 @@ impl<'a> Law<'a> {
         [self.first().from, self.last().order.to]
     }
 
-    /// A step of the lead is near.
+    /// A step of the lead is near, or where its chain has turned back.
     pub(super) fn is_at_step(&self, turn: f64) -> bool {
+        if self.first().turns_back && turn < STEP {
+            return true;
+        }
         let turn = turn + self.first().before;
         self.0.windows(2).any(|pair| {
             let step = pair[1].lead_at(0.0) - pair[0].lead_at(pair[0].turns);
@@ -217,7 +245,7 @@ impl<'a> Law<'a> {
     }
 
     /// It runs out of the work, towards its free end: along +Z.
-    fn runs_out(&self) -> bool {
+    pub(super) fn runs_out(&self) -> bool {
         self.axis() == Axis::Z && self.sign() > 0.0
     }
 
@@ -255,6 +283,18 @@ impl<'a> Law<'a> {
         let [from, to] = self.ends();
         let axis = self.axis().index();
         (0..3).all(|i| i == axis || (to.linear[i] - from.linear[i]).abs() < Length::um(1.0))
+    }
+
+    /// How much farther from the axis it is at its end than at its beginning, by its length along
+    /// Z (magnitude).
+    pub(super) fn slope(&self) -> f64 {
+        let [from, to] = self.ends();
+        let [x, y] = [0, 1].map(|i| (to.linear[i] - from.linear[i]).value());
+        if self.is_straight() {
+            0.0
+        } else {
+            x.hypot(y) / (to.linear[2] - from.linear[2]).value().abs()
+        }
     }
 
     pub(super) fn start_angle(&self) -> Angle {

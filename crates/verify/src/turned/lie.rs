@@ -7,6 +7,8 @@ use canon::{Axis, Hand};
 const SAME_GROOVE: f64 = 0.25;
 /// A place that is passed nearer than this was cut before, mm.
 const NEAR_MM: f64 = 0.1;
+/// Tapers are the same within this: a micrometre over a centimetre.
+const SAME_SLOPE: f64 = 1e-4;
 /// Ends of a thread that bar and run-out spoil, in pitches.
 const SPOILT_PITCHES: f64 = 1.5;
 
@@ -27,6 +29,8 @@ pub(super) struct Lie {
     /// Lead along Z, signed by hand; 0: it is not the same everywhere, or the thread does not run
     /// along Z.
     pub(super) lead: f64,
+    /// How steep a taper is; 0: it is straight.
+    pub(super) slope: f64,
     pub(super) starts: u32,
     /// Where its deepest pass lies, as a place along Z at the first section, within a lead.
     pub(super) phase: f64,
@@ -46,6 +50,12 @@ impl Lie {
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
         if self.lead == 0.0 || new.lead == 0.0 || !same(self.lead, new.lead) {
             return Relation::Across(None);
+        }
+        if (self.slope - new.slope).abs() > SAME_SLOPE {
+            return Relation::Across(None);
+        }
+        if self.slope > 0.0 {
+            return Relation::Same; // of a taper no more is known
         }
         let pitch = self.lead.abs() / f64::from(self.starts);
         let off = new.phase - self.phase;
@@ -90,9 +100,9 @@ pub(super) fn phase(
     sin.atan2(cos) / std::f64::consts::TAU * lead.abs()
 }
 
-/// A thread that can be compared with others: straight, along Z, of one lead.
+/// Lead of a thread that can be compared with others: along Z, of one lead.
 pub(super) fn lead_of(law: &Law<'_>, hand: Hand) -> f64 {
-    let is_plain = law.axis() == Axis::Z && law.is_straight() && !law.varies();
+    let is_plain = law.axis() == Axis::Z && !law.varies();
     if is_plain { hand.sign() * law.main().lead().abs() } else { 0.0 }
 }
 

@@ -3,7 +3,7 @@ use super::*;
 use crate::feature::{Feature, FeatureKind};
 use crate::{Judge, Verdict};
 use bus::Truth;
-use canon::{Op, Span, Threading, ToolLibrary};
+use canon::{Op, OpKind, Span, Threading, ToolLibrary};
 use std::f64::consts::TAU;
 use units::{Angle, Coordinate};
 

@@ -20,8 +20,9 @@ mod surface;
 pub(crate) use places::{Bore, TappedPlace};
 pub(crate) use surface::{Surface, Under};
 
-use crate::milling::Cutter;
+use crate::milling::{Cutter, is_of_unknown_form};
 use crate::stroke::{axis_mm, edge_of};
+use crate::undone::{Undone, of_before};
 use crate::{Config, Stock};
 use bus::Sample;
 use canon::{Tool, ToolKind};
@@ -42,17 +43,6 @@ const ELSEWHERE_MM: f64 = 0.1;
 const MILL_STEP_MM: f64 = 0.05;
 /// Features that one thread keeps: tapped and tapped again.
 const MOST_OPS: usize = 4;
-
-/// A feature that was changed by a later cut.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Undone {
-    /// First op of the feature.
-    pub op: u32,
-    /// Line of the later cut.
-    pub line: u32,
-    /// What is left of it.
-    pub how: String,
-}
 
 /// What tools have made of the work.
 #[derive(Clone, Debug, Default)]
@@ -77,6 +67,8 @@ struct InSpindle {
     length_mm: f64,
     is_spot: bool,
     is_mill: bool,
+    /// It is known what its edges leave.
+    is_known: bool,
 }
 
 /// A tool on its way down at one place.
@@ -94,8 +86,9 @@ impl Workpiece {
     pub(crate) fn at_rest(mut self) -> Self {
         self.settle();
         self.undone.clear();
-        self.bores.iter_mut().for_each(|bore| bore.op = None);
-        self.threads.iter_mut().for_each(|thread| thread.ops.clear());
+        self.bores.iter_mut().for_each(|bore| bore.op = bore.op.map(of_before));
+        let ops = self.threads.iter_mut().flat_map(|thread| &mut thread.ops);
+        ops.for_each(|op| *op = of_before(*op));
         Self { tool: None, number: None, looked_at: None, ..self }
     }
 
@@ -150,6 +143,9 @@ impl Workpiece {
             self.number = number;
             self.looked_at = None;
             self.tool = number.and_then(|number| config.mill(number)).and_then(InSpindle::of);
+            // what turns has a judge that knows inserts
+            let is_block = config.mill_stock.is_some();
+            self.tool = self.tool.filter(|tool| tool.is_known || is_block);
         }
         let Some(tool) = self.tool else {
             if feature.is_some() {
@@ -177,11 +173,11 @@ impl Workpiece {
             return;
         }
         let line = sample.report.line;
-        if !tool.is_mill || feature.is_some() {
+        if !tool.is_mill || feature.is_some() && tool.is_known {
             self.plunges(at, tip_mm, (feature, line));
         }
         if tool.is_mill && !self.threads.is_empty() {
-            self.mills(ToolCut { at, tip_mm, cutter: tool.cutter }, line);
+            self.mills(ToolCut { at, tip_mm, cutter: tool.cutter }, (line, tool.is_known));
         }
     }
 
@@ -335,7 +331,7 @@ impl Workpiece {
         findings
     }
 
-    fn mills(&mut self, cut: ToolCut, line: u32) {
+    fn mills(&mut self, cut: ToolCut, (line, is_known): (u32, bool)) {
         let tip = [cut.at[0], cut.at[1], cut.tip_mm];
         let is_near = |last: &[f64; 3]| (0..3).all(|i| (last[i] - tip[i]).abs() < MILL_STEP_MM);
         if self.looked_at.as_ref().is_some_and(is_near) {
@@ -354,8 +350,9 @@ impl Workpiece {
                     SCRAPE_MM
                 };
                 if level < thread.ordered_top_mm() - allowed {
-                    let (_, lowest) = thread.hit.get_or_insert((line, level));
+                    let (_, lowest, known) = thread.hit.get_or_insert((line, level, is_known));
                     *lowest = lowest.min(level);
+                    *known &= is_known;
                 }
             }
         }
@@ -365,8 +362,10 @@ impl Workpiece {
     pub(crate) fn end_milling(&mut self) {
         let Self { threads, undone, .. } = self;
         for thread in threads {
-            if let Some((line, level)) = thread.hit.take() {
-                thread.is_cut_away(line, level, 0.0, undone);
+            match thread.hit.take() {
+                Some((line, level, true)) => thread.is_cut_away(line, level, 0.0, undone),
+                Some((line, level, false)) => thread.may_be_cut_away(line, level, undone),
+                None => {}
             }
         }
     }
@@ -378,7 +377,7 @@ impl Bore {
         self.is_broken_into = true;
         let apart = apart(self.cut.at, at);
         let how = format!("the {what} made there, {apart:.2} mm beside its axis, breaks into it");
-        undone.push(Undone { op, line, how });
+        undone.push(Undone { op, line, how, is_known: true });
     }
 }
 
@@ -394,8 +393,19 @@ impl TappedPlace {
     fn is_destroyed_by(&mut self, line: u32, how: &str, undone: &mut Vec<Undone>) {
         if !std::mem::replace(&mut self.is_destroyed, true) {
             let how = how.to_owned();
-            undone.extend(self.ops.iter().map(|op| Undone { op: *op, line, how: how.clone() }));
+            let of = |op: &u32| Undone { op: *op, line, how: how.clone(), is_known: true };
+            undone.extend(self.ops.iter().map(of));
         }
+    }
+
+    /// A tool has gone through it of which no more is known than how far it reaches.
+    fn may_be_cut_away(&self, line: u32, level: f64, undone: &mut Vec<Undone>) {
+        let left = self.left_of(level);
+        let how = format!(
+            "a tool whose form is not known went through it: if it is as wide as its diameter there, {left}"
+        );
+        let of = |op: &u32| Undone { op: *op, line, how: how.clone(), is_known: false };
+        undone.extend(self.ops.iter().map(of));
     }
 
     fn is_same_groove(&self, other: &Self) -> bool {
@@ -417,13 +427,15 @@ impl InSpindle {
         let radius = tool.diameter.value() / 2.0;
         let cutter = match &tool.kind {
             ToolKind::EndMill(_) => Cutter::of(tool).or(Some(Cutter::flat(radius))),
-            _ => Cutter::of(tool),
+            _ => Cutter::of(tool).or_else(|| Cutter::around(tool)),
         };
+        let is_known = !is_of_unknown_form(tool);
         Some(Self {
             cutter: cutter.filter(|cutter| cutter.radius > 0.0)?,
             length_mm: tool.worn_length().value(),
             is_spot: matches!(tool.kind, ToolKind::SpotDrill { .. }),
-            is_mill: matches!(tool.kind, ToolKind::EndMill(_)),
+            is_mill: matches!(tool.kind, ToolKind::EndMill(_)) || !is_known,
+            is_known,
         })
     }
 }

@@ -103,8 +103,9 @@ pub(crate) struct TappedPlace {
     pub(crate) ops: Vec<u32>,
     pub(crate) line: u32,
     pub(crate) rotary: [f64; 3],
-    /// Where mills have cut into it: first line, lowest coordinate.
-    pub(crate) hit: Option<(u32, f64)>,
+    /// Where mills have cut into it: first line, lowest coordinate, and whether the form of all of
+    /// them is known.
+    pub(crate) hit: Option<(u32, f64, bool)>,
     pub(crate) is_destroyed: bool,
 }
 

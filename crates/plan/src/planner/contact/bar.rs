@@ -11,16 +11,15 @@
 //! leave end what is known of the bar.
 use super::{DRILL_SIDEWAYS, Job, Planner, SCRAPES, SLIDES, Sweep, places};
 use crate::bar::Met;
+use crate::edges::EdgePolygon;
 use crate::findings::Cause;
 use crate::words::{Rounding, advice, length, place, word};
 use alloc::{format, string::String, vec::Vec};
-use canon::{Axis, InsertPoint, ToolKind};
+use canon::{Axis, Insert, ToolKind};
 use diag::{Diagnostic, Span};
 use motion::Path;
 use units::Spin;
 
-/// How far an insert of an unknown point cuts to either side, mm.
-const UNKNOWN_POINT: f64 = 3.0;
 /// So far off the bar a rapid is clear of it, mm.
 const CLEAR: f64 = 2.0;
 
@@ -38,16 +37,14 @@ impl Planner {
         let Some(outline) = &mut contact.outline else { return false };
         let across = self.frame.tool.linear[0].value();
         let ends = [path.from(), path.to()];
-        let side = match (kind, run) {
+        let (edges, points_inwards) = match (kind, run) {
             _ if ends.iter().any(|at| (0..2).any(|i| at.rotary[i] != contact.rotary[i])) => {
                 contact.outline = None;
                 return false;
             }
-            (ToolKind::Insert(insert), _) if is_known => match insert.point {
-                Some(InsertPoint::Nose(nose)) => 2.0 * nose.value(),
-                Some(InsertPoint::Flat(width)) => width.value(),
-                None => UNKNOWN_POINT,
-            },
+            (ToolKind::Insert(insert), _) if is_known => {
+                (EdgePolygon::of(insert), points_inwards(insert))
+            }
             (_, Sweep::Rapid) => return false,
             (ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } | ToolKind::Tap(_), _)
                 if is_known =>
@@ -78,14 +75,17 @@ impl Planner {
             let Some(before) = before.replace(at) else { return };
             if run == Sweep::Rapid {
                 met = outline.met([before, at], SCRAPES).or(met);
+                if met.is_none() && points_inwards {
+                    met = outline.met_beside([before, at], &edges, SCRAPES);
+                }
             }
             match run {
                 Sweep::Thread(_) => {
                     gap = [gap, outline.gap([before, at])].into_iter().flatten().reduce(f64::min);
-                    outline.threaded([before, at], side);
+                    outline.threaded([before, at], &edges);
                 }
                 Sweep::Rapid if met.is_none() => {}
-                Sweep::Rapid | Sweep::Feed(_) => outline.cut([before, at], side), // what was met is said once
+                Sweep::Rapid | Sweep::Feed(_) => outline.cut([before, at], &edges), // what was met is said once
             }
         });
         if let Some(met) = met {
@@ -155,10 +155,14 @@ impl Planner {
         let works = advice(frame, Axis::X, clear, rounding);
         let said = [
             format!(
-                "the rapid takes {} {} deep into the bar, which it enters at {}: the bar is there up to {}",
+                "the rapid takes {} {} deep into the bar, which it enters at {}{}: the bar is there up to {}",
                 tool.name(),
                 length(frame, met.depth),
                 here.join(" and "),
+                met.edge.map_or_else(String::new, |z| {
+                    let edge = place(frame, Axis::Z, z + tool.worn_length().value());
+                    format!(", with its edge beside the point at {edge}")
+                }),
                 at_radius(met.surface),
             ),
             format!(
@@ -174,6 +178,11 @@ impl Planner {
             (finding, said)
         });
     }
+}
+
+/// It turns a bar from outside: its point lies towards the axis from its nose.
+fn points_inwards(insert: &Insert) -> bool {
+    insert.orientation.is_none_or(|orientation| matches!(orientation.number(), 3 | 4 | 8))
 }
 
 /// Of a tool that cannot turn.
