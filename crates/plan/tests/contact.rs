@@ -190,7 +190,8 @@ fn a_drill_is_fed_only_while_it_turns_forwards_and_no_faster_than_it_bears() {
     // 1 mm a turn: the core of 5 mm bears 5.3 N·m, which 0.43 mm a turn takes in C45
     let fast = said(1, down(3000.0));
     assert!(
-        fast.starts_with("M0363 Error line 4") && fast.contains(", 0.43 per turn (F1290): F1161 works"),
+        fast.starts_with("M0363 Error line 4")
+            && fast.contains(", 0.43 per turn (F1290): F1161 works"),
         "{fast}"
     );
     // material and core scatter: from nine tenths on of what it bears it is said

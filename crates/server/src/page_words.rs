@@ -48,7 +48,10 @@ const SENTENCES: &[(&str, &str)] = &[
     ("`--tapping synchronised`", "synchronised tapping"),
     ("a setting of the machine: --tapping floating", "a setting of the machine: floating tapping"),
     ("name a state folder with --state", "who starts the control names one"),
-    ("name another folder with --state", "let another folder be named where the control is started"),
+    (
+        "name another folder with --state",
+        "let another folder be named where the control is started",
+    ),
 ];
 
 /// Each option, and what it sets.
@@ -80,9 +83,8 @@ pub(crate) fn on_page(text: &str) -> String {
     if !text.contains("--") {
         return text.to_owned();
     }
-    let mut text = SENTENCES
-        .iter()
-        .fold(text.to_owned(), |text, (option, page)| text.replace(option, page));
+    let mut text =
+        SENTENCES.iter().fold(text.to_owned(), |text, (option, page)| text.replace(option, page));
     for [from, to] in BESIDE {
         if let Some((before, rest)) = text.split_once(from)
             && let Some((_, behind)) = rest.split_once(to)

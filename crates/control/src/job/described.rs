@@ -392,9 +392,16 @@ mod tests {
 
     #[test]
     fn what_names_no_tool_is_none() {
-        for text in
-            ["(T6MM DRILL)", "M6 T2 (TOOL CHANGE)", "(SEE SHEET - T2)", "(TOOL CHANGE)", "(T0101)", "(TIGHTEN THE VICE 3)", "(T3)", "(T3 H3)"]
-        {
+        for text in [
+            "(T6MM DRILL)",
+            "M6 T2 (TOOL CHANGE)",
+            "(SEE SHEET - T2)",
+            "(TOOL CHANGE)",
+            "(T0101)",
+            "(TIGHTEN THE VICE 3)",
+            "(T3)",
+            "(T3 H3)",
+        ] {
             assert!(tools(text.as_bytes()).is_empty(), "{text}");
         }
     }

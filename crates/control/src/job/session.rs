@@ -370,10 +370,9 @@ impl Session {
                 from: face(tailstock),
                 to: zero + far,
             }),
-            turret: setup.turret.map(|turret| plan::Turret {
-                stations: turret.stations,
-                radius: turret.radius,
-            }),
+            turret: setup
+                .turret
+                .map(|turret| plan::Turret { stations: turret.stations, radius: turret.radius }),
         }
     }
 

@@ -66,9 +66,10 @@ fn is_wear(words: &[String]) -> bool {
     let plain: Vec<String> = words.iter().filter(|word| *word != "=").cloned().collect();
     let typed = follow(&plain, &["TYPE", "COMP", "COMPENSATION"], &["WEAR", "COMPUTER"]);
     let named = follow(words, &["WEAR", "COMPUTER"], &COMPENSATION);
-    let of_offset = words.windows(2).any(|pair| {
-        numbered(&pair[0], 'D').is_some() && matches!(pair[1].as_str(), "WEAR" | "=")
-    }) && words.iter().any(|word| word == "WEAR");
+    let of_offset = words
+        .windows(2)
+        .any(|pair| numbered(&pair[0], 'D').is_some() && matches!(pair[1].as_str(), "WEAR" | "="))
+        && words.iter().any(|word| word == "WEAR");
     !denied && (typed || named || of_offset)
 }
 

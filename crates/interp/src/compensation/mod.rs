@@ -215,9 +215,9 @@ fn cutter(
         stated::by_comment(words, (number, code), diameter / 2.0, comment, is_turned)
     });
     let is_by_comment = by_comment.is_some();
-    let by_example = tools.by_example(number).map(|tool| {
-        stated::by_example(words, (number, code), diameter / 2.0, tool)
-    });
+    let by_example = tools
+        .by_example(number)
+        .map(|tool| stated::by_example(words, (number, code), diameter / 2.0, tool));
     if let Some(said) = by_comment.or(by_example).filter(|_| tools.reported.insert(number)) {
         remarks.push(said);
     }

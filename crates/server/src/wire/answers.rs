@@ -18,7 +18,10 @@ pub(crate) struct AcceptedBody {
 impl AcceptedBody {
     /// Of what the control has answered.
     pub(crate) fn of(accepted: &Accepted, shown: Shown<'_>) -> Self {
-        Self { accepted: true, notes: accepted.notes.iter().map(|note| on_page(&shown(note))).collect() }
+        Self {
+            accepted: true,
+            notes: accepted.notes.iter().map(|note| on_page(&shown(note))).collect(),
+        }
     }
 }
 
