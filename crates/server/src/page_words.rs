@@ -75,7 +75,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ("--tools", "the tool table"),
 ];
 
-/// Ways of the command line that stand beside one of the page: from here to there they are left out.
+/// Ways of the command line beside one of the page: from here to there they are left out.
 const BESIDE: &[[&str; 2]] = &[[", `run --renew-tool ", "`"]];
 
 /// The text in the words of the page.

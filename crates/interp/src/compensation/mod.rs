@@ -133,7 +133,7 @@ fn compensation_on<S: Sink>(
         let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
         return refuse("I0541", span, text);
     }
-    let Cutter { diameter, orientation, by_comment } =
+    let LedCutter { diameter, orientation, by_comment } =
         cutter(words, modes, tools, code, out.remarks)?;
     let left_side = matches!(code, 410 | 411) == (diameter >= 0.0);
     let radius = diameter.abs() / 2.0;
@@ -156,7 +156,7 @@ fn compensation_on<S: Sink>(
 }
 
 /// What is led beside the way.
-struct Cutter {
+struct LedCutter {
     /// Program units.
     diameter: f64,
     /// Of a lathe's tool; 0: its centre is led.
@@ -172,7 +172,7 @@ fn cutter(
     tools: &mut Tools,
     code: u16,
     remarks: &mut Vec<Diagnostic>,
-) -> Outcome<Cutter> {
+) -> Outcome<LedCutter> {
     if matches!(code, 411 | 421) {
         let Some(diameter) = words.get(b'D') else {
             let text = format!(
@@ -187,7 +187,7 @@ fn cutter(
             return refuse("I0543", words.span(b'L'), text);
         }
         let orientation = orientation.unwrap_or(0);
-        return Ok(Cutter { diameter, orientation, by_comment: None });
+        return Ok(LedCutter { diameter, orientation, by_comment: None });
     }
     let number = match words.get(b'D') {
         Some(0.0) | None => modes.current_tool,
@@ -198,7 +198,7 @@ fn cutter(
         if tools.reported.insert(number) {
             remarks.push(text);
         }
-        return Ok(Cutter { diameter: 0.0, orientation: 0, by_comment: None });
+        return Ok(LedCutter { diameter: 0.0, orientation: 0, by_comment: None });
     }
     let entry = tools.entry(number);
     if !tools.states_diameter(number) {
@@ -221,7 +221,7 @@ fn cutter(
     if let Some(said) = by_comment.or(by_example).filter(|_| tools.reported.insert(number)) {
         remarks.push(said);
     }
-    Ok(Cutter { diameter, orientation, by_comment: is_by_comment.then_some(number) })
+    Ok(LedCutter { diameter, orientation, by_comment: is_by_comment.then_some(number) })
 }
 
 /// Nothing states the radius by which a tool is led beside its way: a mill is refused; a lathe's

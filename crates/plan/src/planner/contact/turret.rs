@@ -39,7 +39,7 @@ struct Neighbour {
 
 /// What it meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Met {
+struct Clash {
     depth: f64,
     /// Of the tip of the tool that cuts.
     at: Point,
@@ -96,7 +96,7 @@ impl Planner {
         let (stock, bodies) = (contact.stock, contact.bodies);
         let axis = [0, 1].map(|i| f64::midpoint(stock.from[i].value(), stock.to[i].value()));
         let (long, across) = (tool.worn_length().value(), self.frame.tool.linear[0].value());
-        let mut worst: Option<(Met, Neighbour)> = None;
+        let mut worst: Option<(Clash, Neighbour)> = None;
         for neighbour in neighbours(&self.tools, tool, turret) {
             let mut before: Option<Point> = None;
             let mut meet = |at: Point| {
@@ -106,7 +106,7 @@ impl Planner {
                 let mut known = |name, wide: f64, along: f64, clear| {
                     let depth = (wide - r).min(along);
                     if depth > SCRAPES && worst.as_ref().is_none_or(|(w, _)| depth > w.depth) {
-                        worst = Some((Met { depth, at, name, clear, wide }, neighbour.clone()));
+                        worst = Some((Clash { depth, at, name, clear, wide }, neighbour.clone()));
                     }
                 };
                 if let Some(chuck) = bodies.chuck {
@@ -140,7 +140,7 @@ impl Planner {
         &mut self,
         job: &Job,
         run: Sweep,
-        (met, neighbour): (&Met, &Neighbour),
+        (met, neighbour): (&Clash, &Neighbour),
         [axis, across, long]: [f64; 3],
     ) {
         let Some((contact, tool)) = self.contact.as_ref().zip(self.tools.get(self.tool)) else {
@@ -148,17 +148,14 @@ impl Planner {
         };
         let frame = &self.frame;
         let how = if run == Sweep::Rapid { "rapid" } else { "feed" };
-        let works = match met.clear {
-            Some(end) => {
-                let clear = end + CLEAR + neighbour.long;
-                advice(frame, Axis::Z, clear, Rounding::Up)
-            }
-            None => {
-                let [out, aside] = neighbour.off;
-                let wide = met.wide + CLEAR + neighbour.radius;
-                let x = libm::sqrt((wide * wide - aside * aside).max(0.0)) - out;
-                advice(frame, Axis::X, axis + x, Rounding::Up)
-            }
+        let works = if let Some(end) = met.clear {
+            let clear = end + CLEAR + neighbour.long;
+            advice(frame, Axis::Z, clear, Rounding::Up)
+        } else {
+            let [out, aside] = neighbour.off;
+            let wide = met.wide + CLEAR + neighbour.radius;
+            let x = libm::sqrt((wide * wide - aside * aside).max(0.0)) - out;
+            advice(frame, Axis::X, axis + x, Rounding::Up)
         };
         let said = [
             format!(
