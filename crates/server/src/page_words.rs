@@ -131,7 +131,7 @@ mod tests {
                 if name != "tests" {
                     lines_with_options(&path, found);
                 }
-            } else if name.ends_with(".rs") && !name.contains("tests") {
+            } else if path.extension().is_some_and(|ext| ext == "rs") && !name.contains("tests") {
                 let text = std::fs::read_to_string(&path).unwrap();
                 let code = text.split("#[cfg(test)]").next().unwrap_or_default();
                 let is_said = |line: &&str| !line.trim_start().starts_with("//");
