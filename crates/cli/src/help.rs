@@ -160,6 +160,18 @@ fn is_topic(word: &str) -> bool {
     word == "all" || TOPICS.iter().any(|topic| topic.name == word)
 }
 
+/// Commands that switch a control on before there is a program whose words could choose.
+const WITHOUT_PROGRAM: [&str; 2] = ["control", "serve"];
+/// Their options that say something else where a program is named.
+const ALONE: [(&str, &str); 3] = [
+    (
+        "machine",
+        "The machine: a name from `leadscrew machine list`, or a file [default: tapping-center]",
+    ),
+    ("dialect", "How programs are read [default: as the machine's file says]"),
+    ("missing_tools", "What to do with tools that the table lacks [default: refuse]"),
+];
+
 /// The help of a command.
 fn of(command: Command, path: &[String], topic: Option<&str>) -> Result<StyledStr, String> {
     let meaningless = meaningless(command.get_name());
@@ -188,6 +200,12 @@ fn of(command: Command, path: &[String], topic: Option<&str>) -> Result<StyledSt
         shown = shown.mut_arg("help", |arg| arg.help("Print help; --help all has every option"));
     } else {
         shown = shown.mut_arg("help", |arg| arg.help("Print help"));
+    }
+    let is_without_program = WITHOUT_PROGRAM.contains(&shown.get_name());
+    for (id, text) in
+        ALONE.iter().filter(|(id, _)| is_without_program && ids.iter().any(|i| i == id))
+    {
+        shown = shown.mut_arg(id, |arg| arg.help(*text));
     }
     for id in ids.iter().filter(|id| *id != "help" && *id != "version") {
         let group = TOPICS.iter().find(|topic| topic.options.contains(&id.as_str()));
@@ -292,6 +310,17 @@ mod tests {
             }
             assert!(all.lines().all(|line| line.chars().count() <= 130), "{name}");
         }
+    }
+
+    #[test]
+    fn a_control_that_is_switched_on_before_there_is_a_program_has_no_words_of_it() {
+        for command in ["control", "serve"] {
+            assert!(
+                !help(&format!("leadscrew {command} --help")).contains("program's words"),
+                "{command}"
+            );
+        }
+        assert!(help("leadscrew run --help").contains("program's words"));
     }
 
     #[test]

@@ -15,6 +15,8 @@ fn said(output: &Output) -> String {
 
 /// As a sender streams it: no tool table, no M2.
 const HOBBY: &str = "$H\n(T1 D=3.175 - flat end mill)\nT1 M6\nG21 G90\nG0 Z5\nX10 Y10\nM3 S18000\nG1 Z-1 F300\nX40 F1200\nG0 Z5\nM5\n";
+/// A cam grinder's, whose profile is in a library that is not named.
+const CAM: &str = "(grind)\nG00 X240\nG51 P1234\nG50\nG01 X-0.1 F0.1 R0.1 S10\nG04 S10 P2\nM30\n";
 /// As a shop's machining centre has it: 300 mm to either side, chips conveyed.
 const SHOP: &str = "%\nO1001 (PLATE)\nG90 G54 G17 G40 G80\nT1 M6 (T1 1/2 FLAT ENDMILL)\nM31\nG43 H1 Z50.\nS3000 M3\nG0 X-300. Y0\nZ2.\nG1 Z-1. F200.\nX300.\nG0 G91 G28 Z0\nM30\n%\n";
 
@@ -75,6 +77,12 @@ fn check_alone_and_in_a_table_time_and_run_choose_the_same_and_say_why() {
         ("lathe.ngc", lathe, "linuxcnc on lathe", "no Y, and codes of a lathe"),
         ("hob.nc", hob, "linuxcnc on gear-hobber", "G81 with T and L turns a hob"),
         ("hobby.nc", HOBBY, "grbl on router", "$H in line 1"),
+        (
+            "cam.nc",
+            CAM,
+            "toyoda on cam-grinder",
+            "G51 in line 3, G04 in line 6; the dialect is one of cam grinders",
+        ),
         (
             "long.ngc",
             long,

@@ -78,5 +78,5 @@ pub use operations::pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use resolve::Resolver;
 pub use setup::{
     Aside, BreakOff, Chips, CodeAction, Cycles, Increments, Leaves, Limits, MAX_PARAMETER,
-    MachineCode, MacroCall, MissingTools, Parameters, Setup, Subprogram,
+    MachineCode, MacroCall, MissingTools, Parameters, Setup, Subprogram, WearOffsets,
 };

@@ -1,7 +1,7 @@
 //! What the interpreter is told before it begins: plain data, no files.
 use crate::dialect::{DepthFrom, Dialect};
 use canon::{Position, ToolLibrary};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
 
@@ -68,6 +68,10 @@ pub struct Setup {
     pub tools: ToolLibrary,
     /// What becomes of a tool that is not among them.
     pub missing_tools: MissingTools,
+    /// The tools are an example, and not the shop's: what a tool is led by of them is said.
+    pub has_example_tools: bool,
+    /// Offsets of tools that hold wear alone, as the program states.
+    pub wear_offsets: WearOffsets,
     /// Values of the numbered parameters.
     pub parameters: Parameters,
     /// Files that `o<name> call` may open.
@@ -102,6 +106,23 @@ pub struct Setup {
     pub limits: Limits,
     /// Who is asked whether it is still wanted.
     pub break_off: BreakOff,
+}
+
+/// Offsets D that hold wear alone: the programmed way is that of the tool's centre already, and
+/// G41 and G42 lead the tool on it. Each has the comment that states it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WearOffsets {
+    /// Of every offset.
+    pub all: Option<String>,
+    /// Of these.
+    pub of: BTreeMap<u32, String>,
+}
+
+impl WearOffsets {
+    /// The comment that states it of this offset.
+    pub fn stated(&self, number: u32) -> Option<&str> {
+        self.of.get(&number).or(self.all.as_ref()).map(String::as_str)
+    }
 }
 
 /// Asked now and then while a program is executed: whether to break off.

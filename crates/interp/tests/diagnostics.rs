@@ -3,7 +3,7 @@
 //! `UPDATE_SPEC=1 cargo test -p interp --test all diagnostics::` writes the page anew.
 use crate::elsewhere;
 use diag::{Diagnostic, Severity};
-use interp::{Finding, example_setup, findings};
+use interp::{Finding, Setup, example_setup, findings};
 use std::{
     collections::BTreeSet,
     fmt::Write,
@@ -13,7 +13,7 @@ use std::{
 
 /// Everything that is found in a program of the list.
 fn found(finding: &Finding, program: &str) -> Vec<Diagnostic> {
-    let setup = example_setup(finding.dialect);
+    let setup = Setup { has_example_tools: true, ..example_setup(finding.dialect) };
     let text = whole(program);
     let mut all = interp::check(text.as_bytes(), &setup);
     all.extend(interp::lint(text.as_bytes(), &setup));

@@ -798,3 +798,46 @@ fn a_message_has_the_line_of_its_block() {
         }
     }
 }
+
+/// What a comment states of an offset, and what the built-in table has, is said once.
+#[test]
+fn what_leads_a_tool_that_no_table_of_the_shop_states_is_said_once() {
+    let text = "G21 G17 G90\nS1000 M3\nG0 X0 Y0\nG41 D3\nG1 X20 Y0 F100\nX60\nG40\nG0 X80 Y40\nG42 D3\nG1 X100 Y40\nX140\nG40\nG0 X160 Y60\nM2\n";
+    let mill = |stand_in| canon::Tool {
+        number: 3,
+        pocket: 3,
+        length: units::Length::ZERO,
+        diameter: units::Length::mm(12.0),
+        kind: canon::ToolKind::EndMill(canon::Mill::default()),
+        description: "T3 D=12. FLAT END MILL".into(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
+        body: canon::Body::default(),
+        stand_in,
+    };
+    let read = |stand_in, has_example_tools, wear: interp::WearOffsets| {
+        let setup = Setup {
+            tools: canon::ToolLibrary::new([mill(stand_in)]),
+            has_example_tools,
+            wear_offsets: wear,
+            ..setup(Dialect::LinuxCnc)
+        };
+        let mut ops = Ops::new(text.as_bytes(), &setup);
+        let kinds: Vec<_> = ops.by_ref().map(|op| op.kind).collect();
+        let found = ops.diagnostics();
+        let said = found.iter().filter(|found| found.code == "I0575").count();
+        assert!(!found.iter().any(diag::Diagnostic::is_error), "{found:?}");
+        (said, places(&kinds).iter().any(|at| (at[1] - 6.0).abs() < 1e-9))
+    };
+    let none = interp::WearOffsets::default;
+    let wear = |all: bool| interp::WearOffsets {
+        all: all.then(|| "WEAR COMP".into()),
+        of: (!all).then(|| (3, "D3 WEAR".into())).into_iter().collect(),
+    };
+    assert_eq!(read(false, false, none()), (0, true), "the shop's own table");
+    assert_eq!(read(true, false, none()), (1, true), "a comment states it");
+    assert_eq!(read(false, true, none()), (1, true), "the built-in table has it");
+    for all in [true, false] {
+        assert_eq!(read(true, false, wear(all)), (1, false), "it is led on the way");
+    }
+}

@@ -25,6 +25,17 @@ pub struct Bodies {
     pub chuck: Option<Cylinder>,
     /// The tailstock with its centre.
     pub tailstock: Option<Cylinder>,
+    /// The turret of a lathe, whose tools stand side by side.
+    pub turret: Option<Turret>,
+}
+
+/// A turret of a lathe that turns about an axis parallel to the work's, on the side of X+.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turret {
+    /// Its stations, at equal angles.
+    pub stations: u32,
+    /// From its axis to the tips of its tools.
+    pub radius: Length,
 }
 
 /// A round body about the axis of the work.

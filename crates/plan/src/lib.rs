@@ -85,7 +85,7 @@ mod words;
 
 pub use bar::Bar;
 pub use beside::SideBySide;
-pub use bodies::{Bodies, Cylinder};
+pub use bodies::{Bodies, Cylinder, Turret};
 pub use boxed::{Boxed, SpindleStep, Step, StepKind};
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;

@@ -7,6 +7,7 @@ mod any_program;
 mod arcs;
 mod bar;
 mod blending;
+mod clearances;
 mod clutch;
 mod contact;
 mod heat;

@@ -1,5 +1,6 @@
 //! Answers: JSON, or a refusal in the one form that all have.
 use crate::folder::FolderError;
+use crate::page_words::on_page;
 use crate::rights::Denied;
 use crate::wire::RefusalBody;
 use axum::body::{Body, to_bytes};
@@ -50,7 +51,12 @@ impl From<RefusalData> for ApiError {
             RefusalKind::Request => StatusCode::UNPROCESSABLE_ENTITY,
             RefusalKind::Busy => StatusCode::SERVICE_UNAVAILABLE,
         };
-        let RefusalData { reason, remedy, findings, .. } = refusal;
+        let RefusalData { reason, remedy, mut findings, .. } = refusal;
+        for finding in &mut findings {
+            finding.message = on_page(&finding.message);
+            finding.help = finding.help.as_deref().map(on_page);
+        }
+        let (reason, remedy) = (on_page(&reason), remedy.as_deref().map(on_page));
         Self { status, body: RefusalBody { accepted: false, reason, remedy, findings } }
     }
 }

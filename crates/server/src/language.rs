@@ -12,6 +12,7 @@ use crate::answer::ApiError;
 use crate::app::App;
 use crate::folder::LARGEST_PROGRAM;
 use crate::guard;
+use crate::page_words::on_page;
 use crate::rights::Who;
 use axum::Extension;
 use axum::extract::State;
@@ -90,9 +91,24 @@ fn write(from_server: &Receiver<lsp_server::Message>, frames: &mpsc::Sender<Stri
     for message in from_server {
         let mut value = serde_json::to_value(&message).unwrap_or_default(); // names, numbers and strings
         value["jsonrpc"] = "2.0".into();
+        if value["method"] == "textDocument/publishDiagnostics" {
+            for finding in value["params"]["diagnostics"].as_array_mut().into_iter().flatten() {
+                put_on_page(&mut finding["message"]);
+                for label in finding["relatedInformation"].as_array_mut().into_iter().flatten() {
+                    put_on_page(&mut label["message"]);
+                }
+            }
+        }
         if frames.blocking_send(value.to_string()).is_err() {
             return;
         }
+    }
+}
+
+/// A text in the words of the page.
+fn put_on_page(text: &mut serde_json::Value) {
+    if let Some(said) = text.as_str() {
+        *text = on_page(said).into();
     }
 }
 

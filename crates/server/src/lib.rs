@@ -41,6 +41,7 @@ mod monitoring;
 mod mqtt;
 mod mtconnect;
 mod page;
+mod page_words;
 mod reserved;
 mod revoking;
 mod rights;

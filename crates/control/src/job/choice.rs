@@ -130,6 +130,9 @@ impl Reading {
             Some(SpecialWork::Gear) => (&["gear-hobber"], Some("G81 with T and L turns a hob")),
             Some(SpecialWork::Polygon) => (&["polygon-lathe"], Some("polygons are turned")),
             Some(SpecialWork::Cam) => (&["cam-grinder"], Some("a cam is ground")),
+            None if dialect == Dialect::Toyoda => {
+                (&["cam-grinder"], Some("the dialect is one of cam grinders"))
+            }
             None if dialect.has_turret() => (&LATHES, Some("the dialect is one of lathes")),
             None if dialect == Dialect::LinuxCnc && interp::is_turned(text) => {
                 (&LATHES, Some("no Y, and codes of a lathe"))

@@ -10,6 +10,8 @@
 //!   (TOOL - 1 DIA. OFF. - 21 LEN. - 1 DIA. - 10.)   Mastercam, by number alone
 //!   (TOOL - 4 1/4-20 TAP)  (T12 5.MM DRILL)         by hand
 //!   (T5 #7 DRILL)  (T6 LETTER F DRILL)              drills of the inch series
+//!   (1/2 END MILL; T02)   (TOOLS: T04 1/2 ENDMILL)  by hand, the number last, or behind a word
+//!   M6 T2 (ID=002 - DIA 0.5)                        beside the call
 //! ```
 //!
 //! A number comes first, then what the table's own comments may say; a diameter behind `D`, `DIA`
@@ -29,9 +31,11 @@ pub(super) fn tools(source: &[u8]) -> Vec<Tool> {
     let mut found: Vec<Tool> = Vec::new();
     let called_below = called_below(&text);
     for comment in comments(&text) {
-        let Some(tool) = named(comment, unit).or_else(|| called_below(comment, unit)) else {
-            continue;
-        };
+        let tool = named(comment, unit)
+            .or_else(|| numbered_last(comment, unit))
+            .or_else(|| called_below(comment, unit))
+            .or_else(|| called_beside(&text, comment, unit));
+        let Some(tool) = tool else { continue };
         match found.iter_mut().find(|known| known.number == tool.number) {
             None => found.push(tool),
             // the list at the head of a program, and the line before the call: the one that says
@@ -60,6 +64,28 @@ fn called_below(text: &str) -> impl Fn(&str, f64) -> Option<Tool> {
         let number = call.split_whitespace().find_map(|word| word.strip_prefix('T'))?;
         named(&format!("T{number} {name}"), unit)
     }
+}
+
+/// Reads a comment whose number comes last: `1/2 END MILL; T02`.
+fn numbered_last(comment: &str, unit: f64) -> Option<Tool> {
+    let upper = comment.trim().to_ascii_uppercase();
+    let (name, last) = upper.rsplit_once('T')?;
+    let is_apart = name.trim_end().ends_with([';', ',', '-', '|', '=', ':']);
+    let number: u32 = last.parse().ok().filter(|_| is_apart)?;
+    let tool = named(&format!("T{number} {}", name.trim_end()), unit)?;
+    Some(Tool { description: comment.trim().to_owned(), ..tool })
+}
+
+/// Reads a comment in the block that calls the tool.
+fn called_beside(text: &str, comment: &str, unit: f64) -> Option<Tool> {
+    let at = comment.as_ptr() as usize - text.as_ptr() as usize;
+    let line = text.get(..at)?.rsplit('\n').next()?;
+    let block = line.split(['(', ';']).next()?.to_ascii_uppercase();
+    let is_call = block.split_whitespace().any(|word| matches!(word, "M6" | "M06"));
+    let mut numbers = block.split_whitespace().filter_map(|word| word.strip_prefix('T'));
+    let number: u32 = numbers.next()?.parse().ok().filter(|number| *number > 0 && is_call)?;
+    let tool = named(&format!("T{number} {comment}"), unit)?;
+    Some(Tool { description: comment.trim().to_owned(), ..tool })
 }
 
 /// The unit that a program says first.
@@ -162,6 +188,9 @@ fn named(comment: &str, unit: f64) -> Option<Tool> {
 
 /// `T3 …`, `TOOL 3 …`, `TOOL -3- …`, `TOOL #3 …`.
 fn number_and_rest(text: &str) -> Option<(u32, &str)> {
+    let listed = text.strip_prefix("TOOLS").or_else(|| text.strip_prefix("TOOL"));
+    let listed = listed.map(|rest| rest.trim_start_matches([':', ' ']));
+    let text = listed.filter(|rest| rest.starts_with('T')).unwrap_or(text);
     let rest = text.strip_prefix("TOOL").or_else(|| text.strip_prefix('T'))?;
     let rest = rest.trim_start_matches(|c: char| c.is_whitespace() || "-#:=.".contains(c));
     let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
@@ -232,6 +261,7 @@ fn diameter(words: &[String], unit: f64) -> Option<f64> {
         (0..words.len()).find_map(|i| {
             let word = &words[i];
             let rest = ["diam", "dia", "d"].iter().find_map(|key| word.strip_prefix(key))?;
+            let rest = rest.trim_start_matches('-');
             let size = number(rest).filter(|_| !has_offsets || rest.contains('.'))?;
             Some(size * unit_at(i + 1).unwrap_or(unit))
         })
@@ -317,7 +347,13 @@ mod tests {
     }
 
     /// As posts and people write a diameter, and what it is in mm.
-    const DIAMETERS: [(&str, f64); 34] = [
+    const DIAMETERS: [(&str, f64); 40] = [
+        ("G20\n(1/2\" END MILL W/3 FLUTES; T02)", 12.7),
+        ("(10 MM END MILL - T7)", 10.0),
+        ("G20\n(Tools: T04 1/2\" Endmill, Square, 3 Flute, 1.75\" LOC)", 12.7),
+        ("G20\n(T02 ID=002  DIA-0.5000  TOOL END MILL)", 12.7),
+        ("G20\nM6 T02 (ID=002 - DIA 0.5)", 12.7),
+        ("G20\nM06 T4 (1/2\" Endmill);", 12.7),
         ("(T5 #7 DRILL)", 5.1054),
         ("G20\n(T5 #7 DRILL)", 5.1054),
         ("(T5 NO. 43 DRILL)", 2.2606),
@@ -356,9 +392,16 @@ mod tests {
 
     #[test]
     fn what_names_no_tool_is_none() {
-        for text in
-            ["(T6MM DRILL)", "(TOOL CHANGE)", "(T0101)", "(TIGHTEN THE VICE 3)", "(T3)", "(T3 H3)"]
-        {
+        for text in [
+            "(T6MM DRILL)",
+            "M6 T2 (TOOL CHANGE)",
+            "(SEE SHEET - T2)",
+            "(TOOL CHANGE)",
+            "(T0101)",
+            "(TIGHTEN THE VICE 3)",
+            "(T3)",
+            "(T3 H3)",
+        ] {
             assert!(tools(text.as_bytes()).is_empty(), "{text}");
         }
     }

@@ -29,6 +29,7 @@ mod stock_comments;
 pub mod subprograms;
 pub mod table_notes;
 mod texts;
+mod wear_comments;
 
 pub use interruption::{Interruption, ReadProgress};
 pub use live::Live;

@@ -49,6 +49,8 @@ pub struct Session {
     pub unit: canon::LengthUnit,
     /// The tools that the program's comments describe.
     pub(super) described: Vec<canon::Tool>,
+    /// Offsets that hold wear alone, as the program's comments say.
+    wear_offsets: interp::WearOffsets,
     /// Holes that the program taps and does not drill are there: it states it, or its operator.
     pub pre_drilled: bool,
     /// The stock that is stated for it.
@@ -114,6 +116,9 @@ impl Session {
             missing_tools = interp::MissingTools::StandIn;
         }
         let described = super::described::tools(text);
+        // the shop's own table has the radius by which its control leads the tool
+        let is_free = table.is_none();
+        let wear_offsets = is_free.then(|| super::wear_comments::wear_offsets(text));
         if missing_tools == interp::MissingTools::StandIn {
             // the built-in table is an example: what the program says of its tools is nearer
             let lacks = |tool: &&canon::Tool| table.is_none() || tools.get(tool.number).is_none();
@@ -152,6 +157,7 @@ impl Session {
             hashes,
             missing_tools,
             described,
+            wear_offsets: wear_offsets.unwrap_or_default(),
             unit: super::described::unit(text),
             standing: None,
             before: Before::default(),
@@ -305,6 +311,9 @@ impl Session {
             cycles: dialect::cycles(self.dialect, &self.machine.control),
             tools: self.tools.clone(),
             missing_tools: self.missing_tools,
+            wear_offsets: self.wear_offsets.clone(),
+            // a control that is on has its own
+            has_example_tools: self.table.is_none() && self.standing.is_none(),
             parameters: self.parameters.clone(),
             subprograms: self.drawn.iter().map(|drawn| drawn.sub.clone()).collect(),
             user_codes: dialect::user_codes(&self.machine.own_codes.codes),
@@ -374,6 +383,9 @@ impl Session {
                 from: face(tailstock),
                 to: zero + far,
             }),
+            turret: setup
+                .turret
+                .map(|turret| plan::Turret { stations: turret.stations, radius: turret.radius }),
         }
     }
 

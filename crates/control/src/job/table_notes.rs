@@ -70,7 +70,7 @@ impl TableNotes {
             let text =
                 format!("T{number} is broken: it is not used before a new one is in its place");
             self.found.push(Diagnostic::error("A0112", span, text).with_help(format!(
-                "put in a new one and say so: `tool {number} renew` at the console, \"New tool\" on the page, renew_tool over the network, --renew-tool {number} of `run`; in a tool table take `broken` out of its life"
+                "put in a new one and say so: \"New tool\" on the page, `tool {number} renew` at the console, renew_tool over the network, `run --renew-tool {number}`; in a tool table take `broken` out of its life"
             )));
         }
     }

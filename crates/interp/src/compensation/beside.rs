@@ -5,8 +5,8 @@ use crate::{
         Call, Sink,
         out::{Out, Waiting},
     },
-    compensation::{lead_in, push},
-    fault::{Outcome, error, refuse},
+    compensation::{lead_in, push, stated::as_beside},
+    fault::{Outcome, error},
     geometry::{
         frame::Point,
         offset_curve::{Curve, Flat, Way, length, minus, plus, sweep_rad, times, turn_rad},
@@ -78,7 +78,8 @@ pub(crate) fn arc_beside<S: Sink>(
             "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
             compensation.radius
         );
-        return refuse("I0546", words.place.span, text);
+        let fault = error("I0546", words.place.span, text);
+        return Err(as_beside(Some(&compensation), fault).into());
     }
     let direction = way.direction(way.to);
     let end = compensation.beside(way.to, direction);
@@ -242,8 +243,10 @@ fn unreachable(words: &Words, modes: &Modes) -> Diagnostic {
     let radius = modes.compensation.as_ref().map_or(0.0, |c| c.radius);
     let text =
         format!("a tool of radius {radius:.4} does not fit into the inner corner before this move");
-    error("I0548", words.place.span, text)
-        .with_help("it would cut into what was programmed before: take a smaller tool, or make the corner wider")
+    let fault = error("I0548", words.place.span, text).with_help(
+        "it would cut into what was programmed before: take a smaller tool, or make the corner wider",
+    );
+    as_beside(modes.compensation.as_ref(), fault)
 }
 
 fn remark<S: Sink>(words: &Words, text: &str, out: &mut Out<'_, S>) {

@@ -8,9 +8,9 @@
 //! ```
 use crate::{
     call::{Sink, out::Out},
-    compensation::push,
+    compensation::{push, stated::as_beside},
     dialect::rules::StartUp,
-    fault::{Outcome, error, refuse},
+    fault::{Outcome, error},
     geometry::{
         frame::Point,
         offset_curve::{Curve, Flat, Way, dot, length, minus, plus, times},
@@ -52,7 +52,8 @@ pub(super) fn begin_straight<S: Sink>(
         let text = format!(
             "the first move after G41 or G42 must be longer than the tool's radius: {distance:.4} is not above {radius:.4}"
         );
-        return refuse("I0545", words.place.span, text);
+        let fault = error("I0545", words.place.span, text);
+        return Err(as_beside(Some(compensation), fault).into());
     }
     let direction = way.direction(way.to);
     let end = compensation.beside(way.to, direction);
@@ -92,5 +93,6 @@ pub(super) fn entry_centre(
         return Ok(plus(end, times(inwards, radius)));
     };
     let help = "make the arc longer, or write a straight move before it";
-    Err(error("I0547", words.place.span, text).with_help(help).into())
+    let fault = error("I0547", words.place.span, text).with_help(help);
+    Err(as_beside(modes.compensation.as_ref(), fault).into())
 }

@@ -38,6 +38,7 @@
 pub(crate) mod beside;
 pub(crate) mod lead_in;
 pub(crate) mod push;
+mod stated;
 
 use crate::{
     call::{Call, Sink, out::Out},
@@ -132,7 +133,8 @@ fn compensation_on<S: Sink>(
         let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
         return refuse("I0541", span, text);
     }
-    let (diameter, orientation) = cutter(words, modes, tools, code, out.remarks)?;
+    let LedCutter { diameter, orientation, by_comment } =
+        cutter(words, modes, tools, code, out.remarks)?;
     let left_side = matches!(code, 410 | 411) == (diameter >= 0.0);
     let radius = diameter.abs() / 2.0;
     let left_text = matches!(code, 410 | 411);
@@ -145,6 +147,7 @@ fn compensation_on<S: Sink>(
         code,
         side: if left_side { 1.0 } else { -1.0 },
         radius,
+        by_comment,
         shift: times(orientation_shift(orientation), radius),
         at: None,
         last: None,
@@ -152,14 +155,24 @@ fn compensation_on<S: Sink>(
     Ok(())
 }
 
-/// Diameter (program units) and orientation: of the words with G41.1 and G42.1, else of a tool.
+/// What is led beside the way.
+struct LedCutter {
+    /// Program units.
+    diameter: f64,
+    /// Of a lathe's tool; 0: its centre is led.
+    orientation: u32,
+    /// The offset whose radius a comment states.
+    by_comment: Option<u32>,
+}
+
+/// What is led beside the way: by the words with G41.1 and G42.1, else a tool.
 fn cutter(
     words: &Words,
     modes: &Modes,
     tools: &mut Tools,
     code: u16,
     remarks: &mut Vec<Diagnostic>,
-) -> Outcome<(f64, u32)> {
+) -> Outcome<LedCutter> {
     if matches!(code, 411 | 421) {
         let Some(diameter) = words.get(b'D') else {
             let text = format!(
@@ -173,12 +186,20 @@ fn cutter(
             let text = "L is the orientation of a lathe tool: it needs G18";
             return refuse("I0543", words.span(b'L'), text);
         }
-        return Ok((diameter, orientation.unwrap_or(0)));
+        let orientation = orientation.unwrap_or(0);
+        return Ok(LedCutter { diameter, orientation, by_comment: None });
     }
     let number = match words.get(b'D') {
         Some(0.0) | None => modes.current_tool,
         Some(_) => tools.word(words, b'D')?,
     };
+    if let Some(comment) = tools.wear_alone(number) {
+        let text = stated::on_the_way(words, number, code, comment);
+        if tools.reported.insert(number) {
+            remarks.push(text);
+        }
+        return Ok(LedCutter { diameter: 0.0, orientation: 0, by_comment: None });
+    }
     let entry = tools.entry(number);
     if !tools.states_diameter(number) {
         let unstated = unstated(words, modes, number, code);
@@ -188,7 +209,19 @@ fn cutter(
         remarks.push(unstated);
     }
     let orientation = if modes.plane == Plane::ZX { entry.orientation } else { 0 };
-    Ok((entry.diameter / modes.units.in_mm(), orientation))
+    let diameter = entry.diameter / modes.units.in_mm();
+    let by_comment = tools.by_comment(number).map(|comment| {
+        let is_turned = modes.plane == Plane::ZX || words.rules().turret;
+        stated::by_comment(words, (number, code), diameter / 2.0, comment, is_turned)
+    });
+    let is_by_comment = by_comment.is_some();
+    let by_example = tools
+        .by_example(number)
+        .map(|tool| stated::by_example(words, (number, code), diameter / 2.0, tool));
+    if let Some(said) = by_comment.or(by_example).filter(|_| tools.reported.insert(number)) {
+        remarks.push(said);
+    }
+    Ok(LedCutter { diameter, orientation, by_comment: is_by_comment.then_some(number) })
 }
 
 /// Nothing states the radius by which a tool is led beside its way: a mill is refused; a lathe's
@@ -208,7 +241,7 @@ fn unstated(words: &Words, modes: &Modes, number: u32, code: u16) -> Diagnostic 
         "G{g} leads T{number} its radius beside the way, and nothing states the radius: no tool table, no comment of the program"
     );
     error("I0574", span, text).with_help(format!(
-        "a comment states it, as in (T{number} D=12. FLAT END MILL), or the tool table, where a diameter of 0 leads it on the way"
+        "a comment states it, as in (T{number} D=12. FLAT END MILL), or the tool table; if the way is already that of the tool's centre, a comment (D{number} WEAR) says so"
     ))
 }
 

@@ -24,6 +24,9 @@ pub(crate) fn new(setup: &Setup) -> Executor {
         tools: Tools {
             library: setup.tools.clone(),
             missing: setup.missing_tools,
+            are_examples: setup.has_example_tools,
+            wear: setup.wear_offsets.clone(),
+            reported: BTreeSet::default(),
             written: ToolTable::default(),
         },
         contexts: vec![Context::default()],

@@ -372,4 +372,10 @@ pub(super) const ROWS: &[Finding] = &[
     row("I0572", "Probing needs a way.", "F100\nG38.2 Z0", "F100\nG38.2 Z-10"),
     row("I0573", "A turn alone cannot be probed.", "F100\nG38.3 A9", "F100\nG38.3 Z-10"),
     row("I0574", "Nothing states the radius of the tool that is led beside its way.", "", ""),
+    row(
+        "I0575",
+        "By what a tool is led beside its way, where no table of the shop states it.",
+        "T1 M6\nF100\nG41 G1 X20\nG40 X40",
+        "F100\nG41.1 D6 G1 X20\nG40 X40",
+    ),
 ];

@@ -55,7 +55,7 @@ pub fn example_setup(dialect: Dialect) -> Setup {
         length: Length::mm(length),
         diameter: Length::mm(diameter),
         kind,
-        description: String::new(),
+        description: format!("tool {number} of the examples"),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
         body: canon::Body::default(),

@@ -10,6 +10,8 @@ pub(crate) struct Compensation {
     pub(crate) side: f64,
     /// Program units.
     pub(crate) radius: f64,
+    /// The offset whose radius a comment states.
+    pub(crate) by_comment: Option<u32>,
     /// Orientation of a lathe tool as a shift along the plane's axes, program units.
     pub(crate) shift: Flat,
     /// Where the tool's centre will be (less the shift); none before the first move.

@@ -3,12 +3,12 @@ use crate::{
     call::ToolEntry,
     codes::number::near_whole,
     fault::{Outcome, error, refuse},
-    setup::MissingTools,
+    setup::{MissingTools, WearOffsets},
     words::Words,
 };
 use canon::{Tool, ToolKind, ToolLibrary};
 use diag::{Diagnostic, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use units::Length;
 
 /// The entries that a program has written.
@@ -35,6 +35,12 @@ pub(crate) struct Tools {
     pub(crate) library: ToolLibrary,
     /// What becomes of a number that the library does not have.
     pub(crate) missing: MissingTools,
+    /// Those of the library are an example, and not the shop's.
+    pub(crate) are_examples: bool,
+    /// Offsets that hold wear alone.
+    pub(crate) wear: WearOffsets,
+    /// Offsets whose effect on G41 and G42 was reported.
+    pub(crate) reported: BTreeSet<u32>,
     /// What the tool table says, where a program has changed it.
     pub(crate) written: ToolTable,
 }
@@ -58,6 +64,24 @@ impl Tools {
     pub(crate) fn states_diameter(&self, number: u32) -> bool {
         let is_stated = |tool: &Tool| !tool.stand_in || tool.diameter > Length::ZERO;
         self.written.has(number) || self.library.get(number).is_none_or(is_stated)
+    }
+
+    /// The comment that states that an offset holds wear alone, unless the program has written it.
+    pub(crate) fn wear_alone(&self, number: u32) -> Option<&str> {
+        self.wear.stated(number).filter(|_| !self.written.has(number))
+    }
+
+    /// The comment that states a tool's diameter, where no table and no block does.
+    pub(crate) fn by_comment(&self, number: u32) -> Option<&str> {
+        let tool = self.library.get(number).filter(|tool| tool.stand_in)?;
+        let is_stated = tool.diameter > Length::ZERO && !self.written.has(number);
+        is_stated.then_some(tool.description.as_str())
+    }
+
+    /// The description of an example's tool whose diameter nothing else states.
+    pub(crate) fn by_example(&self, number: u32) -> Option<&str> {
+        let tool = self.library.get(number).filter(|tool| self.are_examples && !tool.stand_in)?;
+        (!self.written.has(number)).then_some(tool.description.as_str())
     }
 
     /// What programs have written of lengths and diameters is in the library by now, or was edited

@@ -31,6 +31,7 @@ mod say;
 mod set_up;
 mod solid;
 mod turned;
+mod turret;
 
 use form::{Form, form};
 
@@ -41,9 +42,9 @@ const SLIDES: f64 = 0.05;
 /// Share of its diameter by which a drill, or a tap, may be moved sideways in the work.
 const DRILL_SIDEWAYS: f64 = 0.25;
 const TAP_SIDEWAYS: f64 = 0.1;
-/// Load of a drill's core, over its strength, from which on it surely breaks, and likely does.
+/// Load of a drill's core, over its strength, from which on it surely breaks, and may.
 const BREAKS: f64 = 1.25;
-const MAY_BREAK: f64 = 1.0;
+const MAY_BREAK: f64 = 0.9;
 /// A tip may stand so far from where the program has it, mm: wear offsets.
 const WEAR: f64 = 0.1;
 /// Places of a mill's rapid that are looked at.
@@ -312,6 +313,7 @@ impl Planner {
     /// Tool and stock along a path that the axes can go.
     pub(super) fn sweep(&mut self, job: &Job, path: &Path, run: Sweep) {
         self.sweep_clamping(job, path, run);
+        self.sweep_turret(job, path, run);
         if self.sweep_bar(job, path, run) {
             return;
         }

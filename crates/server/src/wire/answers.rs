@@ -1,6 +1,7 @@
 //! What requests are answered, and what has happened.
 use super::lists::AlarmBody;
 use super::values::Shown;
+use crate::page_words::on_page;
 use control::operation::hosted::{FindingData, Journaled};
 use control::operation::{Accepted, Event, said_of};
 use serde::Serialize;
@@ -17,7 +18,10 @@ pub(crate) struct AcceptedBody {
 impl AcceptedBody {
     /// Of what the control has answered.
     pub(crate) fn of(accepted: &Accepted, shown: Shown<'_>) -> Self {
-        Self { accepted: true, notes: accepted.notes.iter().map(|note| shown(note)).collect() }
+        Self {
+            accepted: true,
+            notes: accepted.notes.iter().map(|note| on_page(&shown(note))).collect(),
+        }
     }
 }
 
@@ -90,7 +94,7 @@ impl EventBody {
                 body.event = "alarm";
                 body.alarm = Some(AlarmBody::of(alarm, shown));
             }
-            Event::Notice(text) => body.text = Some(shown(text)),
+            Event::Notice(text) => body.text = Some(on_page(&shown(text))),
             Event::Feature(feature) => {
                 body.event = "feature";
                 body.text = Some(said_of(feature));

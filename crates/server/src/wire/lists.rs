@@ -1,5 +1,6 @@
 //! Programs, offsets, tools and alarms.
 use super::values::Shown;
+use crate::page_words::on_page;
 use canon::{AtLimit, Tool, ToolKind, ToolLife};
 use control::operation::hosted::WorkOffset;
 use control::operation::{Alarm, LoadedProgram, PathKind};
@@ -31,8 +32,8 @@ impl AlarmBody {
     pub(crate) fn of(alarm: &Alarm, shown: Shown<'_>) -> Self {
         Self {
             number: alarm.number,
-            text: alarm.text.clone(),
-            remedy: alarm.remedy.clone(),
+            text: on_page(&alarm.text),
+            remedy: on_page(&alarm.remedy),
             program: alarm.program.as_deref().map(shown),
             line: alarm.line,
             time_s: alarm.time.value(),

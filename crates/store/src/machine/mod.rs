@@ -290,10 +290,13 @@ impl MachineFile {
                 "the stock of a lathe is a bar: expected x and y of [setup.stock] from −r to r",
             );
         }
-        if (self.setup.chuck.is_some() || self.setup.tailstock.is_some()) && !self.is_lathe {
+        let setup = &self.setup;
+        let is_turned =
+            setup.chuck.is_some() || setup.tailstock.is_some() || setup.turret.is_some();
+        if is_turned && !self.is_lathe {
             keys.conflict(
                 "setup",
-                "`chuck` and `tailstock` are a lathe's: expected `lathe = true`",
+                "`chuck`, `tailstock` and `turret` are a lathe's: expected `lathe = true`",
             );
         }
         if stock.bore > units::Length::ZERO && !self.is_lathe {

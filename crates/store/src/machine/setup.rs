@@ -30,8 +30,28 @@ pub struct Setup {
     pub chuck: Option<Clamp>,
     /// The tailstock of a lathe with its centre: it reaches from there towards +Z.
     pub tailstock: Option<Clamp>,
+    /// The turret of a lathe.
+    pub turret: Option<Turret>,
     /// Diameter of the spindle's nose, which stands above a mill's tool.
     pub nose: Option<Length>,
+}
+
+/// The turret of a lathe: its tools stand side by side, each in the station of its pocket.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turret {
+    /// Its stations, at equal angles.
+    pub stations: u32,
+    /// From its axis to the tips of its tools.
+    pub radius: Length,
+}
+
+impl Turret {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            stations: keys.whole("stations", 2..=64),
+            radius: Length::mm(keys.number("radius_mm", 1.0..=FARTHEST_MM)),
+        }
+    }
 }
 
 /// What holds the work on a lathe: a cylinder about its axis.
@@ -228,6 +248,7 @@ impl Setup {
             bosses: rounds(keys, "bosses", "height_mm"),
             chuck: keys.optional_section("chuck", Clamp::read),
             tailstock: keys.optional_section("tailstock", Clamp::read),
+            turret: keys.optional_section("turret", Turret::read),
             nose: keys.optional("spindle_nose_mm", 0.0..=FARTHEST_MM).map(Length::mm),
         }
     }

@@ -1,6 +1,6 @@
 //! What is said of a tool that would break: the tool, what it would do, the number that works, and
 //! why it stands there.
-use super::{BREAKS, Contact, Planner, Point, SLIDES, Sweep, WEAR, Wrong};
+use super::{BREAKS, Contact, MAY_BREAK, Planner, Point, SLIDES, Sweep, WEAR, Wrong};
 use crate::findings::{Cause, number};
 use crate::words::{
     Rounding, advice, bare_length, feed, feed_that_works, floor_in_unit, length, place, word,
@@ -149,11 +149,19 @@ impl Planner {
         let frame = &self.frame;
         let rpm = self.spindles.first().map_or(0.0, |state| state.ordered.in_rpm());
         let bears = floor_in_unit(frame, per_turn / load);
-        let works =
-            if by_turn { bare_length(frame, bears) } else { feed_that_works(frame, bears * rpm) };
+        let written = |per_turn: f64| {
+            if by_turn {
+                bare_length(frame, per_turn)
+            } else {
+                feed_that_works(frame, per_turn * rpm)
+            }
+        };
+        let how = if load <= 1.0 { "nearly all that" } else { "more than" };
+        let works = written(floor_in_unit(frame, bears * MAY_BREAK));
+        let most = if by_turn { String::new() } else { format!(" (F{})", written(bears)) };
         [
             format!(
-                "a feed of {} at S{}, {} per turn, is more than {} of {} bears in this material, {} per turn",
+                "a feed of {} at S{}, {} per turn, is {how} {} of {} bears in this material, {} per turn{most}",
                 feed(frame, per_turn * rpm),
                 number(rpm),
                 length(frame, per_turn),
@@ -161,7 +169,7 @@ impl Planner {
                 length(frame, tool.diameter.value()),
                 bare_length(frame, bears),
             ),
-            format!(": F{works} works"),
+            format!(": F{works} works, a tenth below it"),
         ]
     }
 

@@ -413,7 +413,7 @@ impl Planner {
 }
 
 /// Places of a straight piece, a millimetre apart.
-fn between(from: Point, to: Point) -> impl Iterator<Item = Point> {
+pub(super) fn between(from: Point, to: Point) -> impl Iterator<Item = Point> {
     const STEP_MM: f64 = 1.0;
     const MOST: f64 = 256.0;
     let way = (0..3).map(|i| (to[i] - from[i]) * (to[i] - from[i])).sum::<f64>();
