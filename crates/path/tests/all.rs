@@ -3,6 +3,5 @@
 
 mod setpoints;
 
-mod circles;
 mod joining;
 mod law;

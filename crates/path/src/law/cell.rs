@@ -18,10 +18,6 @@ pub(crate) const TOP_SPEED: f64 = 1e7;
 
 /// How far the tangent may turn within a cell, as a share of its length.
 const TURN_PER_CELL: f64 = 0.12;
-/// The same on arcs, whose cells last half a servo period at least: a circle takes longer than it
-/// must by about an eighth of it. With a limit of jerk twice as far.
-const TURN_PER_CELL_OF_ARC: f64 = 0.025;
-const ARC_CELLS_PER_PERIOD: f64 = 2.0;
 
 /// How far the share of the acceleration that the bend takes may change within a cell.
 const LOAD_PER_CELL: f64 = 0.15;
@@ -29,7 +25,7 @@ const LOAD_PER_CELL: f64 = 0.15;
 /// does not within a cell.
 const LOAD_PER_BLEND: f64 = 0.06;
 /// And with one: the law bounds both ends of what it lays there, and measures the motion.
-const LOAD_WITH_JERK: f64 = 0.2;
+const LOAD_WITH_JERK: f64 = 0.3;
 
 /// So many cells are fine enough for one period, as fast as the bend allows: the control does a
 /// number of them at once.
@@ -90,7 +86,8 @@ impl Rows {
 /// Z move, it is the way that F counts.
 fn feed(piece: &Piece, d: &Derivatives) -> f64 {
     let [x, y, z, others @ ..] = &d.q1;
-    if !is_blend(piece) || others.iter().any(|slope| *slope != 0.0) {
+    let blend = matches!(piece.curve, crate::Curve::Polynomial(_));
+    if !blend || others.iter().any(|slope| *slope != 0.0) {
         return piece.feed;
     }
     piece.feed / libm::sqrt(x * x + y * y + z * z)
@@ -280,15 +277,7 @@ impl Sampler {
             let end = self.piece.at(at(self.next as f64 + 1.0));
             let three = [self.last, middle, end];
             let cap = |d: &Derivatives| speed_cap(d, bounds, feed(&self.piece, d));
-            let mut least = three.iter().map(cap).fold(cap_between(&three, bounds), f64::min);
-            if bounds.has_jerk() && is_blend(&self.piece) {
-                // cells are long there
-                let [a, b] = [0.25, 0.75].map(|x| self.piece.at(at(self.next as f64 + x)));
-                for half in [[self.last, a, middle], [middle, b, end]] {
-                    least = least.min(cap(&half[1])).min(cap_between(&half, bounds));
-                }
-            }
-            let cap = least;
+            let cap = three.iter().map(cap).fold(cap_between(&three, bounds), f64::min);
             let rows = Rows::new(&three, bounds);
             self.last = end;
             (Demand::Curve(rows), cap)
@@ -304,11 +293,6 @@ impl Sampler {
 
 fn is_line(piece: &Piece) -> bool {
     matches!(piece.curve, crate::Curve::Line(_))
-}
-
-/// A blend, or a part of a fitted curve.
-fn is_blend(piece: &Piece) -> bool {
-    matches!(piece.curve, crate::Curve::Polynomial(_))
 }
 
 pub(crate) fn bounds<'a>(piece: &Piece, limits: &'a Limits) -> &'a Bounds {
@@ -383,15 +367,12 @@ fn cells_for_looks<const N: usize>(
         }
     }
     let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
-    let blend = is_blend(piece);
+    let blend = matches!(piece.curve, crate::Curve::Polynomial(_));
     let share = if blend && bounds.has_jerk() { LOAD_WITH_JERK } else { LOAD_PER_CELL };
     let mut count = (turn / TURN_PER_CELL).max(change / share).max(twist / LOAD_PER_CELL);
-    let periods = (length - from) / (libm::sqrt(slowest) * period);
     if blend && !bounds.has_jerk() {
+        let periods = (length - from) / (libm::sqrt(slowest) * period);
         count = count.max((change / LOAD_PER_BLEND).min(periods * CELLS_PER_PERIOD));
-    } else if matches!(piece.curve, crate::Curve::Arc(_)) {
-        let per_cell = TURN_PER_CELL_OF_ARC * if bounds.has_jerk() { 2.0 } else { 1.0 };
-        count = count.max((turn / per_cell).min(periods * ARC_CELLS_PER_PERIOD));
     }
     libm::ceil(count.max(cells_for_sag(&all, bounds))).clamp(least, 1e15) as u64
 }

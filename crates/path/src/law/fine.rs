@@ -60,7 +60,7 @@ impl Fine {
                 jerk = jerk.max(phase.j.abs() / j);
             }
             Demand::Curve(rows) => {
-                for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                for share in [0.0, 0.5, 1.0] {
                     let Instant { s, v, a } = phase.at(share * phase.duration);
                     each(rows, (s / cell.h).clamp(0.0, 1.0), |r| {
                         let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;
@@ -158,17 +158,21 @@ pub(super) fn growth_in_steps(cell: &Cell, tau: f64) -> f64 {
     GROWTH * libm::sqrt(jerk.min(accel / tau))
 }
 
-/// The demands at a share of a cell, by the parabola through its three places.
+/// The demands at a share of a cell.
 pub(super) fn each(rows: &Rows, x: f64, mut give: impl FnMut(LimitRow)) {
-    let [p, q, r] = [(2.0 * x - 1.0) * (x - 1.0), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0)];
-    for ((a, b), c) in rows.at(0).iter().zip(rows.at(1)).zip(rows.at(2)) {
-        let mix = |of: fn(&LimitRow) -> f64| p * of(a) + q * of(b) + r * of(c);
+    let (p, q, f) = if x < 0.5 {
+        (rows.at(0), rows.at(1), 2.0 * x)
+    } else {
+        (rows.at(1), rows.at(2), 2.0 * x - 1.0)
+    };
+    let mix = |a: f64, b: f64| a + (b - a) * f;
+    for (p, q) in p.iter().zip(q) {
         give(LimitRow {
-            a1: mix(|row| row.a1),
-            a2: mix(|row| row.a2),
-            j1: mix(|row| row.j1),
-            j2: mix(|row| row.j2),
-            j3: mix(|row| row.j3),
+            a1: mix(p.a1, q.a1),
+            a2: mix(p.a2, q.a2),
+            j1: mix(p.j1, q.j1),
+            j2: mix(p.j2, q.j2),
+            j3: mix(p.j3, q.j3),
         });
     }
 }

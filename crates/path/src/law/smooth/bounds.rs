@@ -9,7 +9,7 @@ use crate::law::interior::Pair;
 const SAME: f64 = 1e-7;
 
 /// What may be of a bound at most, with the largest speeds, where it is left out.
-const NEVER: f64 = 0.1;
+const NEVER: f64 = 0.5;
 
 impl Smooth {
     /// Write all bounds down, and forget the caps of speed that the axes keep anyhow.
