@@ -112,9 +112,9 @@ pub struct Setup {
 /// G41 and G42 lead the tool on it. Each has the comment that states it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WearOffsets {
-    /// Of every offset.
+    /// The comment that states it of every offset.
     pub all: Option<String>,
-    /// Of these.
+    /// The comments that state it of single offsets, by number.
     pub of: BTreeMap<u32, String>,
 }
 

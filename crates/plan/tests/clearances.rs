@@ -1,7 +1,7 @@
 //! What holds the work of a lathe, before motion: no tool goes into chuck and tailstock, whichever
 //! of the turret's tools it is.
 use crate::common;
-use crate::common::{change, line, machine, mm, program, rapid, turn};
+use crate::common::{change, line, machine, mm, program, rapid, tool, turn};
 use canon::{Insert, OpKind, Position, ProgramFrame, Tool, ToolKind, ToolLibrary};
 use plan::{Bar, Bodies, Cylinder, Planner, Start, Stock, Turret};
 use units::{Angle, Length};
@@ -31,21 +31,9 @@ const TURRET: Turret = Turret { stations: 12, radius: Length::mm(100.0) };
 fn tools(drill_station: u32) -> ToolLibrary {
     let mut tools = ToolLibrary::default();
     let insert = Insert::turning(Angle::deg(80.0), mm(0.4));
-    let tool = |number, pocket, length, diameter, kind| Tool {
-        number,
-        pocket,
-        length: mm(length),
-        diameter: mm(diameter),
-        kind,
-        description: String::new(),
-        wear: canon::ToolWear::default(),
-        life: canon::ToolLife::default(),
-        body: canon::Body::default(),
-        stand_in: false,
-    };
-    tools.insert(tool(1, 1, 20.0, 0.0, ToolKind::Insert(insert)));
+    tools.insert(tool(1, 0.0, 20.0, ToolKind::Insert(insert)));
     let drill = ToolKind::Drill { point_angle: Angle::deg(118.0) };
-    tools.insert(tool(2, drill_station, 120.0, 16.0, drill));
+    tools.insert(Tool { pocket: drill_station, ..tool(2, 16.0, 120.0, drill) });
     tools
 }
 

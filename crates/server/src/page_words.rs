@@ -1,4 +1,4 @@
-//! What the command line calls by an option, in the words of who stands at the page.
+//! What the command line calls by an option, in the words of the page.
 //!
 //! Findings, refusals and alarms are written for the command line, which has options; the page has
 //! none. Whole sentences are replaced first, then each option by what it sets.
@@ -7,11 +7,11 @@
 const SENTENCES: &[(&str, &str)] = &[
     (
         "--tools FILE names the shop's own; tools.toml or tool.tbl beside the program is found by itself",
-        "\"Offsets and tools\" shows the tools that the control has; who starts it names the shop's own table",
+        "\"Offsets and tools\" shows the tools that the control has; whoever starts it names the shop's own table",
     ),
     (
         "--tools FILE names the shop's own tools; their table says which one is an insert",
-        "who starts the control names the shop's own tools; their table says which one is an insert",
+        "whoever starts the control names the shop's own tools; their table says which one is an insert",
     ),
     (
         "--machine and --dialect name others; with --machine the dialect is the one of the machine's file",
@@ -35,10 +35,10 @@ const SENTENCES: &[(&str, &str)] = &[
         "they are read the other way where decimal_point",
     ),
     ("of the machine's file does", "stands in the machine's file"),
-    ("name the library with --cams;", "who starts the control names the library of cams;"),
+    ("name the library with --cams;", "whoever starts the control names the library of cams;"),
     (
         "; --accept no-end lets it end with its text",
-        "; who starts the control may let programs end with their text",
+        "; whoever starts the control may let programs end with their text",
     ),
     (
         "; --parameters FILE brings what the control keeps",
@@ -47,7 +47,7 @@ const SENTENCES: &[(&str, &str)] = &[
     ("read it with --dialect ", "read it as one for dialect "),
     ("`--tapping synchronised`", "synchronised tapping"),
     ("a setting of the machine: --tapping floating", "a setting of the machine: floating tapping"),
-    ("name a state folder with --state", "who starts the control names one"),
+    ("name a state folder with --state", "whoever starts the control names one"),
     (
         "name another folder with --state",
         "let another folder be named where the control is started",
@@ -104,8 +104,8 @@ fn without(text: &str, option: &str, page: &str) -> String {
     let mut all = pieces.next().unwrap_or_default().to_owned();
     let is_name = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
     for piece in pieces {
-        let goes_on = piece.starts_with(|c: char| c.is_ascii_alphanumeric() || "-_".contains(c));
-        all += if goes_on || all.ends_with(is_name) { option } else { page };
+        let is_longer = piece.starts_with(|c: char| c.is_ascii_alphanumeric() || "-_".contains(c));
+        all += if is_longer || all.ends_with(is_name) { option } else { page };
         all += piece;
     }
     all

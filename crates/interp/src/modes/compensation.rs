@@ -8,7 +8,7 @@ pub(crate) struct Compensation {
     pub(crate) code: u16,
     /// +1: the tool is on the left, −1: on the right.
     pub(crate) side: f64,
-    /// Program units.
+    /// Of the tool, in the program's unit.
     pub(crate) radius: f64,
     /// The offset whose radius a comment states.
     pub(crate) by_comment: Option<u32>,

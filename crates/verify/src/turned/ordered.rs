@@ -74,7 +74,7 @@ impl OrderedThread {
         let turns = |pass: &Vec<Stretch>| pass.last().map(|last| last.before + last.turns);
         let turns_before = chain.and_then(turns);
         let last = before.passes.last().and_then(|pass| pass.last());
-        // with the spindle turned round it would be a thread that somebody wants
+        // with the spindle reversed it would be a thread of its own
         let goes_back = last.is_some_and(|last| last.is_reversed == came.is_reversed);
         Self { goes_back, turns_before, ..Self::default() }
     }

@@ -37,7 +37,7 @@ struct Neighbour {
     off: [f64; 2],
 }
 
-/// What it meets.
+/// How a neighbour meets what holds the work, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Clash {
     depth: f64,
