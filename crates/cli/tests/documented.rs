@@ -198,18 +198,20 @@ fn spans(text: &str) -> Vec<String> {
 #[test]
 fn every_command_of_readme_and_docs_does_its_work() {
     let folder = shop();
-    let (mut ran, mut wrong) = (BTreeSet::new(), Vec::new());
+    // these run in `what_readme_claims_is_what_its_commands_print`
+    let claimed = claims(&fs::read_to_string(root().join("README.md")).unwrap());
+    let claimed =
+        claimed.into_iter().map(|(command, _)| vec![(command.clone(), code_of(&command))]);
+    let (mut ran, mut wrong) = (claimed.collect::<BTreeSet<_>>(), Vec::new());
     for (page, text) in pages() {
         let blocks = blocks(&text).unwrap_or_else(|why| panic!("{page}: {why}"));
         let blocks = blocks.into_iter().filter_map(|block| match block {
             Block::Run(commands) => Some(commands),
             Block::NotRun(_) => None,
         });
-        // a stop that is shown in the text is an alarm
-        let stops = |command: &str| command.contains("--fault") || command.contains("--operator");
-        let spans = spans(&text).into_iter().map(|c| {
-            let code = if stops(&c) { 3 } else { 0 };
-            vec![(c, code)]
+        let spans = spans(&text).into_iter().map(|command| {
+            let code = code_of(&command);
+            vec![(command, code)]
         });
         for commands in blocks.chain(spans) {
             if ran.insert(commands.clone())
@@ -221,6 +223,39 @@ fn every_command_of_readme_and_docs_does_its_work() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
     assert!(ran.len() >= 10, "the commands were not found: {ran:?}");
+}
+
+/// The exit code of a command in the text: a stop that is shown is an alarm.
+fn code_of(command: &str) -> i32 {
+    if command.contains("--fault") || command.contains("--operator") { 3 } else { 0 }
+}
+
+/// The rows of README's first table: the command, and what it is said to print.
+fn claims(readme: &str) -> Vec<(String, String)> {
+    let rows = readme.lines().filter(|line| line.starts_with("| ") && line.contains("`leadscrew "));
+    let code = |cell: &str| cell.split('`').nth(1).unwrap_or_default().to_owned();
+    let cells = |row: &str| row.split(" | ").map(str::to_owned).collect::<Vec<_>>();
+    rows.map(cells)
+        .filter(|cells| cells.len() == 3)
+        .map(|cells| (code(&cells[1]), code(&cells[2])))
+        .collect()
+}
+
+#[test]
+fn what_readme_claims_is_what_its_commands_print() {
+    let folder = shop();
+    let claims = claims(&fs::read_to_string(root().join("README.md")).unwrap());
+    assert_eq!(claims.len(), 5, "{claims:?}");
+    for (command, printed) in claims {
+        let words =
+            format!("{} {}", env!("CARGO_BIN_EXE_leadscrew"), &command["leadscrew ".len()..]);
+        let mut shell = Command::new("bash");
+        shell.args(["-c", &words]).current_dir(folder.path()).env("NO_COLOR", "1");
+        let output = shell.output().unwrap();
+        let text = said(&output) + &complained(&output);
+        assert_eq!(output.status.code(), Some(code_of(&command)), "{command}: {text}");
+        assert!(!printed.is_empty() && text.contains(&printed), "{command}: {printed}\n{text}");
+    }
 }
 
 #[test]
