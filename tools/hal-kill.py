@@ -79,7 +79,7 @@ class Mill:
     def control(self, script):
         """A control that is led by these lines."""
         name = f"{self.folder}/script"
-        words = [self.leadscrew, "control", "--hal", "--machine", self.machine, "--state", self.state]
+        words = [self.leadscrew, "control", "--drives", "hal", "--machine", self.machine, "--state", self.state]
         with open(name, "w") as file:
             file.write(script)
         return subprocess.Popen(

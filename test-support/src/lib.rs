@@ -5,6 +5,8 @@
 
 mod dice;
 #[cfg(feature = "control")]
+pub mod drives;
+#[cfg(feature = "control")]
 mod relay;
 #[cfg(feature = "control")]
 pub mod requests;

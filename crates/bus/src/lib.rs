@@ -13,6 +13,10 @@
 //! an axis' force is positive along the axis; a spindle turns positive clockwise seen from behind
 //! (M3).
 #![no_std]
+mod engaged_tool;
+
+pub use engaged_tool::{EngagedTool, EngagementEvidence, RunDownKind, STANDSTILL, SpindleSense};
+
 use units::{
     Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Orientation, Spin, Time, Torque,
 };

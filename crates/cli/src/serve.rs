@@ -2,7 +2,7 @@
 use crate::args::{ServeArgs, TokenRole};
 use crate::{console, interrupt, say};
 use control::operation::ControlOptions;
-use control::{RealTimeOptions, Refused};
+use control::{DrivesChoice, RealTimeOptions, Refused};
 use server::{
     BrokerLogin, BrokerTimeouts, Certificate, ClientTimeouts, Clock, KeptRuns, PublishOptions,
     Role, Server, ServerOptions, Tokens,
@@ -33,8 +33,11 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
         program: args.source.on_a_machine(),
         seed: args.seed,
         state: args.state.clone(),
-        simulator: args.simulator.clone(),
-        hal: args.hal,
+        drives: match (&args.drives, &args.simulator) {
+            (Some(drives), _) => drives.clone(),
+            (None, Some(socket)) => DrivesChoice::simulator(socket.clone()),
+            (None, None) => DrivesChoice::default(),
+        },
         clamped: args.clamped.as_deref().map(console::clamped).transpose()?.unwrap_or_default(),
         real_time: args.real_time.then(RealTimeOptions::default),
     };

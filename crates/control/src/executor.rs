@@ -13,8 +13,8 @@ use crate::handles::{KernelHandle, MachineHandle};
 use crate::missed::missed;
 use crate::real_time::{self, KernelLink, RealTimeOptions, ServoThread};
 use crate::timings::TickTimes;
-use crate::{Plant, RealTimeFigures};
-use bus::{Command, Feedback, Machine as _, Sample, State};
+use crate::{Drives, RealTimeFigures};
+use bus::{Command, Feedback, Sample, State};
 use kernel::{Kernel, Request};
 use servo::StopLane;
 use std::ops::ControlFlow;
@@ -56,7 +56,7 @@ enum TimeKeeping {
 
 impl Executor {
     /// In lock-step.
-    pub fn new(kernel: Kernel, machine: Plant) -> Self {
+    pub fn new(kernel: Kernel, machine: Box<dyn Drives>) -> Self {
         Self {
             kernel: kernel.into(),
             machine: machine.into(),
@@ -69,9 +69,9 @@ impl Executor {
     }
 
     /// The machine, if it is in this thread.
-    pub fn into_machine(self) -> Option<Plant> {
+    pub fn into_machine(self) -> Option<Box<dyn Drives>> {
         match self.machine {
-            MachineHandle::Here(machine) => Some(*machine),
+            MachineHandle::Here(machine) => Some(machine),
             MachineHandle::There(_) => None,
         }
     }
@@ -95,7 +95,7 @@ impl Executor {
         let (Some(kernel), Some(machine)) = (self.kernel.here(), self.machine.here()) else {
             return;
         };
-        let is_elsewhere = matches!(machine, Plant::Hal(_));
+        let is_elsewhere = machine.seat().is_some();
         let (kernel_link, machine_link, prepared) =
             real_time::prepare(kernel, machine, &self.stops);
         let kernel = std::mem::replace(&mut self.kernel, KernelHandle::There(kernel_link));
@@ -235,7 +235,12 @@ impl Ticked {
 
 /// The first half of a period: what the machine has said, and what the kernel commands, in the
 /// place of the period before.
-pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes, ticked: &mut Ticked) {
+pub(crate) fn answer(
+    kernel: &mut Kernel,
+    machine: &dyn Drives,
+    ticks: &TickTimes,
+    ticked: &mut Ticked,
+) {
     let Ticked { answer, feedback, is_abandoned } = ticked;
     *feedback = *machine.feedback();
     *is_abandoned = machine.is_abandoned();
@@ -252,7 +257,7 @@ pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes, ti
 
 /// The second half: the machine obeys, and the kernel lives through the periods that were missed
 /// meanwhile.
-pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, ticked: &Ticked) {
+pub(crate) fn obey(kernel: &mut Kernel, machine: &mut dyn Drives, ticked: &Ticked) {
     if ticked.is_abandoned {
         return machine.wait();
     }
@@ -269,8 +274,8 @@ pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, ticked: &Ticked) {
 /// is commanded before the command is sent; if it breaks off, nothing is sent.
 pub fn period<B>(
     kernel: &mut Kernel,
-    machine: &mut Plant,
-    observe: impl FnOnce(&mut Kernel, &mut Plant, &Sample) -> ControlFlow<B>,
+    machine: &mut dyn Drives,
+    observe: impl FnOnce(&mut Kernel, &mut dyn Drives, &Sample) -> ControlFlow<B>,
 ) -> ControlFlow<B> {
     let mut ticked = Ticked::default();
     answer(kernel, machine, &TickTimes::new(false), &mut ticked);

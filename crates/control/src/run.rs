@@ -1,5 +1,5 @@
 //! A program on a machine, from the first period to its end, or to the alarm that ends it.
-use crate::Plant;
+use crate::Drives;
 use crate::Refused;
 use crate::config;
 use crate::job::Operations;
@@ -12,13 +12,13 @@ use crate::outcome::{EndedRun, Outcome, unobserved};
 use crate::services::RecordWriter;
 use crate::stall::StallGuard;
 use crate::{Executor, Feeder, KernelHandle, Observers, RealTimeFigures, Services};
+use bus::EngagedTool;
 use bus::{Sample, State};
 use kernel::{Event, Fault, Kernel};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use units::Time;
 use verify::Feature;
-use wire::Engagement;
 
 /// Servo periods between two looks of the progress bar.
 const PROGRESS_EVERY: u64 = 4096;
@@ -58,7 +58,7 @@ pub struct Loaded<'a> {
 impl ProgramRun {
     /// Of this program, on this machine, judged by this: nothing stops it, nothing is kept, nothing
     /// is learnt.
-    pub fn new(loaded: &Loaded<'_>, machine: Plant, judge: verify::Config) -> Self {
+    pub fn new(loaded: &Loaded<'_>, machine: Box<dyn Drives>, judge: verify::Config) -> Self {
         let Loaded { session, operations, restart, options, planned } = *loaded;
         let kernel = Kernel::new(config::control(&session.machine, None, false));
         let ops = operations.for_run(restart, 0);
@@ -259,7 +259,7 @@ impl Running {
 
     /// Of the sync record's writer: number of the machine's last engagement, and the tool in its
     /// work.
-    pub fn engaged(&self) -> Option<(u64, Option<Engagement>)> {
+    pub fn engaged(&self) -> Option<(u64, Option<EngagedTool>)> {
         self.services.record_writer.as_ref().map(RecordWriter::engaged)
     }
 

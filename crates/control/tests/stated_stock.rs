@@ -1,10 +1,11 @@
 //! A stock that a program states is the stock of the judge and of the simulated machine on a
 //! control that is on, as in a run.
 use crate::workpiece::{make_ready, until};
+use control::drives::simulated;
 use control::job::{ProgramOptions, Session, preflight};
 use control::observers::Workpiece;
 use control::operation::{Execution, Request};
-use control::{Control, ControlOptions, Executor, Loaded, Plant, Running, config, plant};
+use control::{Control, ControlOptions, Executor, Loaded, Running, config};
 use verify::{Feature, FeatureKind};
 
 /// Two holes in a block whose top the comment states.
@@ -51,7 +52,7 @@ fn in_a_run(machine: &str, text: &str, stock: Option<&str>) -> Vec<String> {
     assert!(!proved.known.is_refused(), "{:?}", proved.known.findings);
     let zero = session.work_zero();
     let simulated = config::simulator(session.plant(), &session.tools, material, 1, &zero);
-    let machine = Plant::simulated(plant::simulated(session.plant(), simulated).unwrap());
+    let machine = simulated::drives(simulated::build(session.plant(), simulated).unwrap(), 0);
     let kernel = kernel::Kernel::new(config::control(&session.machine, None, false));
     let mut executor = Executor::new(kernel, machine);
     let loaded = Loaded {

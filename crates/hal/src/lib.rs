@@ -2,7 +2,7 @@
 //! `addf leadscrew.update servo-thread`.
 //!
 //! ```text
-//!   leadscrew control --hal            shared memory            rtapi_app
+//!   leadscrew control --drives hal     shared memory            rtapi_app
 //!   interpreter, planner, observers ◄────────────────────────►  attendant: makes kernels    ┐ beside the
 //!                                                                                           │ servo thread
 //!                                          pins ─► Feedback ─► kernel::tick ─► Command ─► pins   in it

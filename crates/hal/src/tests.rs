@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use test_support::drives::{DrivesBench, conforms};
 use units::{Angle, Orientation, Time, TurnDirection};
 
 /// Ramps of the converter, rev/s².
@@ -107,8 +108,7 @@ fn control_on(machine: &str, state: Option<&Path>) -> Result<Control, control::R
         program: ProgramOptions::on(format!("{folder}{machine}")),
         seed: None,
         state: state.map(Path::to_owned),
-        simulator: None,
-        hal: true,
+        drives: control::DrivesChoice::of(&control::drives::hal::DOOR),
         clamped: Position::default(),
         real_time: None,
     })
@@ -281,6 +281,60 @@ fn a_tool_that_a_control_leaves_in_its_thread_is_taken_out_by_the_next_one_that_
     drop(after);
     let off = off_thread(&running.end());
     assert!(off < 0.02, "{off} mm off its thread");
+}
+
+/// Drives of HAL behind the control's door for machines.
+struct InHal {
+    folder: Folder,
+    running: Option<Running>,
+}
+
+impl DrivesBench for InHal {
+    fn options(&self) -> ControlOptions {
+        let machine = concat!(env!("CARGO_MANIFEST_DIR"), "/../../machines/hal/mill.toml");
+        ControlOptions {
+            drives: control::DrivesChoice::of(&control::drives::hal::DOOR),
+            state: Some(self.folder.0.join("state")),
+            ..ControlOptions::simulated(ProgramOptions::on(machine))
+        }
+    }
+
+    /// HAL knows pins, not machines: what has fewer axes than the component is led.
+    fn of_another_machine(&self) -> Option<ControlOptions> {
+        None
+    }
+
+    fn z_mm(&self) -> f64 {
+        fake::with(|hal| hal.float("z.pos-fb"))
+    }
+
+    fn outlives_control(&self) -> bool {
+        true
+    }
+
+    fn without_control(&mut self) {
+        until_free();
+    }
+
+    fn vanish(&mut self) -> bool {
+        if let Some(running) = self.running.take() {
+            running.end();
+        }
+        true
+    }
+
+    /// A period of HAL's thread.
+    fn delay(&self) -> Time {
+        Time::s(PERIOD_S)
+    }
+}
+
+#[test]
+fn drives_of_hal_conform() {
+    let _one = fake::one_at_a_time();
+    let mut bench = InHal { folder: Folder::new(), running: Some(Running::start()) };
+    conforms(&mut bench);
+    bench.vanish();
 }
 
 #[test]

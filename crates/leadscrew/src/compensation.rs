@@ -12,8 +12,8 @@
 use crate::Program;
 use control::Outcome;
 use control::Refused;
+use control::drives::simulated;
 use control::job::options::{Compensation, DecimalPoint, Estimator, ProgramOptions};
-use control::plant::Plant;
 use report::{CompensationPage, CompensationRow, WayOfCompensation};
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -268,7 +268,7 @@ impl Case<'_> {
         let machine = job.machine(u64::from(job.session.machine.simulation.seed))?;
         let judge = job.judge();
         let idle = verify::IdleTurns::new(judge.clone());
-        let mut run = job.start(Plant::simulated(machine), judge)?;
+        let mut run = job.start(simulated::drives(machine, 0), judge)?;
         run.observers.idle = Some(idle);
         run.run_without_alarm().map_err(|e| {
             Refused::because(format!("P{} at {} rpm: {}", self.number, self.rpm, e.sentence()))

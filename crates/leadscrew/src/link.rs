@@ -4,9 +4,10 @@ use crate::RunOptions;
 use crate::program::Job;
 use crate::replay::Replay;
 use bus::Machine as _;
+use control::Drives;
+use control::drives::remote;
 use control::job::Session;
 use control::job::restart::Restart;
-use control::plant::{self, Plant};
 use control::recovery::in_work::{self, InWork};
 use control::services::{RecordWriter, sync_record};
 use control::{Refused, config};
@@ -94,14 +95,14 @@ impl Link {
         let machine = job.session.machine.name.clone();
         let hello = Hello { name: "leadscrew run".into(), machine };
         let mut remote =
-            Remote::connect(plant::connect(path)?, hello).map_err(|e| plant::gone(path, &e))?;
+            Remote::connect(remote::connect(path)?, hello).map_err(|e| remote::gone(path, &e))?;
         options.renewed.iter().for_each(|number| remote.renew_tool(*number));
         if let Some(why) = remote.lost() {
-            return Err(plant::gone(path, why).into());
+            return Err(remote::gone(path, why).into());
         }
         let feedback = remote.feedback();
         job.session.stands(feedback);
-        let identity = plant::identity(remote.welcome());
+        let identity = remote::identity(remote.welcome());
         let named = options.state.as_deref();
         let folder = sync_record::folder(named, &identity)?;
         let (welcome, shown) = (remote.welcome(), folder.display().to_string());
@@ -134,14 +135,14 @@ impl Link {
         self.remote.as_ref().is_some_and(|remote| remote.welcome().real_time)
     }
 
-    /// The plant, and who keeps its record.
+    /// The machine, and who keeps its record.
     pub(crate) fn join(
         self,
         job: &Job,
         (restart, replay): (Option<&Restart>, Option<&Replay>),
         command: &[String],
         seed: u64,
-    ) -> Result<(Plant, Option<RecordWriter>), Refused> {
+    ) -> Result<(Box<dyn Drives>, Option<RecordWriter>), Refused> {
         let Session { machine, tools, .. } = &job.session;
         let welcome = self.remote.as_ref().map(Remote::welcome);
         let real_time = welcome.is_some_and(|welcome| welcome.real_time);
@@ -157,8 +158,8 @@ impl Link {
             let top = job.session.work_zero().linear[2] + machine.setup.stock.to[2];
             RecordWriter::start(slots, identity, program, tools, real_time, known, top)
         });
-        let plant = if let Some(remote) = self.remote {
-            Plant::Outside(Box::new(remote))
+        let drives: Box<dyn Drives> = if let Some(remote) = self.remote {
+            Box::new(remote)
         } else {
             let alone = config::left_alone(job.session.plant(), &job.simulator(seed));
             let machine = simulated(job, seed)?;
@@ -166,9 +167,9 @@ impl Link {
                 Some(replay) => machine.with_work_of(&replay.machine),
                 None => machine,
             };
-            Plant::Inside(Box::new(Faulty::new(machine, &[], seed).left_alone(alone)))
+            Box::new(Faulty::new(machine, &[], seed).left_alone(alone))
         };
-        Ok((plant, record_writer.transpose()?))
+        Ok((drives, record_writer.transpose()?))
     }
 }
 

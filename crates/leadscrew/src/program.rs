@@ -2,11 +2,12 @@
 use crate::time::{Added, Estimate, Times, WithoutJerk, estimate};
 use crate::{Finished, RunOptions};
 use canon::Axis;
+use control::Drives;
+use control::drives::simulated;
 use control::job::choice::{self, Choice};
 use control::job::mill_stock::MilledStock;
 use control::job::preflight::{self, Preflight, Proved};
 use control::job::{Cursor, Operations, ProgramOptions, Session, Source, read_program};
-use control::plant::{self, Plant};
 use control::{Loaded, ProgramRun, Refused, config};
 use diag::Diagnostic;
 use sim::SimulatedMachine;
@@ -185,7 +186,7 @@ impl Job {
 
     /// The machine, simulated, with what its control does not know by this seed.
     pub(crate) fn machine(&self, seed: u64) -> Result<SimulatedMachine, Refused> {
-        plant::simulated(self.session.plant(), self.simulator(seed))
+        simulated::build(self.session.plant(), self.simulator(seed))
     }
 
     /// The numbers of that machine.
@@ -227,7 +228,7 @@ impl Job {
     /// nothing is kept.
     pub(crate) fn start(
         &mut self,
-        machine: Plant,
+        machine: Box<dyn Drives>,
         judge: verify::Config,
     ) -> Result<ProgramRun, Refused> {
         self.prove(&mut |_| ())?;

@@ -11,7 +11,8 @@
 //! not its nominal form. Features of that part are no features of the run.
 use crate::link;
 use crate::program::Job;
-use control::{Loaded, Plant, ProgramRun, Refused};
+use control::drives::simulated;
+use control::{Loaded, ProgramRun, Refused};
 use kernel::Kernel;
 use sim::SimulatedMachine;
 use std::sync::Arc;
@@ -54,7 +55,7 @@ impl Replay {
         progress: &mut dyn FnMut(Time),
     ) -> Result<Self, Refused> {
         let session = &job.session;
-        let machine = Plant::simulated_with_seed(link::simulated(job, with.seed)?, with.seed);
+        let machine = simulated::drives(link::simulated(job, with.seed)?, with.seed);
         let operations = Arc::new(job.operations().that_cut_before(skip));
         let planned = job.proved.as_ref().and_then(|proved| proved.known.planned);
         let loaded =
@@ -74,11 +75,10 @@ impl Replay {
         let outcome = ended.finish(&mut executor)?;
         let alarm = outcome.faults.first().map(ToString::to_string);
         let alarm = alarm.or_else(|| outcome.broke_off.into_iter().next());
-        match executor.into_machine() {
-            Some(Plant::Inside(machine)) => {
-                Ok(Self { machine: machine.into_machine(), work, alarm })
-            }
-            _ => Err(Refused::because("a replay runs within this process")),
+        let ended = executor.into_machine();
+        match ended.as_ref().and_then(|drives| drives.simulation()) {
+            Some(simulated) => Ok(Self { machine: simulated.machine().clone(), work, alarm }),
+            None => Err(Refused::because("a replay runs within this process")),
         }
     }
 }

@@ -10,6 +10,7 @@ mod one_workpiece;
 mod polygon_phase;
 mod probing;
 mod rounded_feeds;
+mod simulator_drives;
 mod single_block;
 mod state_kills;
 mod tool_life;

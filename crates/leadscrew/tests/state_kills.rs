@@ -4,9 +4,10 @@
 //!
 //! The test starts itself as the control ([`control_that_is_killed`]) and sends SIGKILL at random
 //! instants. `STATE_KILLS` says how often: `cargo xtask state-kills` 500 times.
+use control::drives::simulated;
 use control::job::{ProgramOptions, Session, preflight};
 use control::observers::Workpiece;
-use control::{Executor, Loaded, Plant, Running, config, plant};
+use control::{Executor, Loaded, Running, config};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -65,7 +66,7 @@ fn control_that_is_killed() {
     let zero = session.work_zero();
     loop {
         let simulator = config::simulator(&session.machine, &session.tools, material, 1, &zero);
-        let machine = Plant::simulated(plant::simulated(&session.machine, simulator).unwrap());
+        let machine = simulated::drives(simulated::build(&session.machine, simulator).unwrap(), 0);
         let kernel = kernel::Kernel::new(config::control(&session.machine, None, false));
         let mut executor = Executor::new(kernel, machine);
         let judge = config::judge(&session.machine, &session.tools, material, &zero);

@@ -1,9 +1,10 @@
 //! The life of a tool: counted by what is executed, said or refused where the tool is called at its
 //! end.
+use control::drives::simulated;
 use control::job::preflight;
 use control::job::{ProgramOptions, Session};
 use control::observers::{Workpiece, use_up};
-use control::{Executor, Loaded, Plant, Running, config, plant};
+use control::{Executor, Loaded, Running, config};
 use diag::Severity;
 use leadscrew::Program;
 use std::path::PathBuf;
@@ -74,7 +75,7 @@ fn what_is_executed_is_counted_in_holes_time_and_length() {
     let proved = preflight::prove(&mut session, PROGRAM.as_bytes(), plan, &mut |_| ());
     let zero = session.work_zero();
     let simulator = config::simulator(&session.machine, &session.tools, material, 1, &zero);
-    let machine = Plant::simulated(plant::simulated(&session.machine, simulator).unwrap());
+    let machine = simulated::drives(simulated::build(&session.machine, simulator).unwrap(), 0);
     let kernel = kernel::Kernel::new(config::control(&session.machine, None, false));
     let mut executor = Executor::new(kernel, machine);
     let judge = config::judge(&session.machine, &session.tools, material, &zero);

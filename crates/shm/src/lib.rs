@@ -20,8 +20,6 @@ mod servo_side;
 pub use control_side::{ControlSide, Error};
 pub use layout::{STEPS_BEFORE, STEPS_USUAL, memory_name};
 pub use mapping::Mapping;
-pub use retained::{
-    RetainedMemory, RetainedState, RunDownKind, STANDSTILL, TiedPeriod, ToolInWork,
-};
+pub use retained::{RetainedMemory, RetainedState, TiedPeriod};
 pub use ring::{Damaged, Place, RingReader, RingWriter};
 pub use servo_side::{Made, ServoSide, SetUps, make};

@@ -33,5 +33,5 @@ mod message;
 mod remote;
 
 pub use frame::{LONGEST, VERSION, decode, encode};
-pub use message::{Engagement, Evidence, Hello, Message, Observed, Order, Sense, Stop, Welcome};
+pub use message::{Hello, Message, Observed, Order, Welcome};
 pub use remote::{Error, Port, Remote, order};

@@ -1,5 +1,5 @@
 //! What is said.
-use bus::{AXES, Command, Feedback, SPINDLES, Truth};
+use bus::{AXES, Command, EngagedTool, EngagementEvidence, Feedback, RunDownKind, SPINDLES, Truth};
 use serde::{Deserialize, Serialize, Serializer};
 use units::{Length, Time};
 
@@ -19,7 +19,7 @@ pub enum Message {
     /// The machine simulator does not, or has stopped: one sentence.
     Refused(#[serde(serialize_with = "cut_text")] String),
     /// What the machine shall do for a period, and which tool the control has in the work.
-    Command(Command, Option<Engagement>),
+    Command(Command, Option<EngagedTool>),
     /// What came of it.
     Observed(Observed),
     /// Something for the machine simulator itself, instead of a session.
@@ -42,61 +42,6 @@ pub struct Hello {
     pub machine: String,
 }
 
-/// How drives came to rest that were left alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Stop {
-    /// They have not been left alone since the machine simulator was switched on.
-    None,
-    /// Axes clamped, spindles coasted.
-    Coasted,
-    /// Each drive braked by itself.
-    QuickStop,
-    /// Coupled drives braked together.
-    Coupled,
-}
-
-/// A tool in the work that only recovery may take out: a tap in its thread, or one that is tied to
-/// a spindle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Engagement {
-    /// The machine counts them, from 1.
-    pub number: u64,
-    /// The tool.
-    pub tool: u32,
-    /// It is certainly in the workpiece now; before its first touch and between two pecks it is
-    /// not.
-    pub touches: bool,
-    /// How far the axis was from its coupling at most in the material, by the encoders.
-    pub sync_error: Length,
-    /// A recovery that has begun to move it knows that it may be broken; where it stands later does
-    /// not show that any more.
-    pub may_be_broken: bool,
-}
-
-/// In which sense a spindle turned that an axis was tied to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Sense {
-    /// It has not turned since the tool went in.
-    #[default]
-    Unknown,
-    /// With growing angle.
-    Positive,
-    /// With falling angle.
-    Negative,
-}
-
-/// What the machine itself keeps of a tool in its work, whatever becomes of the control and of its
-/// files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Evidence {
-    /// Number of the last engagement; 0: there has been none.
-    pub last: u64,
-    /// The tool that is in the work now; `None`: the control that led it there has taken it out.
-    pub in_work: Option<Engagement>,
-    /// How the spindle of the last engagement turned last while an axis was tied to it.
-    pub sense: Sense,
-}
-
 /// Which machine it is, and what its encoders know.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Welcome {
@@ -115,9 +60,9 @@ pub struct Welcome {
     pub turns_lost: [bool; SPINDLES],
     /// How the drives came to rest when they were left alone; of several times since a tool went
     /// into the work, the one that leaves least certain how far it is from its coupling.
-    pub stop: Stop,
+    pub stop: RunDownKind,
     /// Whether a tool is in the work.
-    pub evidence: Evidence,
+    pub evidence: EngagementEvidence,
     /// Where everything stands.
     pub observed: Observed,
 }
@@ -164,20 +109,19 @@ impl Message {
     pub(crate) fn makes_sense(&self) -> bool {
         match self {
             Self::Command(command, engagement) => {
-                obeys(command) && engagement.is_none_or(|it| it.makes_sense())
+                obeys(command) && engagement.is_none_or(|it| makes_sense(&it))
             }
             Self::Welcome(welcome) => {
-                welcome.evidence.in_work.is_none_or(|engagement| engagement.makes_sense())
+                welcome.evidence.in_work.is_none_or(|tool| makes_sense(&tool))
             }
             _ => true,
         }
     }
 }
 
-impl Engagement {
-    fn makes_sense(&self) -> bool {
-        self.number > 0 && self.sync_error.is_finite() && self.sync_error >= Length::ZERO
-    }
+/// True of a tool that can be in the work.
+fn makes_sense(tool: &EngagedTool) -> bool {
+    tool.number > 0 && tool.sync_error.is_finite() && tool.sync_error >= Length::ZERO
 }
 
 /// Whether drives can obey.

@@ -1,7 +1,7 @@
 //! The two ends of the stream.
 use crate::frame::{HEAD, LONGEST, TAIL, decode, encode, head};
-use crate::message::{Engagement, Hello, Message, Observed, Order, Welcome};
-use bus::{Command, Feedback, Truth};
+use crate::message::{Hello, Message, Observed, Order, Welcome};
+use bus::{Command, EngagedTool, Feedback, Truth};
 use std::io::{self, Read, Write};
 use units::Time;
 
@@ -188,7 +188,7 @@ pub struct Remote<S> {
     port: Port<S>,
     welcome: Welcome,
     last: Observed,
-    engagement: Option<Engagement>,
+    engagement: Option<EngagedTool>,
     lost: Option<Error>,
 }
 
@@ -220,7 +220,7 @@ impl<S: Read + Write> Remote<S> {
     }
 
     /// With each command from now on: the tool that is in the work.
-    pub const fn engage(&mut self, engagement: Option<Engagement>) {
+    pub const fn engage(&mut self, engagement: Option<EngagedTool>) {
         self.engagement = engagement;
     }
 

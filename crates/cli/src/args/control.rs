@@ -1,6 +1,7 @@
 //! The arguments of `leadscrew control`.
 use super::ProgramArgs;
 use clap::Args;
+use control::DrivesChoice;
 use std::path::PathBuf;
 
 /// `leadscrew control`.
@@ -11,10 +12,11 @@ pub(crate) struct ControlArgs {
     /// Take requests from a file, a line each; `-` is standard input [default: the terminal]
     #[arg(long, value_name = "FILE")]
     pub(crate) script: Option<PathBuf>,
-    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file
-    /// names in [hal], instead of a machine that is simulated
-    #[arg(long, conflicts_with_all = ["seed", "clamped"])]
-    pub(crate) hal: bool,
+    /// Lead drives instead of a machine that is simulated in this process: `hal`, those of the
+    /// component `leadscrew` in LinuxCNC's HAL that the machine's file names in [hal];
+    /// `simulator:PATH`, a machine simulator that listens there
+    #[arg(long, value_name = "KIND", conflicts_with_all = ["seed", "clamped"])]
+    pub(crate) drives: Option<DrivesChoice>,
     /// Seed of the machine that is simulated: what its control does not know
     /// (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]

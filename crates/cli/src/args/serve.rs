@@ -1,6 +1,7 @@
 //! The arguments of `leadscrew serve`.
 use super::ProgramArgs;
 use clap::{Args, ValueEnum};
+use control::DrivesChoice;
 use server::{BrokerAddress, TopicPrefix};
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -31,10 +32,11 @@ pub(crate) struct ServeArgs {
     /// the control begins again
     #[arg(long, value_name = "PATH", requires = "state", conflicts_with_all = ["seed", "clamped"])]
     pub(crate) simulator: Option<PathBuf>,
-    /// Lead the drives of the component `leadscrew` in LinuxCNC's HAL, which the machine's file
-    /// names in [hal], instead of a machine that is simulated
-    #[arg(long, conflicts_with_all = ["simulator", "seed", "clamped"])]
-    pub(crate) hal: bool,
+    /// Lead drives instead of a machine that is simulated in this process: `hal`, those of the
+    /// component `leadscrew` in LinuxCNC's HAL that the machine's file names in [hal];
+    /// `simulator:PATH`, a machine simulator that listens there
+    #[arg(long, value_name = "KIND", conflicts_with_all = ["simulator", "seed", "clamped"])]
+    pub(crate) drives: Option<DrivesChoice>,
     /// Seed of the machine that is simulated: what its control does not know
     /// (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]

@@ -44,8 +44,7 @@ pub(crate) fn command(args: &ControlArgs, quiet: bool) -> Result<Ending, Refused
         program: args.source.on_a_machine(),
         seed: args.seed,
         state: args.state.clone(),
-        simulator: None,
-        hal: args.hal,
+        drives: args.drives.clone().unwrap_or_default(),
         real_time: args.real_time.then(control::RealTimeOptions::default),
         clamped: args.clamped.as_deref().map(clamped).transpose()?.unwrap_or_default(),
     };

@@ -150,7 +150,7 @@ fn met(machine: &MachineFile, text: &str, file: &Path) -> Option<u64> {
     let config = config::simulator(machine, &session.tools, material, seed, &session.work_zero());
     let mut hash = DefaultHasher::new();
     let mut note = |what: String| what.hash(&mut hash);
-    note(format!("{:?}", crate::plant::simulated(machine, config).ok()?));
+    note(format!("{:?}", crate::drives::simulated::build(machine, config).ok()?));
     note(format!("{:?}", session.interp_setup()));
     note(format!("{:?}", session.plan_options(material)));
     note(format!("{:?}", session.cams));

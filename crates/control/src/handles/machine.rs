@@ -1,31 +1,31 @@
 //! The machine as the control holds it: here, or in the servo thread.
 use crate::real_time::MachineLink;
-use crate::{Plant, Refused};
-use bus::{Feedback, Machine as _, Truth};
+use crate::{Drives, Refused};
+use bus::EngagedTool;
+use bus::{Feedback, Truth};
 use servo::Record;
 use sim::Fault;
 use units::Time;
-use wire::Engagement;
 
 /// A machine.
 pub enum MachineHandle {
     /// In this thread.
-    Here(Box<Plant>),
+    Here(Box<dyn Drives>),
     /// In the servo thread.
     There(Box<MachineLink>),
 }
 
-impl From<Plant> for MachineHandle {
-    fn from(machine: Plant) -> Self {
-        Self::Here(Box::new(machine))
+impl From<Box<dyn Drives>> for MachineHandle {
+    fn from(machine: Box<dyn Drives>) -> Self {
+        Self::Here(machine)
     }
 }
 
 impl MachineHandle {
     /// The machine, if it is in this thread.
-    pub fn here(&mut self) -> Option<&mut Plant> {
+    pub fn here(&mut self) -> Option<&mut dyn Drives> {
         match self {
-            Self::Here(machine) => Some(machine),
+            Self::Here(machine) => Some(&mut **machine),
             Self::There(_) => None,
         }
     }
@@ -75,7 +75,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::strike`].
+    /// [`<dyn Drives>::strike`](Drives).
     pub fn strike(&mut self, fault: Fault) {
         match self {
             Self::Here(machine) => machine.strike(fault),
@@ -83,7 +83,8 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::clamp`]; in the servo thread what cannot be ground ends it, with the reason.
+    /// [`<dyn Drives>::clamp`](Drives); in the servo thread what cannot be ground ends it, with the
+    /// reason.
     ///
     /// # Errors
     /// As there, where the machine is in this thread.
@@ -97,7 +98,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::renew_tool`].
+    /// [`Drives::renew_tool`].
     pub fn renew_tool(&mut self, number: u32) {
         match self {
             Self::Here(machine) => machine.renew_tool(number),
@@ -105,7 +106,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::clamp_stock`].
+    /// [`<dyn Drives>::clamp_stock`](Drives).
     pub fn clamp_stock(&mut self, stock: sim::Stock, bar: Option<sim::Bar>) {
         match self {
             Self::Here(machine) => machine.clamp_stock(&stock, bar),
@@ -113,7 +114,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::renew_work`].
+    /// [`<dyn Drives>::renew_work`](Drives).
     pub fn renew_work(&mut self) {
         match self {
             Self::Here(machine) => machine.renew_work(),
@@ -121,7 +122,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::repair`].
+    /// [`<dyn Drives>::repair`](Drives).
     pub fn repair(&mut self, fault: Fault) {
         match self {
             Self::Here(machine) => machine.repair(fault),
@@ -129,7 +130,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::mend`].
+    /// [`<dyn Drives>::mend`](Drives).
     pub fn mend(&mut self) {
         match self {
             Self::Here(machine) => machine.mend(),
@@ -137,8 +138,8 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::engage`].
-    pub fn engage(&mut self, engagement: Option<Engagement>) {
+    /// [`Drives::engage`].
+    pub fn engage(&mut self, engagement: Option<EngagedTool>) {
         match self {
             Self::Here(machine) => machine.engage(engagement),
             Self::There(link) => link.engage(engagement),
@@ -161,7 +162,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::is_abandoned`], or the servo thread has ended.
+    /// [`<dyn Drives>::is_abandoned`](Drives), or the servo thread has ended.
     pub fn is_abandoned(&self) -> bool {
         match self {
             Self::Here(machine) => machine.is_abandoned(),
@@ -169,7 +170,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::lost`].
+    /// [`Drives::lost`].
     pub fn lost(&self) -> Option<String> {
         match self {
             Self::Here(machine) => machine.lost(),
@@ -177,7 +178,7 @@ impl MachineHandle {
         }
     }
 
-    /// [`Plant::assumed_holes`]; known when the machine is here again.
+    /// [`<dyn Drives>::assumed_holes`](Drives); known when the machine is here again.
     pub fn assumed_holes(&self) -> usize {
         match self {
             Self::Here(machine) => machine.assumed_holes(),

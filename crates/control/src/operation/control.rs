@@ -10,21 +10,20 @@ use super::features::WorkpieceLog;
 use super::kept::Kept;
 use super::message::MessageStatus;
 use super::meters::Meters;
-use super::outside::{self, Outside};
+use super::outside::Outside;
 use super::proving::Begun;
 use super::ranges;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 use super::under_way::{InWork, Loaded, UnderWay};
+use crate::drives::{DrivesChoice, Opening};
 use crate::job::{Before, Interruption, Operations, ProgramOptions, Session};
 use crate::observers::Workpiece;
-use crate::plant::{self, Plant};
 use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
 use bus::{AXES, State};
 use canon::{Axis, Position};
 use kernel::{Kernel, Pause, WaitFor};
 use servo::StopLane;
-use sim::Faulty;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use store::state::{LastProgram, StateChange};
@@ -39,10 +38,8 @@ pub struct ControlOptions {
     pub seed: Option<u64>,
     /// Folder in which offsets, tools, alarms and the last program are kept; `None`: nothing is.
     pub state: Option<PathBuf>,
-    /// Socket of a machine simulator in another process; `None`: it is within this one.
-    pub simulator: Option<PathBuf>,
-    /// The drives of the HAL component that the machine's file names.
-    pub hal: bool,
+    /// The machine that it leads.
+    pub drives: DrivesChoice,
     /// How far from where the machine's file says the simulated stock is clamped.
     pub clamped: Position,
     /// By the clock, with kernel and machine in a servo thread; `None`: as periods are called for.
@@ -56,8 +53,7 @@ impl ControlOptions {
             program,
             seed: None,
             state: None,
-            simulator: None,
-            hal: false,
+            drives: DrivesChoice::default(),
             clamped: Position::default(),
             real_time: None,
         }
@@ -138,21 +134,22 @@ impl Control {
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             zero = zero.with(axis, zero.along(axis) + options.clamped.along(axis));
         }
-        let (plant, outside) = if options.hal {
-            (plant::hal(machine)?, None)
-        } else if let Some(socket) = &options.simulator {
-            let is_real_time = options.real_time.is_some();
-            let (plant, outside, said) = outside::connect(socket, machine, &kept, is_real_time)?;
+        let mut opened = (options.drives.door.open)(&Opening {
+            machine,
+            address: options.drives.address.as_deref(),
+            keeps_record: kept.folder().is_some(),
+            is_real_time: options.real_time.is_some(),
+            tools: &base.tools,
+            material,
+            zero: &zero,
+            seed,
+        })?;
+        let has_seat = opened.drives.seat().is_some();
+        let outside = opened.welcome.map(|welcome| {
+            let (outside, said) = Outside::welcomed(welcome, machine, &kept);
             found.extend(said);
-            (plant, Some(outside))
-        } else {
-            let mut simulated = config::simulator(machine, &base.tools, material, seed, &zero);
-            simulated.power_on = sim::PowerOn::Unknown;
-            let alone = config::left_alone(machine, &simulated);
-            let plant = plant::simulated(machine, simulated)?;
-            let plant = Faulty::new(plant, &[], seed).left_alone(alone);
-            (Plant::Inside(Box::new(plant)), None)
-        };
+            outside
+        });
         let mut kernel = Kernel::new(kernel::Config {
             pause: Pause::Wait,
             ..config::control(machine, None, config::plain_drive(machine).is_some())
@@ -173,7 +170,7 @@ impl Control {
         };
         let mut control = Self {
             options,
-            executor: Executor::new(kernel, plant),
+            executor: Executor::new(kernel, opened.drives),
             workpiece: Workpiece::new(judge),
             cut: WorkpieceLog::of(state.workpiece.clone()),
             work_zero: zero,
@@ -215,19 +212,18 @@ impl Control {
             control.events.notice(finding);
         }
         control.forget_modes();
-        let keeps_time =
-            control.options.real_time.or(control.options.hal.then(RealTimeOptions::default));
+        let keeps_time = control.options.real_time.or(has_seat.then(RealTimeOptions::default));
         if let Some(real_time) = keeps_time {
             control.executor.keep_time(real_time);
             control.executor.begin_real_time();
-            if let (true, Some(why)) = (control.options.hal, control.executor.machine.lost()) {
+            if let (true, Some(why)) = (has_seat, control.executor.machine.lost()) {
                 return Err(Refused::because(why));
             }
             for refused in &control.executor.refused {
                 control.events.notice(refused.clone());
             }
         }
-        control.find_left_on_hal();
+        control.find_left_at_seat();
         Ok(control)
     }
 

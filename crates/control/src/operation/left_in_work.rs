@@ -9,19 +9,19 @@ use crate::job::restart::Restart;
 use crate::outcome::unwritten_record;
 use crate::recovery::{self, LeftTool, WayOut};
 use crate::services::{RecordWriter, sync_record};
+use bus::EngagedTool;
 use store::sync_record::slots::Slots;
 use store::sync_record::{Stage, SyncRecord};
 use units::{Length, Time};
-use wire::Engagement;
 
 /// When the machine has certainly been told that a tool is out, the record says so, too.
 const TOLD: Time = Time::s(0.010);
 
 impl Control {
-    /// A component of HAL has begun a session: what it, the sync record and its encoders say of a
-    /// tool in the work.
-    pub(super) fn find_left_on_hal(&mut self) {
-        if !self.options.hal {
+    /// A kernel in another process has begun a session: what it, the sync record and its encoders
+    /// say of a tool in the work.
+    pub(super) fn find_left_at_seat(&mut self) {
+        if self.executor.machine.retained().is_none() {
             return;
         }
         let Self { executor, workpiece, .. } = self;
@@ -261,7 +261,7 @@ impl Control {
     }
 
     /// What a program that is over has told the machine of tools in its work.
-    pub(super) fn take_engagement(&mut self, engaged: Option<(u64, Option<Engagement>)>) {
+    pub(super) fn take_engagement(&mut self, engaged: Option<(u64, Option<EngagedTool>)>) {
         if let (Some(outside), Some((number, engagement))) = (&mut self.outside, engaged) {
             outside.welcome.evidence.last = number;
             outside.engagement = engagement;

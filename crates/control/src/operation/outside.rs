@@ -10,24 +10,24 @@
 //! Places in the record are those that the machine's encoders read: the axes of a control that
 //! begins are not homed.
 use super::kept::{Kept, LockedFolder};
-use crate::Refused;
-use crate::plant::{self, Plant};
+use crate::drives::remote::identity;
 use crate::recovery::{self, LeftTool};
+use bus::EngagedTool;
 use bus::Feedback;
-use shm::{RetainedState, RunDownKind};
+use shm::RetainedState;
 use std::path::Path;
 use store::machine::MachineFile;
 use store::sync_record::slots::Slots;
 use store::sync_record::{Identity, SyncRecord, Untrusted};
 use units::Time;
-use wire::{Engagement, Evidence, Hello, Observed, Remote, Sense, Stop, Welcome};
+use wire::{Observed, Welcome};
 
 /// See the module's header.
 pub(super) struct Outside {
     pub(super) welcome: Welcome,
     pub(super) identity: Identity,
     /// The tool that the machine is told to be in its work.
-    pub(super) engagement: Option<Engagement>,
+    pub(super) engagement: Option<EngagedTool>,
     pub(super) left: Option<LeftTool>,
     /// The tool is out: when the record says so.
     pub(super) is_out: Option<Time>,
@@ -73,35 +73,6 @@ pub struct LeftInWork {
     pub refused: Option<String>,
 }
 
-/// Connect to a machine; what the operator should know of it.
-pub(super) fn connect(
-    socket: &Path,
-    machine: &MachineFile,
-    kept: &Kept,
-    is_real_time: bool,
-) -> Result<(Plant, Outside, Vec<String>), Refused> {
-    let Some(folder) = kept.folder() else {
-        return Err(Refused::because(
-            "a machine simulator in another process takes a state folder: name one with --state",
-        ));
-    };
-    let hello = Hello { name: "the control".into(), machine: machine.name.clone() };
-    let mut remote =
-        Remote::connect(plant::connect(socket)?, hello).map_err(|e| plant::gone(socket, &e))?;
-    let welcome = remote.welcome().clone();
-    if welcome.real_time && !is_real_time {
-        return Err(Refused::because(
-            "this machine simulator keeps real time, and so must its control: --real-time",
-        ));
-    }
-    let engagement = welcome.evidence.in_work;
-    remote.engage(engagement);
-    let plant = Plant::Outside(Box::new(remote));
-    let mut outside = Outside::new(welcome, OutsideKind::Simulator);
-    let said = outside.find(Some(folder), machine);
-    Ok((plant, outside, said.into_iter().collect()))
-}
-
 /// What is kept of a machine that a component of HAL leads, which has begun a session; what the
 /// operator should know of it.
 pub(super) fn on_hal(
@@ -110,18 +81,6 @@ pub(super) fn on_hal(
     feedback: &Feedback,
     kept: &Kept,
 ) -> (Outside, Option<String>) {
-    let in_work = retained.in_work.map(|tool| Engagement {
-        number: retained.last,
-        tool: tool.tool,
-        touches: tool.touches,
-        sync_error: tool.sync_error,
-        may_be_broken: tool.may_be_broken,
-    });
-    let sense = match retained.is_positive {
-        None => Sense::Unknown,
-        Some(true) => Sense::Positive,
-        Some(false) => Sense::Negative,
-    };
     let welcome = Welcome {
         machine: machine.name.clone(),
         serial: 0,
@@ -129,12 +88,8 @@ pub(super) fn on_hal(
         period: machine.control.period,
         real_time: true,
         turns_lost: [false; bus::SPINDLES],
-        stop: match retained.stop {
-            RunDownKind::None => Stop::None,
-            RunDownKind::Coupled => Stop::Coupled,
-            RunDownKind::Coasted => Stop::Coasted,
-        },
-        evidence: Evidence { last: retained.last, in_work, sense },
+        stop: retained.stop,
+        evidence: retained.evidence,
         observed: Observed { feedback: *feedback, truth: None },
     };
     let mut outside = Outside::new(welcome, OutsideKind::Hal);
@@ -143,9 +98,20 @@ pub(super) fn on_hal(
 }
 
 impl Outside {
+    /// A machine that has said what it keeps as it was connected; what the operator should know.
+    pub(super) fn welcomed(
+        welcome: Welcome,
+        machine: &MachineFile,
+        kept: &Kept,
+    ) -> (Self, Option<String>) {
+        let mut outside = Self::new(welcome, OutsideKind::Simulator);
+        let said = outside.find(kept.folder(), machine);
+        (outside, said)
+    }
+
     fn new(welcome: Welcome, kind: OutsideKind) -> Self {
         Self {
-            identity: plant::identity(&welcome),
+            identity: identity(&welcome),
             engagement: welcome.evidence.in_work,
             welcome,
             left: None,

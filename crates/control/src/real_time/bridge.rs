@@ -8,10 +8,9 @@
 //! Its looks are the control's sign of life. It is an ordinary thread: what it does late is late
 //! for the feeder and for observers, never for the kernel.
 use super::ServoMetrics;
-use super::servo::{Over, ServoRings};
-use crate::Plant;
+use super::servo::{KernelAndMachine, Over, ServoRings};
 use crate::clock::now;
-use crate::plant::HalDrives;
+use crate::drives::{SeatText, SharedSeat};
 use kernel::{Kernel, Reply, Request};
 use servo::{Replied, Rings as _, SetUp};
 use shm::ControlSide;
@@ -35,12 +34,10 @@ const LETS_GO: Duration = Duration::from_secs(10);
 /// The thread and what it shares with who has started it: to stop, what to count, why it has ended.
 pub(super) type Shared = (Arc<AtomicBool>, Arc<ServoMetrics>, Arc<OnceLock<String>>);
 
-/// What comes back at the end.
-type WhatReturns = (Box<Kernel>, Box<Plant>);
-
 struct Bridge {
     side: ControlSide,
     rings: ServoRings,
+    text: SeatText,
     metrics: Arc<ServoMetrics>,
     unobserved: u64,
     /// The last count of its periods, when that was looked at, and for how long it has been the
@@ -56,15 +53,16 @@ struct Bridge {
 /// The component does not take the control, and why.
 pub(super) fn start(
     rings: ServoRings,
-    (kernel, mut machine): (Box<Kernel>, Box<Plant>),
+    (kernel, mut machine): KernelAndMachine,
     (stop, metrics, why): Shared,
     over: Over,
-) -> Result<JoinHandle<WhatReturns>, String> {
-    let Plant::Hal(drives) = &mut *machine else { return Err("these are no drives of HAL".into()) };
-    let side = begin(drives, &kernel)?;
+) -> Result<JoinHandle<KernelAndMachine>, String> {
+    let seat = machine.seat().ok_or("this machine has its kernel in this process")?;
+    let (side, text) = (begin(seat, &kernel)?, seat.text);
     let (periods, looked, stands_still) = (side.periods(), now(), Duration::ZERO);
-    let mut bridge = Bridge { side, rings, metrics, unobserved: 0, periods, looked, stands_still };
-    let thread = std::thread::Builder::new().name("hal".into());
+    let mut bridge =
+        Bridge { side, rings, text, metrics, unobserved: 0, periods, looked, stands_still };
+    let thread = std::thread::Builder::new().name("bridge".into());
     let thread = thread.spawn(move || {
         let _over = over;
         while !stop.load(Ordering::Acquire) {
@@ -81,19 +79,20 @@ pub(super) fn start(
 }
 
 /// A session with the component, with a kernel as this one.
-fn begin(drives: &mut HalDrives, kernel: &Kernel) -> Result<ControlSide, String> {
-    let mut side = drives.side.take().ok_or("the component has been led already")?;
+fn begin(seat: &mut SharedSeat, kernel: &Kernel) -> Result<ControlSide, String> {
+    let name = seat.text.name;
+    let mut side = seat.side.take().ok_or_else(|| format!("{name} has been led already"))?;
     let set_up = SetUp {
         config: kernel.config().clone(),
-        silent_after: drives.silent_after,
-        obeys_after: drives.obeys_after,
-        spindles_obey_after: drives.spindles_obey_after,
+        silent_after: seat.silent_after,
+        obeys_after: seat.obeys_after,
+        spindles_obey_after: seat.spindles_obey_after,
     };
     side.ask(&set_up).map_err(|why| why.to_string())?;
     let asked = now();
     while !side.has_begun().map_err(|why| why.to_string())? {
         if now() - asked > BEGINS {
-            return Err("the HAL component does not answer: is its function in a thread that runs (addf leadscrew.update servo-thread, start)?".into());
+            return Err(format!("{name} does not answer: {}", seat.text.does_not_begin));
         }
         side.beat();
         std::thread::sleep(LOOK);
@@ -127,10 +126,10 @@ impl Bridge {
             (self.periods, self.stands_still) = (periods, Duration::ZERO);
         }
         if !self.side.is_ours() {
-            return Err("the HAL component has ended the session".into());
+            return Err(format!("{} has ended the session", self.text.name));
         }
         if self.stands_still > STANDS_STILL {
-            return Err("HAL does not call leadscrew.update any more: its threads are stopped, or the component is unloaded".into());
+            return Err(self.text.stands_still.into());
         }
         Ok(())
     }
@@ -161,7 +160,7 @@ impl Bridge {
                 continue;
             }
             if !self.side.send_request(&request) {
-                return Err("the HAL component takes no requests any more".into());
+                return Err(format!("{} takes no requests any more", self.text.name));
             }
         }
         Ok(())

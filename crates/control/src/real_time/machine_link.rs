@@ -4,15 +4,15 @@
 //! find that full: a busy computer lets the control look at many periods at once. So what finds no
 //! room waits here for the next look. The engaged tool is no message but a state: only when it
 //! differs from what was sent last is it sent, and of several states the last.
+use bus::EngagedTool;
 use bus::{Feedback, Sample, Truth};
 use rtrb::Producer;
 use servo::{LaneStop, Record, StopLane};
-use shm::{RetainedState, ToolInWork};
+use shm::RetainedState;
 use sim::Fault;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use units::Time;
-use wire::Engagement;
 
 /// Requests that wait for room in the ring; one more, and the machine is halted with an alarm.
 const WAITING: usize = 64;
@@ -27,7 +27,7 @@ pub(super) enum MachineRequest {
     Strike(Fault),
     Repair(Fault),
     Mend,
-    Engage(Option<Engagement>),
+    Engage(Option<EngagedTool>),
 }
 
 /// See the module's header.
@@ -36,7 +36,7 @@ pub struct MachineLink {
     waiting: VecDeque<MachineRequest>,
     stops: Arc<StopLane>,
     /// The tool that the machine shall know to be in its work, and the one that was sent last.
-    engagement: (Option<Engagement>, Option<Engagement>),
+    engagement: (Option<EngagedTool>, Option<EngagedTool>),
     feedback: Feedback,
     truth: Option<Truth>,
     period: Time,
@@ -140,15 +140,9 @@ impl MachineLink {
         self.retained.as_ref().map(shm::RetainedMemory::state)
     }
 
-    pub(crate) fn engage(&mut self, engagement: Option<Engagement>) {
+    pub(crate) fn engage(&mut self, engagement: Option<EngagedTool>) {
         if let Some(retained) = &self.retained {
-            let tool = |of: Engagement| ToolInWork {
-                tool: of.tool,
-                touches: of.touches,
-                may_be_broken: of.may_be_broken,
-                sync_error: of.sync_error,
-            };
-            return retained.engage(engagement.map(|of| (of.number, tool(of))));
+            return retained.engage(engagement);
         }
         self.engagement.0 = engagement;
         self.send();
@@ -178,9 +172,9 @@ mod tests {
         (link, taken, stops)
     }
 
-    fn tool(sync_error: f64) -> Engagement {
+    fn tool(sync_error: f64) -> EngagedTool {
         let sync_error = units::Length::mm(sync_error);
-        Engagement { number: 7, tool: 3, sync_error, ..Engagement::default() }
+        EngagedTool { number: 7, tool: 3, sync_error, ..EngagedTool::default() }
     }
 
     #[test]

@@ -5,8 +5,8 @@ use super::machine_link::{MachineLink, MachineRequest};
 use super::{RECORDS, REQUESTS, RealTimeOptions, SAID, STEPS, ServoMetrics, scheduling};
 use crate::executor::{Ticked, answer, obey};
 use crate::timings::TickTimes;
-use crate::{Plant, Refused};
-use bus::{Machine as _, Sample};
+use crate::{Drives, Refused};
+use bus::Sample;
 use kernel::{Kernel, Request};
 use plan::{Boxed, Step};
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -19,9 +19,12 @@ use std::time::Duration;
 /// Between two looks whether a record has come.
 const LOOK: Duration = Duration::from_micros(250);
 
+/// What a servo thread takes, and gives back at its end.
+pub(crate) type KernelAndMachine = (Box<Kernel>, Box<dyn Drives>);
+
 /// A servo thread that runs. Dropped, it stops and is waited for.
 pub(crate) struct ServoThread {
-    thread: Option<JoinHandle<(Box<Kernel>, Box<Plant>)>>,
+    thread: Option<JoinHandle<KernelAndMachine>>,
     stop: Arc<AtomicBool>,
     is_over: Arc<AtomicBool>,
     records: Consumer<Record>,
@@ -40,7 +43,7 @@ pub(crate) struct Prepared {
 /// What the thread owns.
 struct Servo {
     seat: servo::Seat<ServoRings>,
-    machine: Box<Plant>,
+    machine: Box<dyn Drives>,
     /// The last period.
     ticked: Box<Ticked>,
     ticks: TickTimes,
@@ -64,7 +67,7 @@ pub(super) struct ServoRings {
 /// All that connects the servo thread with the control's, for this kernel and this machine.
 pub(crate) fn prepare(
     kernel: &Kernel,
-    machine: &Plant,
+    machine: &mut dyn Drives,
     stops: &Arc<StopLane>,
 ) -> (Box<KernelLink>, Box<MachineLink>, Prepared) {
     let picture = kernel.picture();
@@ -85,10 +88,7 @@ pub(crate) fn prepare(
     let rings = KernelRings { requests, replies: replied, steps, spent: back, said: heard };
     let kernel_link = KernelLink::new(rings, Arc::clone(&is_over), Arc::clone(stops), &picture);
     let period = machine.period();
-    let retained = match machine {
-        Plant::Hal(drives) => drives.retained(),
-        Plant::Inside(_) | Plant::Outside(_) => None,
-    };
+    let retained = machine.seat().and_then(|seat| seat.retained());
     let machine_link =
         MachineLink::new(machine_requests, Arc::clone(stops), &sample, period, retained);
     let rings = ServoRings {
@@ -113,7 +113,7 @@ impl Prepared {
     pub(crate) fn start(
         self,
         kernel: Box<Kernel>,
-        machine: Box<Plant>,
+        mut machine: Box<dyn Drives>,
         ticks: TickTimes,
         options: RealTimeOptions,
     ) -> Result<(ServoThread, Vec<String>), String> {
@@ -121,7 +121,7 @@ impl Prepared {
         let metrics = Arc::new(ServoMetrics::default());
         let stop = Arc::new(AtomicBool::new(false));
         let why = Arc::new(OnceLock::new());
-        if let Plant::Hal(_) = &*machine {
+        if machine.seat().is_some() {
             let over = Over(Arc::clone(&is_over));
             let bridge = (Arc::clone(&stop), Arc::clone(&metrics), Arc::clone(&why));
             let thread = super::bridge::start(rings, (kernel, machine), bridge, over)?;
@@ -160,7 +160,7 @@ impl Drop for Over {
 }
 
 impl Servo {
-    fn run(mut self, stop: &AtomicBool, around: fn(&mut dyn FnMut())) -> (Box<Kernel>, Box<Plant>) {
+    fn run(mut self, stop: &AtomicBool, around: fn(&mut dyn FnMut())) -> KernelAndMachine {
         let period = Duration::from_secs_f64(self.machine.period().value());
         let mut clock = PeriodClock::new(period);
         while !stop.load(Ordering::Acquire) {
@@ -180,15 +180,15 @@ impl Servo {
         let mut answered = None;
         around(&mut || {
             let stops = self.seat.before_tick();
-            strike(&mut self.machine, stops);
-            answer(&mut self.seat.kernel, &self.machine, &self.ticks, &mut self.ticked);
+            strike(&mut *self.machine, stops);
+            answer(&mut self.seat.kernel, &*self.machine, &self.ticks, &mut self.ticked);
             let number = self.seat.after_tick();
             answered = Some((number, self.seat.kernel.picture()));
         });
         self.ask_machine()?;
         let Some((number, picture)) = answered else { return Ok(()) };
         let sample = *self.ticked.sample();
-        obey(&mut self.seat.kernel, &mut self.machine, &self.ticked);
+        obey(&mut self.seat.kernel, &mut *self.machine, &self.ticked);
         self.metrics.period();
         let heard = *self.machine.feedback();
         let record = Record { number, sample, heard, picture, taken: self.seat.taken() };
@@ -217,7 +217,7 @@ impl Servo {
 }
 
 /// The chain of a simulated machine opens with the stop that was asked for.
-pub(crate) fn strike(machine: &mut Plant, stops: u32) {
+pub(crate) fn strike(machine: &mut dyn Drives, stops: u32) {
     if LaneStop::EmergencyStop.is_in(stops) {
         machine.strike(sim::Fault::EmergencyStop);
     }
@@ -293,7 +293,7 @@ impl ServoThread {
     }
 
     /// It ends; what it had comes back, unless it has broken down.
-    pub(crate) fn end(mut self) -> Option<(Box<Kernel>, Box<Plant>)> {
+    pub(crate) fn end(mut self) -> Option<KernelAndMachine> {
         self.stop.store(true, Ordering::Release);
         self.thread.take()?.join().ok()
     }

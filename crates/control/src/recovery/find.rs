@@ -1,8 +1,9 @@
 //! Where a tap stands, how certainly, and the way it is taken out.
 use super::bound::unseen;
 use super::{LONGEST, OUT, RecoveryWay};
-use crate::Plant;
+use crate::Drives;
 use crate::config;
+use bus::{EngagedTool, RunDownKind, SpindleSense};
 use kernel::{EventKind, Kernel, RecoveryFigures, RecoveryPlan};
 use std::f64::consts::TAU;
 use store::machine::{MachineFile, Spindle};
@@ -11,7 +12,7 @@ use sync::Coupling;
 use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Direction, Point, Projection, Seat, Stored, Way};
 use units::{Angle, Force, Length};
-use wire::{Engagement, Sense, Stop, Welcome};
+use wire::Welcome;
 
 /// A tap that the control never had in the work.
 const NO_THREAD: &str = "the tap came into the work only after the control had been lost, spindle and feed apart, so it is not in the thread of the record";
@@ -60,9 +61,9 @@ pub struct Findings {
 
 impl Findings {
     /// What the machine is to keep of the tool from before it is moved.
-    pub(super) fn mark(&self, kept: Option<Engagement>) -> Option<Engagement> {
+    pub(super) fn mark(&self, kept: Option<EngagedTool>) -> Option<EngagedTool> {
         let may_be_broken = self.not_known_whole.is_some();
-        kept.map(|kept| Engagement {
+        kept.map(|kept| EngagedTool {
             may_be_broken: kept.may_be_broken || may_be_broken,
             // where the tap stands later does not show that any more
             sync_error: self.helix.max(kept.sync_error),
@@ -147,7 +148,7 @@ pub(super) fn find(
         (Leaving::Along, RecoveryWay::UnloadFirst) => Way::UnloadFirst(seat),
     };
     let kept = welcome.evidence.in_work.unwrap_or_default();
-    let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
+    let apart = matches!(welcome.stop, RunDownKind::Coasted | RunDownKind::None);
     let error = if is_turn_known { stored.error(at).abs() } else { Length::ZERO };
     // a tap that touched the work while the drives ran down by their ramps did so anywhere in
     // between
@@ -242,9 +243,9 @@ fn sense_in(stroke: &Stroke) -> f64 {
 fn direction(stroke: &Stroke, stage: Stage, welcome: &Welcome) -> Direction {
     let inward_is_positive = stroke.spin.value() >= 0.0;
     let turned = match welcome.evidence.sense {
-        Sense::Positive => Some(true),
-        Sense::Negative => Some(false),
-        Sense::Unknown => None,
+        SpindleSense::Positive => Some(true),
+        SpindleSense::Negative => Some(false),
+        SpindleSense::Unknown => None,
     };
     let inward = turned.map_or(stage != Stage::Outward, |positive| positive == inward_is_positive);
     if inward { Direction::Inward } else { Direction::Outward }
@@ -252,12 +253,17 @@ fn direction(stroke: &Stroke, stage: Stage, welcome: &Welcome) -> Direction {
 
 /// What the distance from the coupling is shown not to exceed: the monitor's window while
 /// everything was driven, and the turns that the spindle ran down alone.
-fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Length, String) {
+fn shown(
+    stroke: &Stroke,
+    spindle: &Spindle,
+    window: Length,
+    stop: RunDownKind,
+) -> (Length, String) {
     let omega = stroke.spin.in_rad_per_s().abs();
     let inertia = spindle.inertia.value();
     let (turns, how) = match stop {
-        Stop::Coupled => (0.0, "the drives stopped together"),
-        Stop::QuickStop if spindle.own_ramps.is_some() => {
+        RunDownKind::Coupled => (0.0, "the drives stopped together"),
+        RunDownKind::QuickStop if spindle.own_ramps.is_some() => {
             // on the drive's own ramp, which may be a quarter longer than set
             let turns = spindle.own_ramps.map_or(0.0, |own| {
                 let rev_per_s = stroke.spin.value().abs();
@@ -265,12 +271,12 @@ fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Len
             });
             (turns, "the spindle braked on its drive's own ramp")
         }
-        Stop::QuickStop => {
+        RunDownKind::QuickStop => {
             let torque =
                 0.9 * spindle.peak_torque.value().min(spindle.peak_power.value() / omega.max(1e-9));
             (inertia * omega * omega / 2.0 / torque / TAU, "the spindle braked by itself")
         }
-        Stop::Coasted | Stop::None => {
+        RunDownKind::Coasted | RunDownKind::None => {
             // J·ω·dω/dθ = −(c₀ + c₁ω), from ω to 0
             let c0 = LESS_FRICTION * spindle.friction.coulomb.value().max(1e-9);
             let c1 = LESS_FRICTION * spindle.friction.viscous_n_m_s_per_rad.max(1e-12);
@@ -305,7 +311,7 @@ pub(super) fn plan(
 
 /// Take it out.
 pub(super) fn drive_out(
-    plant: &mut Plant,
+    plant: &mut dyn Drives,
     file: &MachineFile,
     stroke: &Stroke,
     findings: &Findings,
@@ -331,13 +337,18 @@ mod tests {
 
     /// Of an M8 from Z-100 to Z-125 into work that begins at Z-105: drives that stopped so, a place
     /// over the work, so many turns off its thread, and what the machine keeps.
-    fn found(stop: Stop, over: Length, turns: f64, kept: Engagement) -> Findings {
+    fn found(stop: RunDownKind, over: Length, turns: f64, kept: EngagedTool) -> Findings {
         let (stroke, welcome) = standing(stop, over, turns, kept);
         let file = config::machine_file::load("tapping-center").expect("a built-in machine");
         find(&stroke, Stage::Outward, &welcome, &file, RecoveryWay::UnloadFirst).expect("a way")
     }
 
-    fn standing(stop: Stop, over: Length, turns: f64, kept: Engagement) -> (Stroke, Welcome) {
+    fn standing(
+        stop: RunDownKind,
+        over: Length,
+        turns: f64,
+        kept: EngagedTool,
+    ) -> (Stroke, Welcome) {
         let identity = Identity { machine: "m".into(), serial: 1, epoch: 1 };
         let stroke = Stroke {
             axis: 2,
@@ -373,11 +384,15 @@ mod tests {
             (random >> 11) as f64 / (1_u64 << 53) as f64
         };
         for case in 0..test_support::size::of(500, 50_000) {
-            let stop = [Stop::None, Stop::Coasted, Stop::QuickStop, Stop::Coupled]
-                [(chance() * 4.0) as usize];
+            let stop = [
+                RunDownKind::None,
+                RunDownKind::Coasted,
+                RunDownKind::QuickStop,
+                RunDownKind::Coupled,
+            ][(chance() * 4.0) as usize];
             // beyond what a tap stands out of its holder, and the weight stretches the screw
             let over = Length::mm(0.15 + chance() * 0.85);
-            let kept = Engagement {
+            let kept = EngagedTool {
                 touches: chance() < 0.5,
                 sync_error: Length::mm(chance() * 0.2),
                 may_be_broken: chance() < 0.3,
@@ -390,7 +405,8 @@ mod tests {
                 welcome.observed.feedback.spindles[0].angle = Angle::rev(angle.rem_euclid(1.0));
             }
             welcome.evidence.sense =
-                [Sense::Unknown, Sense::Positive, Sense::Negative][(chance() * 3.0) as usize];
+                [SpindleSense::Unknown, SpindleSense::Positive, SpindleSense::Negative]
+                    [(chance() * 3.0) as usize];
             let stage = if chance() < 0.5 { Stage::Inward } else { Stage::Outward };
             let way = find(&stroke, stage, &welcome, &file, RecoveryWay::UnloadFirst);
             let what = format!("case {case}: {stop:?}, {over} over the work");
@@ -399,8 +415,8 @@ mod tests {
         }
     }
 
-    fn touching() -> Engagement {
-        Engagement { number: 1, tool: 11, touches: true, ..Engagement::default() }
+    fn touching() -> EngagedTool {
+        EngagedTool { number: 1, tool: 11, touches: true, ..EngagedTool::default() }
     }
 
     fn bound(found: &Findings) -> Length {
@@ -412,10 +428,10 @@ mod tests {
     #[test]
     fn a_tap_that_left_its_thread_while_the_drives_were_off_is_not_said_to_be_so_far_off_it() {
         let over_the_work = |stop| found(stop, Length::mm(0.5), 1.0, touching());
-        let found = over_the_work(Stop::Coasted);
+        let found = over_the_work(RunDownKind::Coasted);
         assert_eq!((found.way, found.bound), (Way::Straight, Err(APART)));
         assert!(found.not_known_whole.is_some_and(|why| why.contains("ran down apart")));
-        let driven = over_the_work(Stop::Coupled);
+        let driven = over_the_work(RunDownKind::Coupled);
         assert!(driven.way == Way::Straight && driven.bound.is_ok());
     }
     /// 0.75 mm off: it would hold that, but more than half a lead off, its tip near the surface, it
@@ -423,19 +439,19 @@ mod tests {
     #[test]
     fn a_tap_that_may_have_come_back_into_another_turn_is_not_said_to_be_off_this_one() {
         let at_the_surface = |stop| found(stop, Length::mm(-0.05), 0.6, touching());
-        let apart = at_the_surface(Stop::Coasted);
+        let apart = at_the_surface(RunDownKind::Coasted);
         assert_eq!((apart.way, apart.bound), (Way::Straight, Err(BEYOND)));
-        assert!(at_the_surface(Stop::Coupled).bound.is_ok());
+        assert!(at_the_surface(RunDownKind::Coupled).bound.is_ok());
     }
 
     /// It touched the work while the drives braked and went off its coupling; its thread may be off
     /// as far. In the middle it is off its thread by half of that at most.
     #[test]
     fn a_tap_that_touched_the_work_while_the_drives_braked_is_led_out_along_the_middle() {
-        let kept = Engagement { touches: false, ..touching() };
+        let kept = EngagedTool { touches: false, ..touching() };
         let depth = Length::mm(-1.0);
-        let first = found(Stop::QuickStop, depth, 0.06 / 1.25, kept);
-        let never = found(Stop::QuickStop, depth, 0.06 / 1.25, touching());
+        let first = found(RunDownKind::QuickStop, depth, 0.06 / 1.25, kept);
+        let never = found(RunDownKind::QuickStop, depth, 0.06 / 1.25, touching());
         let record = never.stored.error(never.at);
         assert!(record.abs() > Length::um(30.0), "the weight on the screw takes some: {record}");
         let halved = first.stored.error(first.at) - record / 2.0;
@@ -444,13 +460,18 @@ mod tests {
         // far as before
         let kept = first.mark(Some(kept)).expect("it is kept");
         let turned_back = first.stored.phase_difference(first.at).value().abs();
-        let again = found(Stop::QuickStop, depth, 0.06 / 1.25 - turned_back, kept);
+        let again = found(RunDownKind::QuickStop, depth, 0.06 / 1.25 - turned_back, kept);
         let aside = again.stored.start().place - first.stored.start().place;
         assert!(aside.abs() < Length::um(0.1), "{aside}");
         let on_it = again.stored.error(again.at);
         assert!(on_it.abs() < Length::um(0.1), "{on_it}");
         let wider = bound(&again)
-            - bound(&found(Stop::QuickStop, depth, 0.06 / 1.25 - 2.0 * turned_back, touching()));
+            - bound(&found(
+                RunDownKind::QuickStop,
+                depth,
+                0.06 / 1.25 - 2.0 * turned_back,
+                touching(),
+            ));
         assert!((wider - record.abs()).abs() < Length::um(0.1), "{wider}, {record}");
     }
 }

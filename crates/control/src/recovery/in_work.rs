@@ -80,10 +80,11 @@ pub fn judge(record: Option<SyncRecord>, welcome: &Welcome, folder: &str) -> InW
 pub(super) mod tests {
     use super::*;
     use crate::recovery::no_tool;
+    use bus::{EngagedTool, EngagementEvidence, RunDownKind};
     use store::sync_record::{Identity, Stage, Stroke};
     use units::Coordinate;
     use units::{Length, Time};
-    use wire::{Engagement, Evidence, Observed, Stop};
+    use wire::Observed;
 
     const INSIDE: Length = Length::mm(-12.0);
 
@@ -99,7 +100,7 @@ pub(super) mod tests {
         let mut observed = Observed::default();
         observed.feedback.axes[2].position = Coordinate::linear(z);
         let in_work =
-            in_work.map(|number| Engagement { number, tool: 11, ..Engagement::default() });
+            in_work.map(|number| EngagedTool { number, tool: 11, ..EngagedTool::default() });
         Welcome {
             machine: "m".into(),
             serial: 1,
@@ -107,8 +108,8 @@ pub(super) mod tests {
             period: Time::s(250e-6),
             real_time: false,
             turns_lost: [false; bus::SPINDLES],
-            stop: Stop::None,
-            evidence: Evidence { last, in_work, ..Evidence::default() },
+            stop: RunDownKind::None,
+            evidence: EngagementEvidence { last, in_work, ..EngagementEvidence::default() },
             observed,
         }
     }

@@ -2,11 +2,12 @@
 //! before it, and the way out.
 use super::in_work::{self, InWork};
 use super::{Findings, Leg, RecoveryWay, Withdrawal, find, not_by_recovery, withdraw};
+use bus::EngagedTool;
 use kernel::{RecoveryPlan, WithdrawalPlan};
 use store::machine::MachineFile;
 use store::sync_record::SyncRecord;
 use sync::recovery::{Mover, Way};
-use wire::{Engagement, Welcome};
+use wire::Welcome;
 
 /// A tool that a control has left.
 pub(crate) enum LeftTool {
@@ -64,7 +65,7 @@ impl LeftTool {
     }
 
     /// What the machine is to keep of it from before it is moved.
-    pub(crate) fn mark(&self, kept: Option<Engagement>) -> Option<Engagement> {
+    pub(crate) fn mark(&self, kept: Option<EngagedTool>) -> Option<EngagedTool> {
         match self {
             Self::OnThread(_, findings) => findings.mark(kept),
             Self::OffWork(..) | Self::Unmoved(..) => kept,

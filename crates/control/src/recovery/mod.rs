@@ -22,11 +22,11 @@ pub use find::Findings;
 pub(crate) use left::{LeftTool, WayOut, left};
 pub use withdraw::{Leg, Off, Withdrawal, along_pass, pass};
 
+use crate::drives::remote::{connect, gone, identity};
 use crate::executor::period;
-use crate::plant::{connect, gone, identity};
 use crate::services::sync_record;
-use crate::{Plant, Refused, config};
-use bus::{Feedback, Machine};
+use crate::{Drives, Refused, config};
+use bus::Feedback;
 use find::{drive_out, find};
 use in_work::InWork;
 use kernel::{EventKind, Kernel, RecoveryFigures};
@@ -225,7 +225,7 @@ fn answer(args: &RecoveryOptions, see: Look<'_>) -> Result<Answer, Refused> {
         REHEARSED.clone_into(&mut answer.reason);
     } else {
         remote.engage(findings.mark(welcome.evidence.in_work));
-        let mut plant = Plant::Outside(Box::new(remote));
+        let mut plant = remote;
         match drive_out(&mut plant, &file, &record.stroke, &findings) {
             Ok(figures) => {
                 is_out(&mut plant, &file)?;
@@ -256,7 +256,7 @@ fn withdrawn(
     if args.dry_run {
         REHEARSED.clone_into(&mut answer.reason);
     } else {
-        let mut plant = Plant::Outside(Box::new(remote));
+        let mut plant = remote;
         match withdraw::drive(&mut plant, file, &record.stroke, &way) {
             Ok(drawn) => {
                 is_out(&mut plant, file)?;
@@ -274,7 +274,7 @@ fn withdrawn(
 /// Let a kernel take a tool out, and hear what it says.
 fn obey(
     kernel: &mut Kernel,
-    plant: &mut Plant,
+    plant: &mut dyn Drives,
     hear: &mut dyn FnMut(&EventKind),
 ) -> Result<(), String> {
     let until = plant.feedback().time + LONGEST;
@@ -308,7 +308,7 @@ fn set_free(args: &RecoveryOptions, path: &Path, identity: &Identity) -> Result<
 }
 
 /// The tool is out: the machine is told with a command that holds everything where it stands.
-fn is_out(plant: &mut Plant, file: &MachineFile) -> Result<(), Refused> {
+fn is_out(plant: &mut dyn Drives, file: &MachineFile) -> Result<(), Refused> {
     plant.engage(None);
     let mut kernel = Kernel::new(config::control(file, None, false));
     // nothing breaks it off

@@ -2,9 +2,9 @@
 //! a thread, a cam, a polygon, a gear. The infeed axis takes it off the work first, whatever the
 //! spindles' angles are; then, of a thread, spindle and axis go back along its line, so that the
 //! space that the tool passes is that of the pass.
-use crate::Plant;
+use crate::Drives;
 use crate::config;
-use bus::{Feedback, Machine as _};
+use bus::Feedback;
 use canon::Axis;
 use kernel::{EventKind, Kernel, RecoveryFigures, RecoveryPlan, WithdrawalPlan};
 use motion::Pass;
@@ -105,7 +105,7 @@ pub(super) struct Drawn {
 /// Take it out. A thread's axis goes back along the thread with the spindle; where that cannot be,
 /// by itself: the tool is off the work.
 pub(super) fn drive(
-    plant: &mut Plant,
+    plant: &mut dyn Drives,
     file: &MachineFile,
     stroke: &Stroke,
     way: &Withdrawal,
@@ -139,7 +139,7 @@ pub(super) fn drive(
 }
 
 /// One axis by itself; how long that took.
-fn straight(plant: &mut Plant, file: &MachineFile, leg: Leg) -> Result<Time, String> {
+fn straight(plant: &mut dyn Drives, file: &MachineFile, leg: Leg) -> Result<Time, String> {
     let mut kernel = Kernel::new(config::control(file, None, false));
     kernel.withdraw(WithdrawalPlan { legs: [Some((leg.axis, leg.to)), None] });
     let mut taken = None;
@@ -154,7 +154,7 @@ fn straight(plant: &mut Plant, file: &MachineFile, leg: Leg) -> Result<Time, Str
 /// Back onto the thread's line by who overran, then along it to where the pass began: the tool is
 /// off the work.
 fn back_along(
-    plant: &mut Plant,
+    plant: &mut dyn Drives,
     file: &MachineFile,
     stroke: &Stroke,
 ) -> Result<RecoveryFigures, String> {

@@ -10,6 +10,7 @@
 //! whenever the disk is done before. In real time it comes when it comes.
 use crate::Refused;
 use crate::{KernelHandle, MachineHandle};
+use bus::EngagedTool;
 use bus::{Feedback, State};
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
 use kernel::{RecordRequest, WorkRecord};
@@ -21,7 +22,6 @@ use std::thread::JoinHandle;
 use store::sync_record::slots::{Kept, Slots, StateFolder};
 use store::sync_record::{Cut, Geared, Identity, Place, Retreat, Stage, Stroke, SyncRecord};
 use units::{Angle, Length, Stiffness, Time};
-use wire::Engagement;
 
 /// What a record may take to be on the disk: four times the median of an fsync'ed write on a
 /// solid-state disk.
@@ -117,7 +117,7 @@ pub struct RecordWriter {
     /// Number of the machine's last engagement, and the tool that the machine is told to be in its
     /// work.
     engaged: u64,
-    engagement: Option<Engagement>,
+    engagement: Option<EngagedTool>,
     /// Where the workpiece begins, by the machine's set-up.
     top: Length,
     problem: Option<String>,
@@ -289,7 +289,7 @@ impl RecordWriter {
         if is_still && self.engagement.is_none() {
             let (number, tool) = (record.engagement, record.stroke.tool);
             self.engaged = number;
-            self.engagement = Some(Engagement { number, tool, ..Engagement::default() });
+            self.engagement = Some(EngagedTool { number, tool, ..EngagedTool::default() });
         }
     }
 
@@ -360,7 +360,7 @@ impl RecordWriter {
 
     /// Number of the machine's last engagement, and the tool that the machine is told to be in its
     /// work.
-    pub const fn engaged(&self) -> (u64, Option<Engagement>) {
+    pub const fn engaged(&self) -> (u64, Option<EngagedTool>) {
         (self.engaged, self.engagement)
     }
 

@@ -17,8 +17,8 @@ use crate::executor::period;
 use crate::job::Session;
 use crate::recovery;
 use crate::script::{Script, Told};
-use crate::{KernelHandle, MachineHandle, Plant};
-use bus::{Machine, Sample};
+use crate::{Drives, KernelHandle, MachineHandle};
+use bus::Sample;
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
 use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
@@ -152,11 +152,11 @@ impl Stops {
     pub fn deal_with(
         &mut self,
         kernel: &mut Kernel,
-        plant: &mut Plant,
+        plant: &mut dyn Drives,
         judge: &mut Judge,
         hear: Ears<'_>,
     ) -> Result<bool, String> {
-        if matches!(plant, Plant::Outside(_)) {
+        if plant.outlives_control() {
             // its drives and a recovery see to that
             self.happened.extend(left_to_recovery(kernel, plant));
             return Ok(false);
@@ -201,7 +201,7 @@ impl Stops {
             let (mut kernel, mut judge) = (kernel.clone(), judge.clone());
             let other = if preferred == Way::Straight { preferred } else { Way::Direct };
             let plan = RecoveryPlan { way: other, ..plan };
-            let track = drive_out(&mut kernel, &mut copy, plan, surface, &mut |sample| {
+            let track = drive_out(&mut kernel, &mut *copy, plan, surface, &mut |sample| {
                 judge.sample(sample);
             });
             ways.extend(track.map(|track| way_back("the direct way", false, &track, &judge)));
@@ -228,7 +228,7 @@ impl Stops {
 }
 
 /// What is said of a tap that is not taken out.
-fn left_in(line: u32, plant: &Plant, surface: Length, by: &str) -> Option<String> {
+fn left_in(line: u32, plant: &dyn Drives, surface: Length, by: &str) -> Option<String> {
     let depth = (surface - plant.feedback().axes[2].position.of_linear()).value();
     (depth > 0.0).then(|| {
         format!("line {line}: the tap was left {depth:.2} mm deep in its thread; {by} takes it out along it")
@@ -236,7 +236,7 @@ fn left_in(line: u32, plant: &Plant, surface: Length, by: &str) -> Option<String
 }
 
 /// What is said of a tool that is left in the work of a machine simulator.
-fn left_to_recovery(kernel: &Kernel, plant: &Plant) -> Option<String> {
+fn left_to_recovery(kernel: &Kernel, plant: &dyn Drives) -> Option<String> {
     let (line, by) = (kernel.report().line, "leadscrew recover");
     match (kernel.surface(), kernel.way_out()) {
         (Some(surface), _) => left_in(line, plant, surface, by),
@@ -287,7 +287,7 @@ fn breaks(sample: &Sample) -> Option<Time> {
 }
 
 /// One period without orders: the drives alone, or a control that has stopped.
-fn one_period(kernel: &mut Kernel, plant: &mut Plant) -> Sample {
+fn one_period(kernel: &mut Kernel, plant: &mut dyn Drives) -> Sample {
     let mut seen = Sample::default();
     // what only looks breaks nothing off
     let _ = period(kernel, plant, |_, _, sample| {
@@ -298,7 +298,7 @@ fn one_period(kernel: &mut Kernel, plant: &mut Plant) -> Sample {
 }
 
 /// Until nothing turns or moves.
-fn run_down(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) {
+fn run_down(kernel: &mut Kernel, plant: &mut dyn Drives, hear: Ears<'_>) {
     /// What stands, and for how many periods.
     const STANDS: (Spin, Coordinate, u32) = (Spin::rpm(1.0), Coordinate::new(2.5e-5), 200);
     let end = plant.feedback().time + RUN_DOWN;
@@ -328,7 +328,7 @@ struct Track {
 /// or by a recovery.
 fn drive_out(
     kernel: &mut Kernel,
-    plant: &mut Plant,
+    plant: &mut dyn Drives,
     plan: RecoveryPlan,
     surface: Length,
     hear: Ears<'_>,

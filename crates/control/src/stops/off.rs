@@ -4,9 +4,8 @@
 //! With the drives alive the kernel itself takes the tool off the work; else, when drives and
 //! control are back, its infeed axis does.
 use super::{Ears, RUN_DOWN, one_period, run_down};
-use crate::Plant;
+use crate::Drives;
 use crate::recovery;
-use bus::Machine;
 use kernel::{EventKind, Kernel, WithdrawalPlan};
 use motion::{TiedCut, WayOut};
 use units::{Accel, Length, Speed};
@@ -54,7 +53,7 @@ pub(super) fn left_in(line: u32, way_out: &WayOut, by: &str) -> String {
 /// axis that goes back onto a thread.
 pub(super) fn deal_with(
     kernel: &mut Kernel,
-    plant: &mut Plant,
+    plant: &mut dyn Drives,
     recovers: Option<(Speed, Accel)>,
     hear: Ears<'_>,
 ) -> Result<Option<Result<Withdrawn, String>>, String> {
@@ -70,7 +69,8 @@ pub(super) fn deal_with(
     };
     let (line, cut) = (kernel.report().line, name(way_out.cut));
     let axis = way_out.infeed.letter();
-    let place = |plant: &Plant| plant.feedback().axes[way_out.infeed.index()].position.of_linear();
+    let place =
+        |plant: &dyn Drives| plant.feedback().axes[way_out.infeed.index()].position.of_linear();
     let before = place(plant);
     run_down(kernel, plant, hear);
     // with the drives alive the kernel has seen to it
@@ -87,7 +87,7 @@ pub(super) fn deal_with(
 /// The infeed axis takes the tool off; then, of a thread, spindle and axis go back along it.
 fn withdraw(
     kernel: &mut Kernel,
-    plant: &mut Plant,
+    plant: &mut dyn Drives,
     way_out: &WayOut,
     feed: (Speed, Accel),
     hear: Ears<'_>,
@@ -102,7 +102,7 @@ fn withdraw(
     until_over(kernel, plant, hear)
 }
 
-fn until_over(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) -> Result<(), String> {
+fn until_over(kernel: &mut Kernel, plant: &mut dyn Drives, hear: Ears<'_>) -> Result<(), String> {
     while kernel.next_event().is_some() {} // what was said before is no news
     let end = plant.feedback().time + recovery::LONGEST.max(RUN_DOWN);
     loop {

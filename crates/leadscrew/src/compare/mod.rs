@@ -14,8 +14,8 @@ use crate::Program;
 use canon::{Hand, Holder, ThreadSize, Tool, ToolKind, ToolLibrary, UnknownSize};
 use control::Refused;
 use control::config;
+use control::drives::simulated;
 use control::job::ProgramOptions;
-use control::plant::Plant;
 use kernel::Kernel;
 use plan::{PlainDrive, TapMethod, Unsynchronised};
 use report::{Comparison, TappingMethod};
@@ -312,7 +312,7 @@ fn run_once(
     for spindle in control.spindles.iter_mut().flatten() {
         spindle.follows_orders = false;
     }
-    let mut run = job.start(Plant::simulated(machine), judge)?;
+    let mut run = job.start(simulated::drives(machine, 0), judge)?;
     run.executor.kernel = Kernel::new(control).into();
     let outcome = run.run(&mut |_| {})?;
     let alarm = outcome.faults.first().map(ToString::to_string);

@@ -11,8 +11,8 @@ use crate::{Job, Program};
 use canon::{PolygonCutter, Tool, ToolKind};
 use control::Refused;
 use control::config::machine_file::MachineSource;
+use control::drives::simulated;
 use control::job::ProgramOptions;
-use control::plant::Plant;
 use forms::polygon::Detail;
 use store::phases::Phases;
 use units::{Angle, Length, Spin};
@@ -121,7 +121,7 @@ fn run(
     let text = design.program(&way.solution, spin, Length::mm(LENGTH_MM), looks) + "M2\n";
     let mut job = job(design, machine, text)?;
     let seed = u64::from(job.session.machine.simulation.seed);
-    let plant = Plant::simulated_with_seed(job.machine(seed)?, seed);
+    let plant = simulated::drives(job.machine(seed)?, seed);
     let judge = job.judge();
     let run = job.start(plant, judge)?;
     let outcome = run.run(&mut |_| {})?;

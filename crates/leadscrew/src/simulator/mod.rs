@@ -21,8 +21,8 @@ mod serve;
 
 use bus::DriveReaction;
 use control::Refused;
+use control::drives::remote::{connect, gone};
 use control::job::ProgramOptions;
-use control::plant::{connect, gone};
 use std::path::Path;
 use units::Time;
 use wire::Order;

@@ -2,8 +2,9 @@
 //! they are alone.
 use super::SimulatorOptions;
 use super::command_monitor::CommandMonitor;
-use super::retained::{Retained, least_certain};
+use super::retained::Retained;
 use bus::{Command, DriveReaction, Feedback, Machine, SPINDLES, Truth};
+use bus::{EngagedTool, RunDownKind};
 use control::Refused;
 use control::config;
 use control::job::Session;
@@ -11,7 +12,7 @@ use sim::{Bus, RunDown, SimulatedMachine};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::path::Path;
 use units::{Angle, Length, SpinAccel, Time};
-use wire::{Engagement, Observed, Stop, Welcome};
+use wire::{Observed, Welcome};
 
 /// The simulated machine, what its encoders and its retentive bits keep, and its drives when they
 /// are alone.
@@ -29,7 +30,7 @@ pub struct SimulatorProcess {
     /// Turns that an encoder no longer counts.
     forgotten: [f64; SPINDLES],
     turns_lost: [bool; SPINDLES],
-    stop: Stop,
+    stop: RunDownKind,
     retained: Retained,
     monitor: CommandMonitor,
     last: Command,
@@ -67,7 +68,7 @@ impl SimulatorProcess {
         let seed = options.seed.unwrap_or(u64::from(file.simulation.seed));
         let zero = session.work_zero();
         let config = config::simulator(file, &session.tools, material, seed, &zero);
-        let machine = control::plant::simulated(file, config.clone())?;
+        let machine = control::drives::simulated::build(file, config.clone())?;
         let mut keeps_turns = [true; SPINDLES];
         for (keeps, spindle) in keeps_turns.iter_mut().zip(&file.spindles) {
             *keeps = spindle.encoder_keeps_turns && !options.single_turn;
@@ -98,7 +99,7 @@ impl SimulatorProcess {
             keeps_turns,
             forgotten: [0.0; SPINDLES],
             turns_lost: [false; SPINDLES],
-            stop: Stop::None,
+            stop: RunDownKind::None,
             retained: Retained::default(),
             monitor: CommandMonitor::new(file),
             last: Command::default(),
@@ -165,9 +166,9 @@ impl SimulatorProcess {
     ///
     /// # Errors
     /// Another tool is in the work than it says: it may move nothing.
-    pub(super) fn hear(&mut self, said: Option<Engagement>) -> Result<(), String> {
+    pub(super) fn hear(&mut self, said: Option<EngagedTool>) -> Result<(), String> {
         if self.retained.hear(said)? {
-            self.stop = Stop::None;
+            self.stop = RunDownKind::None;
         }
         Ok(())
     }
@@ -254,19 +255,16 @@ impl SimulatorProcess {
             self.feel();
         }
         let stop = match reaction {
-            _ if drives.has_tripped() => Stop::Coasted,
-            DriveReaction::Off => Stop::Coasted,
-            DriveReaction::Coast if self.last.coupled.is_none() => Stop::Coasted,
-            DriveReaction::QuickStop => Stop::QuickStop,
+            _ if drives.has_tripped() => RunDownKind::Coasted,
+            DriveReaction::Off => RunDownKind::Coasted,
+            DriveReaction::Coast if self.last.coupled.is_none() => RunDownKind::Coasted,
+            DriveReaction::QuickStop => RunDownKind::QuickStop,
             // tied to nothing, they have stopped apart
-            DriveReaction::CoupledStop if self.last.coupled.is_none() => Stop::QuickStop,
-            DriveReaction::Coast | DriveReaction::CoupledStop => Stop::Coupled,
+            DriveReaction::CoupledStop if self.last.coupled.is_none() => RunDownKind::QuickStop,
+            DriveReaction::Coast | DriveReaction::CoupledStop => RunDownKind::Coupled,
         };
-        self.stop = if self.retained.evidence().in_work.is_some() {
-            least_certain(self.stop, stop)
-        } else {
-            stop
-        };
+        self.stop =
+            if self.retained.evidence().in_work.is_some() { self.stop.max(stop) } else { stop };
         self.last = Command { tool: self.last.tool, ..Command::default() };
     }
 
@@ -326,10 +324,10 @@ impl SimulatorProcess {
             "engagements": self.retained.evidence().last,
             "turns_lost": self.turns_lost[0],
             "stop": match self.stop {
-                Stop::None => "none",
-                Stop::Coasted => "coasted",
-                Stop::QuickStop => "quick-stop",
-                Stop::Coupled => "coupled-stop",
+                RunDownKind::None => "none",
+                RunDownKind::Coasted => "coasted",
+                RunDownKind::QuickStop => "quick-stop",
+                RunDownKind::Coupled => "coupled-stop",
             },
             "threads": threads.take(50).collect::<Vec<_>>(),
         })

@@ -10,22 +10,19 @@
 //! It is set by the command that lets the tool in and taken back by the control that has brought it
 //! out, or by an operator who has looked. Nothing else takes it back: not the end of a connection,
 //! and not a control that says nothing of it.
+use bus::{EngagedTool, EngagementEvidence, SpindleSense};
 use units::Spin;
-use wire::{Engagement, Evidence, Sense, Stop};
-
-/// A spindle that turns slower stands: its sense is that of before.
-const STANDSTILL: Spin = Spin::rpm(3.0);
 
 /// See the module's header.
 #[derive(Debug, Default)]
 pub(super) struct Retained {
-    evidence: Evidence,
+    evidence: EngagementEvidence,
     /// The control has stated what is in the work, so it may take it back.
     stated: bool,
 }
 
 impl Retained {
-    pub(super) const fn evidence(&self) -> Evidence {
+    pub(super) const fn evidence(&self) -> EngagementEvidence {
         self.evidence
     }
 
@@ -38,7 +35,7 @@ impl Retained {
     ///
     /// # Errors
     /// Why it may move nothing.
-    pub(super) fn hear(&mut self, said: Option<Engagement>) -> Result<bool, String> {
+    pub(super) fn hear(&mut self, said: Option<EngagedTool>) -> Result<bool, String> {
         let evidence = &mut self.evidence;
         if let Some(kept) = evidence.in_work.filter(|_| !self.stated) {
             match said {
@@ -62,7 +59,7 @@ impl Retained {
                     said.tool, said.number
                 ));
             }
-            (evidence.last, evidence.sense) = (next, Sense::Unknown);
+            (evidence.last, evidence.sense) = (next, SpindleSense::Unknown);
         }
         evidence.in_work = said;
         Ok(begins)
@@ -70,9 +67,8 @@ impl Retained {
 
     /// The spindle of the coupling turned so fast in the last period.
     pub(super) fn turned(&mut self, spin: Spin) {
-        if self.evidence.in_work.is_some() && spin.abs() > STANDSTILL {
-            let positive = spin > Spin::ZERO;
-            self.evidence.sense = if positive { Sense::Positive } else { Sense::Negative };
+        if let (Some(_), Some(sense)) = (self.evidence.in_work, SpindleSense::of(spin)) {
+            self.evidence.sense = sense;
         }
     }
 
@@ -82,26 +78,13 @@ impl Retained {
     }
 }
 
-/// Of two stops the one after which it is less certain how far a tool is from its coupling.
-pub(super) const fn least_certain(one: Stop, other: Stop) -> Stop {
-    const fn rank(stop: Stop) -> u8 {
-        match stop {
-            Stop::None => 0,
-            Stop::Coupled => 1,
-            Stop::QuickStop => 2,
-            Stop::Coasted => 3,
-        }
-    }
-    if rank(one) > rank(other) { one } else { other }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[allow(clippy::unnecessary_wraps)] // as it is asked and told
-    fn tool(number: u64) -> Option<Engagement> {
-        Some(Engagement { number, tool: 11, ..Engagement::default() })
+    fn tool(number: u64) -> Option<EngagedTool> {
+        Some(EngagedTool { number, tool: 11, ..EngagedTool::default() })
     }
 
     #[test]
@@ -118,7 +101,7 @@ mod tests {
     fn the_next_control_moves_nothing_before_it_has_stated_that_tool() {
         let mut retained = Retained::default();
         retained.hear(tool(1)).unwrap();
-        let other = tool(1).map(|one| Engagement { tool: 12, ..one });
+        let other = tool(1).map(|one| EngagedTool { tool: 12, ..one });
         for said in [None, tool(2), other] {
             retained.begin_session();
             let refused = retained.hear(said).unwrap_err();
@@ -127,7 +110,10 @@ mod tests {
         }
         retained.begin_session();
         assert_eq!((retained.hear(tool(1)), retained.hear(None)), (Ok(false), Ok(false)));
-        assert_eq!(retained.evidence(), Evidence { last: 1, ..Evidence::default() });
+        assert_eq!(
+            retained.evidence(),
+            EngagementEvidence { last: 1, ..EngagementEvidence::default() }
+        );
     }
 
     #[test]
@@ -144,25 +130,17 @@ mod tests {
     fn the_sense_is_that_of_the_last_turning_not_of_standing() {
         let mut retained = Retained::default();
         retained.turned(Spin::rpm(100.0));
-        assert_eq!(retained.evidence().sense, Sense::Unknown);
+        assert_eq!(retained.evidence().sense, SpindleSense::Unknown);
         retained.hear(tool(1)).unwrap();
-        for (rpm, sense) in
-            [(500.0, Sense::Positive), (1.0, Sense::Positive), (-40.0, Sense::Negative)]
-        {
+        for (rpm, sense) in [
+            (500.0, SpindleSense::Positive),
+            (1.0, SpindleSense::Positive),
+            (-40.0, SpindleSense::Negative),
+        ] {
             retained.turned(Spin::rpm(rpm));
             assert_eq!(retained.evidence().sense, sense, "{rpm} rpm");
         }
         retained.hear(tool(2)).unwrap();
-        assert_eq!(retained.evidence().sense, Sense::Unknown);
-    }
-
-    #[test]
-    fn what_is_least_certain_of_several_stops_counts() {
-        let stops = [Stop::None, Stop::Coupled, Stop::QuickStop, Stop::Coasted];
-        for (i, one) in stops.into_iter().enumerate() {
-            for (j, other) in stops.into_iter().enumerate() {
-                assert_eq!(least_certain(one, other), stops[i.max(j)]);
-            }
-        }
+        assert_eq!(retained.evidence().sense, SpindleSense::Unknown);
     }
 }

@@ -1,6 +1,7 @@
 //! One control after the other, and orders at any time.
 use super::exclusive::{ExclusiveControl, is_gone};
 use super::process::{Alone, SimulatorProcess};
+use bus::EngagedTool;
 use control::Refused;
 use control::clock;
 use std::os::unix::fs::FileTypeExt;
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use wire::{Engagement, Error, Hello, Message, Observed, Order, Port};
+use wire::{Error, Hello, Message, Observed, Order, Port};
 
 /// How long a client that connects may take to state what it wants.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -232,7 +233,7 @@ impl Served {
     fn obey(
         &self,
         session: u64,
-        (command, engagement): &(bus::Command, Option<Engagement>),
+        (command, engagement): &(bus::Command, Option<EngagedTool>),
         asks: bool,
     ) -> Result<Option<Observed>, Error> {
         let mut simulator = lock(&self.simulator);
@@ -328,7 +329,7 @@ impl Served {
 }
 
 /// A command, as something that may be due.
-fn command(message: &Message) -> Result<(bus::Command, Option<Engagement>), Error> {
+fn command(message: &Message) -> Result<(bus::Command, Option<EngagedTool>), Error> {
     match message {
         Message::Command(command, engagement) => Ok((*command, *engagement)),
         Message::Hello(_)

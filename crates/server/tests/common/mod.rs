@@ -1,9 +1,9 @@
 //! A control that is served on a free port, and a client of it.
 #![allow(dead_code, unreachable_pub, clippy::needless_pass_by_value, clippy::unwrap_used)] // each test takes what it needs
 
-use control::RealTimeOptions;
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
+use control::{DrivesChoice, RealTimeOptions};
 use serde_json::{Value, json};
 use server::{Certificate, ClientTimeouts, Clock, KeptRuns, PublishOptions, Server, ServerOptions};
 use std::io::{Read as _, Write as _};
@@ -113,7 +113,7 @@ impl Served {
         std::fs::copy(shop("plate-12xM6.ngc"), folder.path().join("plate.ngc")).unwrap();
         let control = ControlOptions {
             state: how.state,
-            simulator: how.simulator,
+            drives: how.simulator.map_or_else(DrivesChoice::default, DrivesChoice::simulator),
             real_time: how.real_time,
             ..ControlOptions::simulated(ProgramOptions::on(how.machine))
         };

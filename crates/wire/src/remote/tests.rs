@@ -109,7 +109,7 @@ fn command() -> Command {
     command
 }
 
-const ENGAGEMENT: Engagement = Engagement {
+const ENGAGEMENT: EngagedTool = EngagedTool {
     number: 8,
     tool: 11,
     touches: true,
@@ -125,11 +125,11 @@ fn welcome() -> Welcome {
         period: Time::s(250e-6),
         real_time: true,
         turns_lost: [true, false],
-        stop: crate::Stop::QuickStop,
-        evidence: crate::Evidence {
+        stop: bus::RunDownKind::QuickStop,
+        evidence: bus::EngagementEvidence {
             last: 8,
             in_work: Some(ENGAGEMENT),
-            sense: crate::Sense::Negative,
+            sense: bus::SpindleSense::Negative,
         },
         observed: observed(1.0),
     }
@@ -253,9 +253,9 @@ fn what_has_not_come_whole_is_not_waited_for_and_what_has_come_of_it_is_not_lost
 #[test]
 fn a_tool_in_the_work_that_cannot_be_is_no_message() {
     let wrong = [
-        Engagement { number: 0, ..ENGAGEMENT },
-        Engagement { sync_error: Length::mm(f64::NAN), ..ENGAGEMENT },
-        Engagement { sync_error: Length::mm(-1.0), ..ENGAGEMENT },
+        EngagedTool { number: 0, ..ENGAGEMENT },
+        EngagedTool { sync_error: Length::mm(f64::NAN), ..ENGAGEMENT },
+        EngagedTool { sync_error: Length::mm(-1.0), ..ENGAGEMENT },
     ];
     let mut frame = Vec::new();
     for engagement in wrong {
