@@ -77,7 +77,7 @@ fn homed(bench: &dyn DrivesBench) -> Control {
 
 fn ask(control: &mut Control, request: &Request) {
     if let Err(refused) = control.request(request) {
-        panic!("{request:?} is refused: {refused}");
+        panic!("{request:?} is refused: {refused}; alarms: {:?}", control.status().alarms);
     }
 }
 

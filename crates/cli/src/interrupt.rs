@@ -15,6 +15,11 @@ pub(crate) fn watch() -> Result<(), Refused> {
         .map_err(|e| Refused::because(format!("cannot watch for Ctrl-C: {e}")))
 }
 
+/// Set once it came.
+pub(crate) fn flag() -> &'static AtomicBool {
+    &CAME
+}
+
 /// Whether it came.
 pub(crate) fn came() -> bool {
     CAME.load(Ordering::Relaxed)

@@ -32,6 +32,7 @@ mod codes_of;
 mod compare;
 mod compensation;
 mod console;
+mod drives;
 mod format;
 mod help;
 mod interrupt;
@@ -151,6 +152,7 @@ fn execute(cli: &Cli) -> Result<u8, Refused> {
             console::Ending::Refused => REFUSED,
         }),
         Command::Serve(args) => serve::command(args).map(|()| SUCCESS),
+        Command::Drives(args) => drives::command(args).map(|()| SUCCESS),
         Command::Simulator(args) => simulator::command(args).map(|()| SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => {

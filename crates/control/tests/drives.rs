@@ -117,6 +117,10 @@ fn a_kind_is_chosen_by_its_name_and_its_address() {
     assert_eq!(chosen("simulator:/tmp/s"), Ok(("simulator", Some("/tmp/s".into()))));
     for wrong in ["", "hall", "hal:x", "simulator", "simulator:"] {
         let why = chosen(wrong).err();
-        assert_eq!(why.as_deref(), Some("expected simulated, simulator:PATH, hal"), "{wrong}");
+        assert_eq!(
+            why.as_deref(),
+            Some("expected simulated, simulator:PATH, process:NAME, hal"),
+            "{wrong}"
+        );
     }
 }

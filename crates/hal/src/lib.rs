@@ -8,13 +8,11 @@
 //!                                          pins ─► Feedback ─► kernel::tick ─► Command ─► pins   in it
 //! ```
 //!
-//! HAL's servo thread calls `Component::update` once a period: it reads the pins, lets the kernel
+//! HAL's servo thread calls [`ServoProcess::update`] once a period: it reads the pins, lets the kernel
 //! tick, and writes the pins. It takes no memory, no lock and calls no system. Who leads the kernel
 //! is another process, which may end at any moment: the kernel then stops the machine, coupled axes
 //! on their coupling, and holds it.
 #![allow(unsafe_code)] // this crate is called by HAL and calls it: the reason stands beside each
-mod attendant;
-mod component;
 #[cfg(test)]
 mod fake;
 mod ffi;
@@ -26,13 +24,20 @@ mod pins;
 #[cfg(test)]
 mod tests;
 
-use component::Component;
-use ffi::Hal;
+use ffi::{Hal, Member};
+use pins::Pins;
+use shm::{ServoProcess, ServoProcessOptions};
 use std::ffi::{c_int, c_long, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering::SeqCst};
 use std::time::Duration;
+
+/// What `loadrt` has loaded.
+struct Component {
+    process: ServoProcess<Pins>,
+    hal: Member,
+}
 
 /// The component, between load and unload.
 static LOADED: AtomicPtr<Component> = AtomicPtr::new(null_mut());
@@ -69,7 +74,18 @@ pub extern "C" fn rtapi_app_main() -> c_int {
 fn load() -> Result<(), String> {
     let parameters = parameters::read()?;
     let hal = Hal::begin("leadscrew")?;
-    let component = Component::new(&hal, &parameters)?;
+    let pins = Pins::new(&hal, &parameters)?;
+    let process = ServoProcess::new(
+        pins,
+        ServoProcessOptions {
+            name: parameters.name,
+            axes: parameters.axes,
+            spindles: parameters.spindles,
+            not_called: "no thread calls leadscrew.update: addf leadscrew.update servo-thread, and start",
+            axis_missing: "the component was loaded without it: axes=…",
+        },
+    )?;
+    let component = Component { process, hal: hal.member() };
     IS_LEAVING.store(false, SeqCst);
     IS_OFF.store(true, SeqCst);
     // from here on it may be called at any time; it does nothing yet
@@ -126,12 +142,12 @@ unsafe extern "C" fn update(_: *mut c_void, period: c_long) {
     if let Some(component) = unsafe { LOADED.load(SeqCst).as_mut() } {
         let period = u64::try_from(period).unwrap_or(0);
         if IS_LEAVING.load(SeqCst) {
-            component.leave();
+            component.process.leave();
         }
-        if catch_unwind(AssertUnwindSafe(|| component.update(period))).is_err() {
-            component.break_down();
+        if catch_unwind(AssertUnwindSafe(|| component.process.update(period))).is_err() {
+            component.process.break_down();
         }
-        IS_OFF.store(component.is_off(), SeqCst);
+        IS_OFF.store(component.process.is_off(), SeqCst);
         CALLS.fetch_add(1, SeqCst);
     }
     IS_WITHIN.store(false, SeqCst);

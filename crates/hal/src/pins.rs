@@ -12,6 +12,7 @@ use bus::{
     AXES, AxisFeedback, Command, Feedback, Report, SPINDLES, Signals, SpindleCommand,
     SpindleFeedback,
 };
+use shm::{Fieldbus, WriteTo};
 use units::{Angle, Coordinate, Orientation, Time, TurnDirection};
 
 /// Pins of an axis.
@@ -48,13 +49,6 @@ struct SpindlePins {
     counted: Unwrapped,
     /// Where it is, by its encoder.
     at: Angle,
-}
-
-/// Drives that close their own position loop obey so much later than they are told.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ObeysAfter {
-    pub(crate) axes: [Time; AXES],
-    pub(crate) spindles: [Time; SPINDLES],
 }
 
 /// A tool changer that is asked and answers.
@@ -128,8 +122,25 @@ impl Pins {
         })
     }
 
-    /// What the machine says now.
-    pub(crate) fn read(&mut self, time: Time) -> Feedback {
+    /// Ask for another tool, until it is said to be there; then the request is taken back, and so
+    /// must the answer be.
+    fn change_tool(&mut self, wanted: u32) {
+        let ToolPins { number, change, changed } = &self.tool;
+        match (self.mounted, change.get(), changed.get()) {
+            (Some(mounted), false, false) if mounted != wanted => {
+                number.set(wanted);
+                change.set(true);
+                self.mounted = None;
+            }
+            (None, true, true) => change.set(false),
+            (None, false, false) => self.mounted = Some(number.get()),
+            _ => {}
+        }
+    }
+}
+
+impl Fieldbus for Pins {
+    fn read(&mut self, time: Time) -> Feedback {
         let mut feedback = Feedback { time, ..Feedback::default() };
         for ((said, pins), enabled) in feedback.axes.iter_mut().zip(&self.axes).zip(self.enabled.0)
         {
@@ -170,31 +181,23 @@ impl Pins {
         }
     }
 
-    /// What the machine shall do. Drives with a position loop of their own are told where the axis
-    /// shall be when they obey. `marks`: where the next index mark of a spindle is looked for.
-    pub(crate) fn write(
-        &mut self,
-        command: &Command,
-        report: &Report,
-        obeys_after: &ObeysAfter,
-        marks: [bool; SPINDLES],
-    ) {
+    fn write(&mut self, command: &Command, report: &Report, to: &WriteTo) {
         for (index, pins) in self.axes.iter().enumerate() {
             if let Some(pins) = pins {
                 let told = &command.axes[index];
                 let ahead =
-                    told.position.value() + told.speed.value() * obeys_after.axes[index].value();
+                    told.position.value() + told.speed.value() * to.obeys_after[index].value();
                 pins.write(told.enable, ahead, told.speed.value());
                 self.enabled.0[index] = told.enable;
             }
         }
         for (index, pins) in self.spindles.iter_mut().enumerate() {
             if let Some(pins) = pins {
-                if pins.counted.look(marks[index]) != pins.index_enable.get() {
-                    pins.index_enable.set(marks[index]);
+                if pins.counted.look(to.marks[index]) != pins.index_enable.get() {
+                    pins.index_enable.set(to.marks[index]);
                 }
                 let told = &command.spindles[index];
-                pins.write(told, obeys_after.spindles[index]);
+                pins.write(told, to.spindles_obey_after[index]);
                 self.enabled.1[index] = told.enable;
             }
         }
@@ -212,32 +215,20 @@ impl Pins {
         self.sync_error.set(report.sync_error.map_or(0.0, units::Length::value));
     }
 
-    /// No control leads the machine: drives off, outputs off, axes told to be where they are.
-    pub(crate) fn off(&mut self) {
+    /// Drives off, outputs off, axes told to be where they are.
+    fn off(&mut self) {
         let tool = self.mounted.unwrap_or(0);
-        self.write(
-            &Command { tool, ..Command::default() },
-            &Report::default(),
-            &ObeysAfter { axes: [Time::ZERO; AXES], spindles: [Time::ZERO; SPINDLES] },
-            [false; SPINDLES],
-        );
+        let at_once = WriteTo {
+            obeys_after: [Time::ZERO; AXES],
+            spindles_obey_after: [Time::ZERO; SPINDLES],
+            marks: [false; SPINDLES],
+        };
+        self.write(&Command { tool, ..Command::default() }, &Report::default(), &at_once);
         self.connected.set(false);
     }
 
-    /// Ask for another tool, until it is said to be there; then the request is taken back, and so
-    /// must the answer be.
-    fn change_tool(&mut self, wanted: u32) {
-        let ToolPins { number, change, changed } = &self.tool;
-        match (self.mounted, change.get(), changed.get()) {
-            (Some(mounted), false, false) if mounted != wanted => {
-                number.set(wanted);
-                change.set(true);
-                self.mounted = None;
-            }
-            (None, true, true) => change.set(false),
-            (None, false, false) => self.mounted = Some(number.get()),
-            _ => {}
-        }
+    fn now_ns(&self) -> i64 {
+        crate::ffi::now_ns()
     }
 }
 

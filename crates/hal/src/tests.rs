@@ -2,13 +2,14 @@
 //! ramps of its own.
 #![allow(clippy::unwrap_used)] // a test may panic
 use crate::ffi::Hal;
-use crate::pins::{ObeysAfter, Pins};
+use crate::pins::Pins;
 use crate::{fake, rtapi_app_exit, rtapi_app_main};
 use bus::{Command, Report, SpindleCommand};
 use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::{Event, Execution, Request};
 use control::{Control, ControlOptions};
+use shm::{Fieldbus as _, WriteTo};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -149,7 +150,7 @@ fn home(mut control: Control) -> Control {
 fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running() {
     let _one = fake::one_at_a_time();
     let why = control().err().unwrap().to_string();
-    assert!(why.contains("no HAL component named default is loaded"), "{why}");
+    assert!(why.contains("nothing named default leads drives here: loadrt leadscrew"), "{why}");
 
     let running = Running::start();
     fake::with(|hal| {
@@ -164,7 +165,7 @@ fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running()
     // a tap, 10 mm deep below where Z stands, with a spindle that is only told a speed
     let mut first = homed();
     let why = control().err().unwrap().to_string();
-    assert!(why.contains("another control leads the HAL component"), "{why}");
+    assert!(why.contains("another control leads the drives of default"), "{why}");
     asked(
         &mut first,
         &Request::ManualDataInput("T3 M6\nG91 G0 Z-100\nS1000 M3\nG33.1 Z-10 K1".into()),
@@ -381,14 +382,17 @@ fn a_drive_that_orients_the_spindle_has_the_pins_of_linuxcnc() {
     let _one = fake::one_at_a_time();
     let hal = Hal::begin("leadscrew").unwrap();
     let mut pins = Pins::new(&hal, &crate::parameters::read().unwrap()).unwrap();
-    let instantly =
-        ObeysAfter { axes: [Time::ZERO; bus::AXES], spindles: [Time::ZERO; bus::SPINDLES] };
+    let instantly = WriteTo {
+        obeys_after: [Time::ZERO; bus::AXES],
+        spindles_obey_after: [Time::ZERO; bus::SPINDLES],
+        marks: [false; bus::SPINDLES],
+    };
     let mut write = |orient: Option<(f64, TurnDirection)>, locked: bool| {
         let mut command = Command::default();
         let orient = orient.map(|(at, direction)| Orientation { angle: Angle::deg(at), direction });
         command.spindles[0] =
             SpindleCommand { enable: true, orient, locked, ..SpindleCommand::default() };
-        pins.write(&command, &Report::default(), &instantly, [false; bus::SPINDLES]);
+        pins.write(&command, &Report::default(), &instantly);
         fake::with(|hal| {
             let bit = |name: &str| hal.bit(&format!("spindle.0.{name}"));
             let to = (hal.float("spindle.0.orient-angle"), hal.s32("spindle.0.orient-mode"));

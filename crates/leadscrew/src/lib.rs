@@ -17,6 +17,7 @@
 //!   Program ──on──► Job ─┬─ check ─► findings
 //!                        ├─ time  ─► Times
 //!                        └─ run   ─► Finished ─► certificate, report
+//!   DrivesProcess: kernel and servo thread as a process of their own
 //!   simulator: the simulated machine as a process of its own, for controls that connect
 //!   studies: compare (holders), compensation (cams), polygon (from a form to the block that cuts it)
 //! ```
@@ -33,6 +34,7 @@ mod program;
 mod replay;
 mod run;
 mod run_outputs;
+mod servo_process;
 pub mod simulator;
 pub mod time;
 
@@ -43,3 +45,4 @@ pub use link::NotReady;
 pub use machine::Machine;
 pub use program::{Job, Program};
 pub use run::{Ending, Finished, Run, RunOptions, Synchronisation, material};
+pub use servo_process::{DrivesOptions, DrivesProcess};

@@ -9,6 +9,7 @@ mod never_slower;
 mod one_workpiece;
 mod polygon_phase;
 mod probing;
+mod process_drives;
 mod rounded_feeds;
 mod simulator_drives;
 mod single_block;

@@ -17,22 +17,22 @@ use units::Time;
 pub enum Error {
     /// No component has made the memory.
     #[error(
-        "no HAL component named {0} is loaded: loadrt leadscrew, in the HAL session of this user"
+        "nothing named {0} leads drives here: loadrt leadscrew in the HAL session of this user, or leadscrew drives --name {0}"
     )]
     NotLoaded(String),
     /// Another process leads it.
-    #[error("another control leads the HAL component {0}: end that one first")]
+    #[error("another control leads the drives of {0}: end that one first")]
     Taken(String),
     /// It is that of another build.
     #[error(
-        "the HAL component {0} is of another version of Leadscrew: load the leadscrew.so that belongs to this one"
+        "what leads the drives of {0} is of another version of Leadscrew: load or start the one that belongs to this control"
     )]
     OtherBuild(String),
     /// The operating system refuses.
-    #[error("the shared memory of the HAL component {0}: {1}")]
+    #[error("the shared memory of {0}: {1}")]
     System(String, Errno),
     /// The component refuses, and says why.
-    #[error("the HAL component refuses: {0}")]
+    #[error("what leads the drives refuses: {0}")]
     Refused(String),
 }
 

@@ -10,11 +10,13 @@
 //! Neither side trusts what it reads ([`mapping`](Mapping): nothing but atomic words;
 //! [`ring`](RingReader): counts and lengths that cannot be are damage; [`servo::decode`]: nothing
 //! but what can be). A side that ends, however it ends, leaves the other one running.
+mod attendant;
 mod control_side;
 mod layout;
 mod mapping;
 mod retained;
 mod ring;
+mod servo_process;
 mod servo_side;
 
 pub use control_side::{ControlSide, Error};
@@ -22,4 +24,5 @@ pub use layout::{STEPS_BEFORE, STEPS_USUAL, memory_name};
 pub use mapping::Mapping;
 pub use retained::{RetainedMemory, RetainedState, TiedPeriod};
 pub use ring::{Damaged, Place, RingReader, RingWriter};
+pub use servo_process::{Fieldbus, ServoProcess, ServoProcessOptions, WriteTo};
 pub use servo_side::{Made, ServoSide, SetUps, make};

@@ -7,6 +7,7 @@ mod control;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)] // a test may panic
 mod documented;
+mod drives;
 mod lists;
 mod options;
 mod polygon;
@@ -23,6 +24,7 @@ pub(crate) use common::{DialectChoice, Format, ProgramArgs, Switch, WorkSpeedCho
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use control::ControlArgs;
+pub(crate) use drives::DrivesArgs;
 pub(crate) use lists::{CodesArgs, CodesFormat, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
@@ -149,6 +151,17 @@ Examples:
   leadscrew simulator --quit /tmp/machine"
     )]
     Simulator(SimulatorArgs),
+    /// Lead drives in a process of its own, for a control that may end at any moment
+    #[command(
+        after_help = "The kernel runs here, in a servo thread by the clock, and a control leads it over shared memory. When the \
+control ends, axes and spindles come to rest, coupled ones on their coupling, and the next control is told of a tool that was left \
+in the work. So far the drives are simulated. Ctrl-C brings them to rest and ends it.
+
+Examples:
+  leadscrew drives --machine tapping-center &   then: leadscrew serve --machine tapping-center --drives process:default
+  leadscrew drives --machine shop.toml --name shop"
+    )]
+    Drives(DrivesArgs),
     /// Take a tap out of its hole after the control died, or say why that is not safe
     #[command(
         after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto \
@@ -275,7 +288,8 @@ impl Command {
             Self::Cam(args) => args.format == CamOutput::Json,
             Self::Compensation(args) => args.format == CompensationOutput::Json,
             Self::Codes(args) => args.format == CodesFormat::Json,
-            Self::Simulator(_)
+            Self::Drives(_)
+            | Self::Simulator(_)
             | Self::Control(_)
             | Self::Serve(_)
             | Self::Compare(_)

@@ -5,7 +5,8 @@
 //!                 │                                     ◄──Feedback──
 //!                 ├── simulated    a simulated machine in this process
 //!                 ├── remote       a machine simulator in another process, over a socket
-//!                 └── hal          a kernel in the servo thread of LinuxCNC's HAL, over shared memory
+//!                 ├── process      a kernel in the servo thread of `leadscrew drives`, over shared memory
+//!                 └── hal          the same in LinuxCNC's HAL
 //! ```
 //!
 //! A further kind of machine is a file here with its [`Door`], and its line in [`DOORS`]. A crate
@@ -13,6 +14,7 @@
 //! [`ControlOptions::drives`](crate::ControlOptions::drives). Each kind passes the suite
 //! `test_support::drives`.
 pub mod hal;
+mod process;
 pub mod remote;
 mod seat;
 pub mod simulated;
@@ -76,7 +78,7 @@ pub struct Door {
 }
 
 /// The kinds of machines that this program leads.
-pub const DOORS: [&Door; 3] = [&simulated::DOOR, &remote::DOOR, &hal::DOOR];
+pub const DOORS: [&Door; 4] = [&simulated::DOOR, &remote::DOOR, &process::DOOR, &hal::DOOR];
 
 /// A kind of machine, and which one of it.
 #[derive(Clone, Debug)]

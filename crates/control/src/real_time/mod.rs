@@ -17,7 +17,6 @@
 //! its ring, or has half a second of motion in it, and from then on a program whose course asks
 //! nothing of the other thread is executed as in lock-step, to the last bit.
 mod bridge;
-mod clock;
 mod kernel_link;
 mod machine_link;
 mod metrics;
@@ -28,7 +27,7 @@ pub(crate) use kernel_link::KernelLink;
 pub(crate) use machine_link::MachineLink;
 pub use metrics::RealTimeFigures;
 pub(crate) use metrics::ServoMetrics;
-pub use scheduling::run_last;
+pub use scheduling::{run_by_deadline, run_last};
 pub(crate) use servo::{ServoThread, prepare, strike};
 
 /// Steps on their way to the kernel, beside those in its own queue.

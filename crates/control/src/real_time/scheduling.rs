@@ -10,8 +10,9 @@ use thread_priority::{
 /// Stack that is touched before the first period, bytes.
 const STACK: usize = 256 * 1024;
 
-/// Ask for it, for the calling thread; what was not granted, in sentences.
-pub(super) fn ask(priority: u8) -> Vec<String> {
+/// Asks the operating system to run the calling thread first and to keep its memory at hand; what
+/// was not granted, in sentences.
+pub fn run_by_deadline(priority: u8) -> Vec<String> {
     let mut refused = Vec::new();
     if let Err(e) = run_first(priority) {
         refused.push(format!(

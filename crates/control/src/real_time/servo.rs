@@ -1,8 +1,8 @@
 //! The servo thread: one turn per period, from the rings to the rings.
-use super::clock::PeriodClock;
 use super::kernel_link::{KernelLink, KernelRings};
 use super::machine_link::{MachineLink, MachineRequest};
 use super::{RECORDS, REQUESTS, RealTimeOptions, SAID, STEPS, ServoMetrics, scheduling};
+use crate::clock::PeriodClock;
 use crate::executor::{Ticked, answer, obey};
 use crate::timings::TickTimes;
 use crate::{Drives, Refused};
@@ -141,7 +141,7 @@ impl Prepared {
         let thread = std::thread::Builder::new().name("servo".into());
         let thread = thread.spawn(move || {
             let _over = over;
-            let _ = up.send(scheduling::ask(options.priority)); // the other side waits for it
+            let _ = up.send(scheduling::run_by_deadline(options.priority)); // the other side waits for it
             servo.run(&told, options.around)
         });
         let thread = thread.map_err(|e| format!("cannot start the servo thread: {e}"))?;

@@ -1,22 +1,64 @@
-//! The component: what HAL's servo thread does once a period.
+//! What a process with a servo thread does once a period, whatever leads to its drives.
 //!
 //! ```text
-//!   pins ─► Feedback ─► requests, steps ─► tick ─► Command ─► pins
-//!                                           │
-//!                                           └─► record, events ─► shared memory
+//!   fieldbus ─► Feedback ─► requests, steps ─► tick ─► Command ─► fieldbus
+//!                                               │
+//!                                               └─► record, events ─► shared memory
 //! ```
+//!
+//! LinuxCNC's HAL has one of these, whose fieldbus are pins; `leadscrew drives` is another. A period
+//! takes no memory, no lock and calls no system, as far as its fieldbus does not.
 use crate::attendant::{Attendant, Desk};
-use crate::ffi::{self, Hal, Member};
-use crate::parameters::LoadParameters;
-use crate::pins::{ObeysAfter, Pins};
-use bus::{Feedback, RunDownKind, SPINDLES, STANDSTILL};
+use crate::{Made, ServoSide, TiedPeriod};
+use bus::{AXES, Command, Feedback, Report, RunDownKind, SPINDLES, STANDSTILL};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
 use servo::{PeriodAnswer, Record, Seat};
-use shm::{Made, ServoSide, TiedPeriod};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Release};
 use units::{Angle, Spin, Time};
+
+/// What leads from the servo thread to drives and back.
+pub trait Fieldbus {
+    /// Reads what the machine says, at this time since the process began.
+    fn read(&mut self, time: Time) -> Feedback;
+
+    /// Writes what the machine shall do. Drives with a position loop of their own are told where
+    /// the axis shall be when they obey.
+    fn write(&mut self, command: &Command, report: &Report, to: &WriteTo);
+
+    /// Commands nothing: drives off, spindles released.
+    fn off(&mut self);
+
+    /// A clock that never goes back, ns.
+    fn now_ns(&self) -> i64;
+}
+
+/// What a fieldbus must know of a command beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct WriteTo {
+    /// Time after which each axis is where its drive was commanded to be.
+    pub obeys_after: [Time; AXES],
+    /// The same of spindles.
+    pub spindles_obey_after: [Time; SPINDLES],
+    /// The next index mark of these spindles is looked for.
+    pub marks: [bool; SPINDLES],
+}
+
+/// What a process leads, and what is said of it.
+#[derive(Clone, Debug)]
+pub struct ServoProcessOptions {
+    /// Name by which a control finds it.
+    pub name: String,
+    /// Which axes it has.
+    pub axes: [bool; AXES],
+    /// Number of its spindles.
+    pub spindles: usize,
+    /// Said where no period has come yet.
+    pub not_called: &'static str,
+    /// How the process gets an axis that it lacks; its letter follows.
+    pub axis_missing: &'static str,
+}
 
 /// Time constant of the speeds that are taken from counts, s.
 const SMOOTHED_S: f64 = 0.02;
@@ -32,15 +74,15 @@ const SESSIONS: usize = 4;
 pub(crate) struct ControlSession {
     pub(crate) seat: Seat<ServoSide>,
     /// Drives obey so much later than they are told.
-    pub(crate) obeys_after: ObeysAfter,
+    pub(crate) obeys_after: ([Time; AXES], [Time; SPINDLES]),
     /// For so long its control may show no sign of life, ns.
     pub(crate) most_silent_ns: i64,
 }
 
-/// What `loadrt` has loaded.
-pub(crate) struct Component {
+/// See the module's header.
+pub struct ServoProcess<F> {
     made: Arc<Made>,
-    pins: Pins,
+    fieldbus: F,
     session: Option<Box<ControlSession>>,
     begin: Consumer<Box<ControlSession>>,
     over: Producer<Box<ControlSession>>,
@@ -57,34 +99,31 @@ pub(crate) struct Component {
     /// For so long everything has stood, by setpoints and by encoders, ns.
     stood_ns: u64,
     _attendant: Attendant,
-    /// Who it is in HAL.
-    pub(crate) hal: Member,
 }
 
-impl Component {
-    /// With its pins, and no control that leads it.
+impl<F: Fieldbus> ServoProcess<F> {
+    /// A process that no control leads.
     ///
     /// # Errors
-    /// HAL or the operating system refuses something.
-    pub(crate) fn new(hal: &Hal, parameters: &LoadParameters) -> Result<Self, String> {
-        let pins = Pins::new(hal, parameters)?;
+    /// The operating system refuses shared memory or a thread.
+    pub fn new(fieldbus: F, options: ServoProcessOptions) -> Result<Self, String> {
         let axes =
-            (0..).zip(parameters.axes).fold(0, |mask, (index, has)| mask | u16::from(has) << index);
-        let made = shm::make(&parameters.name, axes, parameters.spindles as u8)
+            (0..).zip(options.axes).fold(0, |mask, (index, has)| mask | u16::from(has) << index);
+        let made = crate::make(&options.name, axes, options.spindles as u8)
             .map_err(|why| format!("no shared memory can be made: {why}"))?;
         let (made, period) = (Arc::new(made), Arc::new(AtomicU64::new(0)));
         let (to_servo, begin) = RingBuffer::new(SESSIONS);
         let (over, from_servo) = RingBuffer::new(2 * SESSIONS);
         let attendant = Attendant::start(Desk {
             made: Arc::clone(&made),
-            has: parameters.clone(),
+            has: options,
             period: Arc::clone(&period),
             begin: to_servo,
             over: from_servo,
         })?;
         Ok(Self {
             made,
-            pins,
+            fieldbus,
             session: None,
             begin,
             over,
@@ -96,29 +135,28 @@ impl Component {
             spins: [Spin::ZERO; SPINDLES],
             stood_ns: 0,
             _attendant: attendant,
-            hal: hal.member(),
         })
     }
 
     /// A panic in a period: from now on everything is off.
-    pub(crate) fn break_down(&mut self) {
+    pub fn break_down(&mut self) {
         self.is_broken = true;
         self.made.keep(&TiedPeriod { stop: RunDownKind::Coasted, ..TiedPeriod::default() });
-        self.pins.off();
+        self.fieldbus.off();
     }
 
-    /// It is to be unloaded.
-    pub(crate) const fn leave(&mut self) {
+    /// The process is to end: what moves comes to rest, and no session begins.
+    pub const fn leave(&mut self) {
         self.is_leaving = true;
     }
 
     /// Nothing is commanded any more.
-    pub(crate) const fn is_off(&self) -> bool {
+    pub const fn is_off(&self) -> bool {
         self.is_broken || self.session.is_none()
     }
 
     /// One servo period.
-    pub(crate) fn update(&mut self, period_ns: u64) {
+    pub fn update(&mut self, period_ns: u64) {
         if self.is_broken {
             return;
         }
@@ -126,13 +164,13 @@ impl Component {
         self.period.store(period_ns, Release);
         self.made.period(period_ns);
         self.change_sessions(period_ns);
-        let feedback = self.pins.read(Time::s(self.time_ns as f64 / 1e9));
+        let feedback = self.fieldbus.read(Time::s(self.time_ns as f64 / 1e9));
         self.follow_spindles(&feedback, period_ns);
         let Some(session) = &mut self.session else {
-            return self.pins.off();
+            return self.fieldbus.off();
         };
         let leaves = self.is_leaving.then_some(FaultKind::ComponentUnloaded);
-        let lost = leaves.or_else(|| session.is_lost(period_ns));
+        let lost = leaves.or_else(|| session.is_lost(self.fieldbus.now_ns(), period_ns));
         if let Some(kind) = lost {
             session.seat.kernel.report_control(kind);
         }
@@ -165,8 +203,10 @@ impl Component {
             taken: session.seat.taken(),
         };
         session.seat.rings.record(&record);
+        let (obeys_after, spindles_obey_after) = session.obeys_after;
         let marks = std::array::from_fn(|index| session.seat.kernel.looks_for_index(index));
-        self.pins.write(&command, &sample.report, &session.obeys_after, marks);
+        let to = WriteTo { obeys_after, spindles_obey_after, marks };
+        self.fieldbus.write(&command, &sample.report, &to);
     }
 
     /// How fast spindles turn, by their encoders: a count more or less is no turning.
@@ -185,11 +225,12 @@ impl Component {
 
     /// A session that is over and stands makes place for the next one.
     fn change_sessions(&mut self, period_ns: u64) {
+        let now_ns = self.fieldbus.now_ns();
         if let Some(session) = &mut self.session
             && self.stood_ns >= STANDS_NS
             && (session.seat.rings.is_ended()
                 || self.is_leaving
-                || !self.begin.is_empty() && session.is_lost(period_ns).is_some())
+                || !self.begin.is_empty() && session.is_lost(now_ns, period_ns).is_some())
             && !self.over.is_full()
             && let Some(session) = self.session.take()
         {
@@ -208,8 +249,8 @@ impl Component {
 
 impl ControlSession {
     /// Its control is gone, or not to be believed.
-    fn is_lost(&mut self, period_ns: u64) -> Option<FaultKind> {
-        let silent = self.seat.rings.silence(ffi::now_ns(), period_ns);
+    fn is_lost(&mut self, now_ns: i64, period_ns: u64) -> Option<FaultKind> {
+        let silent = self.seat.rings.silence(now_ns, period_ns);
         if self.seat.rings.is_damaged() {
             Some(FaultKind::ControlSenseless)
         } else if silent > self.most_silent_ns || self.seat.rings.is_ended() {

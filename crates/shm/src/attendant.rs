@@ -1,13 +1,11 @@
 //! The thread beside the servo thread: it makes the kernels that controls ask for, because that
 //! takes memory, and releases them.
-use crate::component::ControlSession;
-use crate::parameters::LoadParameters;
-use crate::pins::ObeysAfter;
+use crate::servo_process::{ControlSession, ServoProcessOptions};
+use crate::{Made, ServoSide, SetUps};
 use bus::AXES;
 use kernel::Kernel;
 use rtrb::{Consumer, Producer};
 use servo::{Seat, SetUp};
-use shm::{Made, ServoSide, SetUps};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire};
 use std::thread::JoinHandle;
@@ -15,13 +13,16 @@ use std::time::Duration;
 
 /// It looks so often whether a control asks.
 const LOOK: Duration = Duration::from_millis(10);
-/// HAL's thread calls the component within so long after it was loaded.
+/// The servo thread runs within so long after the process has begun.
 const FIRST_PERIOD: Duration = Duration::from_secs(2);
-/// By so much of itself the period that HAL keeps may differ from the one that the control was set
+/// By so much of itself the period that is kept may differ from the one that the control was set
 /// up for.
 const PERIOD_SHARE: f64 = 1e-3;
 /// A control may be silent for so long at most, s.
 const LONGEST_SILENCE_S: f64 = 5.0;
+
+/// Letters of the axes, in the order of their numbers.
+const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 
 /// The thread, until it is dropped.
 #[derive(Debug)]
@@ -33,8 +34,8 @@ pub(crate) struct Attendant {
 /// What it works with.
 pub(crate) struct Desk {
     pub(crate) made: Arc<Made>,
-    pub(crate) has: LoadParameters,
-    /// The servo period that HAL keeps, ns; 0: not known yet.
+    pub(crate) has: ServoProcessOptions,
+    /// The servo period that is kept, ns; 0: not known yet.
     pub(crate) period: Arc<AtomicU64>,
     /// To the servo thread.
     pub(crate) begin: Producer<Box<ControlSession>>,
@@ -88,8 +89,7 @@ impl Desk {
         }
     }
 
-    /// The period that HAL keeps; a component that was loaded just now is given a moment until it
-    /// is called. 0: it is not.
+    /// The period that is kept; a process that has just begun is given a moment. 0: none is.
     fn first_period(&self) -> u64 {
         for _ in 0..FIRST_PERIOD.as_millis() / LOOK.as_millis() {
             match self.period.load(Acquire) {
@@ -109,15 +109,12 @@ impl Desk {
         }
         let (period, asked) = (self.first_period(), set_up.config.period.value());
         if period == 0 {
-            return Err(
-                "no thread calls leadscrew.update: addf leadscrew.update servo-thread, and start"
-                    .into(),
-            );
+            return Err(self.has.not_called.into());
         }
         let keeps = period as f64 / 1e9;
         if (asked - keeps).abs() > keeps * PERIOD_SHARE {
             return Err(format!(
-                "HAL's thread has a period of {} µs and the machine's file one of {} µs: control.servo_period_us = {} would fit",
+                "the servo thread has a period of {} µs and the machine's file one of {} µs: control.servo_period_us = {} would fit",
                 keeps * 1e6,
                 asked * 1e6,
                 keeps * 1e6
@@ -125,16 +122,17 @@ impl Desk {
         }
         for index in 0..AXES {
             if set_up.config.axes[index].is_some() && !self.has.axes[index] {
-                let letter = crate::parameters::LETTERS[index];
+                let letter = LETTERS[index];
                 return Err(format!(
-                    "the machine has an axis {letter}, and the component was loaded without it: axes=…{letter}"
+                    "the machine has an axis {letter}, and {}{letter}",
+                    self.has.axis_missing
                 ));
             }
         }
         let spindles = set_up.config.spindles.iter().flatten().count();
         if spindles > self.has.spindles {
             return Err(format!(
-                "the machine has {spindles} spindles, and the component was loaded with {}",
+                "the machine has {spindles} spindles, and {} are led here",
                 self.has.spindles
             ));
         }
@@ -148,8 +146,7 @@ impl Desk {
         let mut kernel = Box::new(Kernel::new(set_up.config));
         kernel.switch_off(); // until its control says otherwise
         let seat = Seat::new(kernel, ServoSide::new(&self.made, session));
-        let obeys_after =
-            ObeysAfter { axes: set_up.obeys_after, spindles: set_up.spindles_obey_after };
+        let obeys_after = (set_up.obeys_after, set_up.spindles_obey_after);
         Ok(Box::new(ControlSession { seat, obeys_after, most_silent_ns }))
     }
 }
