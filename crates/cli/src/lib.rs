@@ -33,6 +33,7 @@ mod compare;
 mod compensation;
 mod console;
 mod drives;
+mod explain;
 mod format;
 mod help;
 mod interrupt;
@@ -152,6 +153,7 @@ fn execute(cli: &Cli) -> Result<u8, Refused> {
             console::Ending::Refused => REFUSED,
         }),
         Command::Serve(args) => serve::command(args).map(|()| SUCCESS),
+        Command::Explain(args) => explain::command(args).map(|()| SUCCESS),
         Command::Drives(args) => drives::command(args).map(|()| SUCCESS),
         Command::Simulator(args) => simulator::command(args).map(|()| SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),

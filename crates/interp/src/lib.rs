@@ -61,6 +61,8 @@ pub use evidence::other_machine::{
 };
 pub use evidence::whole_units::counts_whole_units;
 pub use explain::catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
+pub use explain::elsewhere::SENTENCES;
+pub use explain::page::{explanation, explanations, found_in_example};
 pub use explain::{Finding, example_setup, explain, findings};
 pub use fault::unknown::Unknown;
 pub use geometry::frame::{Frame, Point};

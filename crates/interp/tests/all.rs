@@ -10,7 +10,6 @@ mod cam;
 mod chip_removal;
 mod compensation;
 mod diagnostics;
-mod elsewhere;
 mod endless;
 mod fanuc;
 mod fanuc_behaviours;

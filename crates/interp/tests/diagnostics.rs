@@ -1,44 +1,23 @@
-//! Every finding is explained, and every explanation is true: `docs/diagnostics.md`.
-//!
-//! `UPDATE_SPEC=1 cargo test -p interp --test all diagnostics::` writes the page anew.
-use crate::elsewhere;
-use diag::{Diagnostic, Severity};
-use interp::{Finding, Setup, example_setup, findings};
+//! Every finding is explained, and every explanation is true.
+use interp::{SENTENCES, findings, found_in_example};
 use std::{
     collections::BTreeSet,
-    fmt::Write,
     fs,
     path::{Path, PathBuf},
 };
-
-/// Everything that is found in a program of the list.
-fn found(finding: &Finding, program: &str) -> Vec<Diagnostic> {
-    let setup = Setup { has_example_tools: true, ..example_setup(finding.dialect) };
-    let text = whole(program);
-    let mut all = interp::check(text.as_bytes(), &setup);
-    all.extend(interp::lint(text.as_bytes(), &setup));
-    all
-}
-
-/// A program that does not end by itself ends with M2.
-fn whole(program: &str) -> String {
-    let is_end = |word: &str| matches!(word, "M2" | "M30" | "M99" | "%" | "(no");
-    let ends = program.split_whitespace().any(is_end);
-    if ends { format!("{program}\n") } else { format!("{program}\nM2\n") }
-}
 
 #[test]
 fn every_wrong_program_gives_its_code_and_every_right_one_does_not() {
     let mut untrue = Vec::new();
     for finding in findings().filter(|finding| !finding.wrong.is_empty()) {
         let codes = |program: &str| -> Vec<_> {
-            found(finding, program).iter().map(|found| found.code).collect()
+            found_in_example(finding, program).iter().map(|found| found.code).collect()
         };
         let (wrong, right) = (codes(finding.wrong), codes(finding.right));
         if !wrong.contains(&finding.code) {
             untrue.push(format!("{}: {:?} gives {wrong:?}", finding.code, finding.wrong));
         }
-        let errors: Vec<_> = found(finding, finding.right)
+        let errors: Vec<_> = found_in_example(finding, finding.right)
             .iter()
             .filter(|found| found.is_error())
             .map(|found| format!("{} {}", found.code, found.message))
@@ -64,14 +43,14 @@ fn every_code_is_in_the_list_once_and_in_order() {
 
 #[test]
 fn every_code_of_planner_files_and_editor_has_its_sentence() {
-    let listed: Vec<_> = elsewhere::SENTENCES.iter().map(|(code, _)| *code).collect();
+    let listed: Vec<_> = SENTENCES.iter().map(|(code, _)| *code).collect();
     assert!(listed.is_sorted_by(|a, b| a < b), "{listed:?}");
     let used = codes_in(&["plan", "store", "control", "leadscrew", "cli", "lsp"]);
     let missing: Vec<_> = used
         .iter()
         .filter(|code| b"MSA".contains(&code.as_bytes()[0]) && !listed.contains(&code.as_str()))
         .collect();
-    assert!(missing.is_empty(), "write their sentences into tests/elsewhere: {missing:?}");
+    assert!(missing.is_empty(), "write their sentences into src/explain/elsewhere.rs: {missing:?}");
 }
 
 #[test]
@@ -82,64 +61,16 @@ fn findings_that_no_short_program_shows_are_few() {
 }
 
 #[test]
-fn the_page_is_made_from_the_list() {
-    let path = root().join("docs/diagnostics.md");
-    let page = page();
-    if std::env::var_os("UPDATE_SPEC").is_some() {
-        fs::write(&path, &page).unwrap();
+fn a_code_is_explained_alone_and_on_the_page_of_all() {
+    let page = interp::explanations();
+    let codes =
+        findings().map(|finding| finding.code).chain(SENTENCES.iter().map(|(code, _)| *code));
+    for code in codes {
+        let alone = interp::explanation(code).unwrap();
+        let sentence = alone.lines().nth(2).unwrap();
+        assert!(alone.starts_with(&format!("### {code}\n")) && page.contains(sentence), "{alone}");
     }
-    let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == page, "UPDATE_SPEC=1 cargo test -p interp --test all diagnostics::");
-}
-
-fn page() -> String {
-    let mut page = String::from(
-        "# What can be wrong with a program\n\n\
-         Made from the list by which the tests run every program of this page (`crates/interp/src/explain`): the wrong one gives \
-         the code, the right one does not. `leadscrew check FILE` or `leadscrew check FOLDER` says all findings of a program at \
-         once; `--format json` and `--format sarif` say them to other programs. A program that does not end by itself is meant \
-         with `M2` behind it. T1 is an end mill of 10 mm, T2 a tap M6.\n\n\
-         *error*: the program is refused. *warning*: legal, and likely to hurt. *note*: worth knowing.\n",
-    );
-    for finding in findings() {
-        let _ = write!(page, "\n### {}\n\n{}", finding.code, finding.sentence);
-        let dialect = match finding.dialect {
-            interp::Dialect::LinuxCnc => "gcode".to_owned(),
-            other => format!("gcode --dialect {}", other.name()),
-        };
-        if finding.wrong.is_empty() {
-            page += "\n";
-            continue;
-        }
-        let said = found(finding, finding.wrong);
-        let said = said.iter().find(|found| found.code == finding.code).unwrap();
-        let severity = match said.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-            Severity::Note => "note",
-        };
-        let help = said.help.as_ref().map(|help| format!(" — {help}")).unwrap_or_default();
-        let _ = write!(
-            page,
-            "\n\n```{dialect}\n{}\n```\n\n> {severity}, line {}: {}{help}\n\nRight:\n\n```{dialect}\n{}\n```\n",
-            shown(finding.wrong),
-            said.span.line,
-            said.message,
-            shown(finding.right),
-        );
-    }
-    page += "\n## Before motion, in files and on the command line\n\n\
-        What the planner finds (M), what is wrong with machine files, tool tables and parameter files (S), and what command line \
-        and editor say (A). Each says its own numbers.\n\n| code | what it means |\n|---|---|\n";
-    for (code, sentence) in elsewhere::SENTENCES {
-        let _ = writeln!(page, "| {code} | {sentence} |");
-    }
-    page
-}
-
-/// Control characters made visible.
-fn shown(program: &str) -> String {
-    program.replace('\0', "␀").replace('\r', "␍")
+    assert_eq!(interp::explanation("I9999"), None);
 }
 
 fn codes_in(crates: &[&str]) -> BTreeSet<String> {

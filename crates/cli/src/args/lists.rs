@@ -42,6 +42,14 @@ pub(crate) enum MachineCommand {
     },
 }
 
+/// `leadscrew explain`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct ExplainArgs {
+    /// Codes of findings, as in I0501, and numbers of alarms, as in 105 [default: all findings]
+    #[arg(value_name = "CODE")]
+    pub(crate) codes: Vec<String>,
+}
+
 /// `leadscrew codes`.
 #[derive(Args, Debug)]
 pub(crate) struct CodesArgs {

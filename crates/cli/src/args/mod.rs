@@ -25,7 +25,7 @@ pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use control::ControlArgs;
 pub(crate) use drives::DrivesArgs;
-pub(crate) use lists::{CodesArgs, CodesFormat, MachineCommand};
+pub(crate) use lists::{CodesArgs, CodesFormat, ExplainArgs, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use serve::{ServeArgs, TokenRole};
@@ -250,6 +250,12 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
   leadscrew codes                                         what is known, by code
   leadscrew codes --of programs/ --machine mine.toml   what is used, how often, and is it known?")]
     Codes(CodesArgs),
+    /// Say what a finding's code or an alarm's number means, with a program that causes it
+    #[command(after_help = "Examples:
+  leadscrew explain I0501 M0360   what these findings mean, and what works instead
+  leadscrew explain 105           an alarm: its cause, and what to do
+  leadscrew explain               every finding, as a page in Markdown")]
+    Explain(ExplainArgs),
     /// The machines Leadscrew knows, and files that describe others
     #[command(subcommand)]
     Machine(MachineCommand),
@@ -289,6 +295,7 @@ impl Command {
             Self::Compensation(args) => args.format == CompensationOutput::Json,
             Self::Codes(args) => args.format == CodesFormat::Json,
             Self::Drives(_)
+            | Self::Explain(_)
             | Self::Simulator(_)
             | Self::Control(_)
             | Self::Serve(_)

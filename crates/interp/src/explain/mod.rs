@@ -1,16 +1,18 @@
 //! Every finding about a program: its code, what it means, a program that causes it and one that
 //! does not.
 //!
-//! The page `docs/diagnostics.md` is made from this list, SARIF takes its rules from it, and a test
-//! runs every program of it: the wrong one must give the code, the right one must not. A code that
+//! `leadscrew explain` says what stands here, SARIF takes its rules from it, and a test runs every
+//! program of it: the wrong one must give the code, the right one must not. A code that
 //! is used and not in the list fails that test.
 pub(crate) mod cam;
 pub(crate) mod catalogue;
 pub(crate) mod cycles;
+pub(crate) mod elsewhere;
 pub(crate) mod fanuc;
 pub(crate) mod finding;
 pub(crate) mod flow;
 pub(crate) mod machine;
+pub(crate) mod page;
 pub(crate) mod text;
 pub(crate) mod tools;
 pub(crate) mod turning;

@@ -2,7 +2,7 @@
 //! line and editor (A).
 
 /// Code and sentence, by rising code.
-pub(crate) const SENTENCES: &[(&str, &str)] = &[
+pub const SENTENCES: &[(&str, &str)] = &[
     (
         "A0101",
         "A tool is not in the table: a stand-in of no length takes its place (`--missing-tools stand-in`).",
