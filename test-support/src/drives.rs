@@ -40,7 +40,7 @@ pub trait DrivesBench {
 }
 
 /// Longest that is waited for anything, machine time.
-const LONGEST: Time = Time::s(120.0);
+const LONGEST: Time = Time::s(60.0);
 /// Speed at which Z is jogged at most, mm/s.
 const FASTEST: f64 = 200.0;
 /// Periods from one look to the next.
