@@ -4,6 +4,7 @@
 mod absolute_encoders;
 mod axis_kinds;
 mod broken_tools;
+mod notices;
 mod proving;
 mod real_time;
 mod recovery;
