@@ -284,9 +284,13 @@ impl Running {
             if self.is_attended {
                 return ControlFlow::Break(());
             }
+            let held = self.nobody_resumes(executor);
             match self.deal_with_stop(executor) {
                 Ok(true) => {}
-                Ok(false) => return ControlFlow::Break(()),
+                Ok(false) => {
+                    self.broke_off.extend(held);
+                    return ControlFlow::Break(());
+                }
                 Err(why) => {
                     self.broke_off.push(format!("the tool could not be taken out: {why}"));
                     return ControlFlow::Break(());
@@ -346,6 +350,20 @@ impl Running {
         let rests = kernel.operator().wants_rest() && kernel.is_standing();
         let held = rests && kernel.report().state == State::Held && !self.is_attended;
         kernel.is_over() || machine.is_abandoned() || held && self.services.stops.no_orders_left()
+    }
+
+    /// The program is held, and no order to resume is left.
+    fn nobody_resumes(&self, executor: &Executor) -> Option<String> {
+        let kernel = &executor.kernel;
+        let is_held = kernel.report().state == State::Held && kernel.faults().is_empty();
+        let (line, now) = (kernel.report().line, self.now.value());
+        let by = if kernel.operator().is_held_after_block() { " after a block" } else { "" };
+        is_held.then(|| {
+            format!(
+                "line {line}: held{by} at {now:.3} s, and nobody resumes it: --operator \"resume at {:.0}s\" would do",
+                now.ceil() + 1.0
+            )
+        })
     }
 
     /// Something waits to be confirmed, and no order to confirm is left.

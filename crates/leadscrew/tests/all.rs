@@ -3,6 +3,7 @@
 
 mod attacks;
 mod feedback_faults;
+mod held;
 mod inches;
 mod library;
 mod never_slower;
