@@ -12,5 +12,6 @@ mod polygon_phase;
 mod probing;
 mod rounded_feeds;
 mod single_block;
+mod spindle_starts;
 mod state_kills;
 mod tool_life;
