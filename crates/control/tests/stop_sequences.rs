@@ -206,7 +206,7 @@ fn after_a_stop_nothing_lets_the_program_go_on_and_the_refusal_says_what_is_poss
     ];
     let (mut refused, mut in_thread) = (0, 0);
     for cut in &CUTS {
-        for requests in before.into_iter().take(size::of(2, 4)) {
+        for requests in before.into_iter().skip(size::of(1, 0)).take(size::of(1, 4)) {
             let folder = tempfile::tempdir().unwrap();
             let mut control = under_way(folder.path(), cut);
             if cut.0.starts_with("tap") {
