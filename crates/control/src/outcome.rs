@@ -175,12 +175,13 @@ impl EndedRun {
         }
         cams.end(feeder.planner.worn());
         cams.keep(polygons.said, polygons.kept);
+        let ended = kernel.report().state == State::Ended;
         let outcome = Outcome {
             features: told_of_recovery(features, recovered),
             recorder: observers.recorder,
             watch: observers.watch,
             cycle_time: took,
-            ended: kernel.report().state == State::Ended,
+            ended,
             faults,
             warnings: observers.warnings,
             limiting: feeder.limiting,
@@ -194,7 +195,7 @@ impl EndedRun {
             real_time,
             not_granted,
             least_ahead: feeder.ahead.least(),
-            not_triggered: stops.not_triggered(took),
+            not_triggered: stops.not_triggered(took, ended),
             happened: observers.confirmed.into_iter().chain(stops.happened).collect(),
             stops: stops.threads,
             withdrawn: stops.withdrawn,

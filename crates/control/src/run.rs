@@ -122,6 +122,8 @@ pub struct Running {
     begun: Time,
     now: Time,
     stall: Option<StallGuard>,
+    /// Time since which it is held.
+    held_since: Option<Time>,
     periods: u64,
     /// The last period.
     sample: Sample,
@@ -182,6 +184,7 @@ impl Running {
             begun,
             now: begun,
             stall,
+            held_since: None,
             periods: 0,
             sample: Sample::default(),
             real_time: None,
@@ -284,9 +287,13 @@ impl Running {
             if self.is_attended {
                 return ControlFlow::Break(());
             }
+            let held = self.nobody_resumes(executor);
             match self.deal_with_stop(executor) {
                 Ok(true) => {}
-                Ok(false) => return ControlFlow::Break(()),
+                Ok(false) => {
+                    self.broke_off.extend(held);
+                    return ControlFlow::Break(());
+                }
                 Err(why) => {
                     self.broke_off.push(format!("the tool could not be taken out: {why}"));
                     return ControlFlow::Break(());
@@ -326,10 +333,13 @@ impl Running {
         self.feeder.done(&executor.kernel);
         self.periods += 1;
         self.now = executor.machine.feedback().time;
+        let is_held = executor.kernel.report().state == State::Held;
+        self.held_since = is_held.then(|| self.held_since.unwrap_or(self.now));
         let (times, kernel) = ((self.begun, self.now), &executor.kernel);
         let given_up =
             self.stall.as_mut().and_then(|stall| stall.ends(&self.sample.command, times, kernel));
-        let given_up = given_up.or_else(|| self.nobody_confirms(kernel));
+        let given_up = given_up.map(|why| self.nobody_resumes(executor).unwrap_or(why));
+        let given_up = given_up.or_else(|| self.nobody_confirms(&executor.kernel));
         match given_up {
             Some(why) => {
                 self.broke_off.push(why);
@@ -346,6 +356,20 @@ impl Running {
         let rests = kernel.operator().wants_rest() && kernel.is_standing();
         let held = rests && kernel.report().state == State::Held && !self.is_attended;
         kernel.is_over() || machine.is_abandoned() || held && self.services.stops.no_orders_left()
+    }
+
+    /// The program is held, and no order to resume is left.
+    fn nobody_resumes(&self, executor: &Executor) -> Option<String> {
+        let kernel = &executor.kernel;
+        let is_held = kernel.report().state == State::Held && kernel.faults().is_empty();
+        let (line, since) = (kernel.report().line, self.held_since.unwrap_or(self.now).value());
+        let by = if kernel.operator().is_held_after_block() { " after a block" } else { "" };
+        is_held.then(|| {
+            format!(
+                "line {line}: held{by} at {since:.3} s, and nobody resumes it: --operator \"resume at {:.0}s\" would do",
+                since.ceil() + 1.0
+            )
+        })
     }
 
     /// Something waits to be confirmed, and no order to confirm is left.

@@ -140,6 +140,7 @@ fn fits(item: Item<Fault>, machine: &MachineFile) -> Result<Item<Fault>, String>
             Err(format!("\"{text}\": {} has no axis {letter}, only {axes}", machine.name))
         }
         Fault::SpindleDrive(spindle)
+        | Fault::StuckSpindle(spindle)
         | Fault::TorqueLoss(spindle, _)
         | Fault::Eccentricity(spindle, _)
             if spindle >= spindles =>
@@ -285,7 +286,7 @@ const FAULTS: [(&str, &str); 15] = [
     ("encoder-slip", " ANGLE"),
     ("dropout", " TIME"),
     ("feedback-lost", " TIME"),
-    ("stuck", " AXIS"),
+    ("stuck", " spindle [N]|AXIS"),
     ("feedback-jump", " AXIS LENGTH"),
     ("scale-error", " AXIS PPM"),
     ("eccentricity", " ANGLE [spindle N]"),
@@ -316,6 +317,8 @@ impl What for Fault {
             ["encoder-slip", by] => angle(by).map(Self::Slip),
             ["dropout", lasts] => time(lasts).map(Self::Dropout),
             ["feedback-lost", lasts] => time(lasts).map(Self::FeedbackLost),
+            ["stuck", "spindle"] => Ok(Self::StuckSpindle(0)),
+            ["stuck", "spindle", which] => spindle(which).map(Self::StuckSpindle),
             ["stuck", letter] => axis(letter).map(Self::Stuck),
             ["feedback-jump", letter, by] => {
                 let axis = axis(letter)?;

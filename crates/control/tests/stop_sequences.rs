@@ -3,10 +3,10 @@
 //! whole.
 use crate::stops::{homed, pass, until};
 use control::Control;
-use control::operation::Request;
+use control::operation::{Event, Execution, Jog, Request};
 use std::path::Path;
 use test_support::size;
-use units::Time;
+use units::{Coordinate, Time};
 
 /// Motions that end by themselves or by a stop take no longer than this.
 const COMES_TO_REST: Time = Time::s(30.0);
@@ -105,6 +105,11 @@ fn is_tied(control: &Control) -> bool {
     control.status().is_tool_in_work
 }
 
+/// A tap is in its thread.
+pub(crate) fn is_in_thread(control: &Control) -> bool {
+    !control.status().unmet.iter().any(|unmet| unmet.need == "tap_in_thread")
+}
+
 /// Everything rests, and nothing is under way but what waits for the operator.
 fn comes_to_rest(control: &mut Control, what: &str) {
     let end = control.now() + COMES_TO_REST;
@@ -180,4 +185,73 @@ fn whatever_stops_follow_each_other_everything_rests_and_the_tool_comes_out_whol
         }
     }
     println!("{cases} sequences");
+}
+
+/// What would let a program go on is refused from its stop on, whatever was asked for before it and
+/// wherever it is, with what is possible instead.
+#[test]
+fn after_a_stop_nothing_lets_the_program_go_on_and_the_refusal_says_what_is_possible() {
+    let before: [&[Request]; 4] = [
+        &[Request::Stop],
+        &[Request::FeedHold, Request::Stop],
+        &[Request::FeedHold, Request::Resume, Request::Stop],
+        &[Request::FeedHold, Request::Stop, Request::FeedHold],
+    ];
+    let goes_on = [
+        Request::Resume,
+        Request::Confirm,
+        Request::Start,
+        Request::ManualDataInput("G91 G0 Z1\nG90".into()),
+        Request::Jog(canon::Axis::Z, Jog::Increment(Coordinate::new(1.0))),
+    ];
+    let (mut refused, mut in_thread) = (0, 0);
+    for cut in &CUTS {
+        for requests in before.into_iter().skip(size::of(1, 0)).take(size::of(1, 4)) {
+            let folder = tempfile::tempdir().unwrap();
+            let mut control = under_way(folder.path(), cut);
+            if cut.0.starts_with("tap") {
+                until(&mut control, "the thread", is_in_thread);
+            } else {
+                pass(&mut control, Time::s(0.35));
+            }
+            for request in requests {
+                let _ = control.request(request);
+                pass(&mut control, Time::s(0.02));
+            }
+            let what = format!("{}, {requests:?}", cut.0);
+            let end = control.now() + Time::s(1.0);
+            while control.execution().is_under_way() && control.now() < end {
+                for request in &goes_on {
+                    let answer = control.request(request);
+                    let said = answer.expect_err("it was stopped").to_string();
+                    let (reason, remedy) = said.split_once(": ").unwrap_or_default();
+                    assert!(reason.contains("stopped"), "{what}, {request:?}: {said}");
+                    assert!(reason.ends_with("cannot go on"), "{what}, {request:?}: {said}");
+                    assert!(remedy.contains("start it again"), "{what}, {request:?}: {said}");
+                    in_thread += usize::from(remedy.contains("retract its tool"));
+                    refused += 1;
+                }
+                pass(&mut control, Time::s(0.05));
+            }
+            let heard: Vec<_> = std::iter::from_fn(|| control.next_event()).collect();
+            let asked = |event: &Event| matches!(event, Event::Notice(text) if text.contains("ended by an abort"));
+            assert!(!heard.iter().any(asked), "{what}: {heard:?}");
+        }
+    }
+    assert!(refused > 100 && in_thread > 50, "{refused}, {in_thread} of a tap in its thread");
+}
+
+/// A program that waits at M0 is stopped: it is confirmed in vain.
+#[test]
+fn a_stop_at_m0_is_not_confirmed_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let cut = ("M0", "tapping-center", "G21 G90 G54\nG0 X0\nM0\nG0 X5\nM30\n", 3);
+    let mut control = under_way(folder.path(), &cut);
+    until(&mut control, "M0", |control| control.execution() == Execution::ProgramStopped);
+    control.request(&Request::Stop).unwrap();
+    for request in [Request::Confirm, Request::Resume] {
+        let why = control.request(&request).expect_err("it was stopped").to_string();
+        assert!(why.contains("cannot go on"), "{why}");
+    }
+    until(&mut control, "its end", |control| control.execution() == Execution::Stopped);
 }

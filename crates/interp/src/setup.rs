@@ -231,6 +231,9 @@ pub struct Limits {
     /// Blocks executed since the machine has last moved or waited, where the program jumps back;
     /// each 64 bytes of a block count as one more.
     pub idle_blocks: u64,
+    /// Readings of inputs executed since the machine has last moved or waited, where the program
+    /// jumps back.
+    pub idle_reads: u64,
     /// Errors after which reading on is of no use.
     pub errors: usize,
     /// Blocks executed after the first error, to find more.
@@ -247,6 +250,7 @@ impl Default for Limits {
             calls: 64,
             blocks: 50_000_000,
             idle_blocks: 2_000_000,
+            idle_reads: 10_000,
             errors: 200,
             blocks_after_error: 1_000_000,
             findings: 400,

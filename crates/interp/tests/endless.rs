@@ -39,7 +39,9 @@ fn a_loop_in_which_nothing_changes_is_refused_at_once() {
 #[test]
 fn a_loop_that_ends_by_an_answer_of_the_machine_is_left_to_the_run() {
     let loops = [
-        "o1 while [#5399 EQ 0]\nM66 P0 L0\no1 endwhile\nG0 X1\nM2\n",
+        "o1 while [#5399 EQ 0]\nM66 P0 L0\nG4 P0.1\no1 endwhile\nG0 X1\nM2\n",
+        "o1 do\nM66 P0 L3 Q2\no1 while [#5399 EQ 1]\nG0 X1\nM2\n",
+        "o1 while [1]\nM66 P0 L3 Q0.5\no1 endwhile\nM2\n",
         "F100\no1 do\nG91 G38.3 X0.1\nG0 X-0.1\no1 while [#5070 EQ 1]\nM2\n",
     ];
     for program in loops {
@@ -131,11 +133,99 @@ fn a_loop_that_only_counts_is_refused_where_it_leads_back() {
     let busy = [
         "o1 while [#1 LT 3000]\n#1=[#1+1]\nG0 X[#1]\no1 endwhile\nM2\n",
         "o1 while [#1 LT 3000]\n#1=[#1+1]\nG4 P0.1\no1 endwhile\nM2\n",
-        "o1 while [#1 LT 3000]\n#1=[#1+1]\nM66 P0 L0\no1 endwhile\nM2\n",
+        "o1 while [#1 LT 3000]\n#1=[#1+1]\nM66 P0 L3 Q1\no1 endwhile\nM2\n",
+        "o1 while [#1 LT 3000]\n#1=[#1+1]\nM66 P0 L0\nG4 P0.01\no1 endwhile\nM2\n",
+        "o1 while [#1 LT 3000]\n#1=[#1+1]\nG91 G38.3 Z-0.001 F100\no1 endwhile\nM2\n",
         "O1\nWHILE [#1 LT 3000] DO1\n#1=#1+1\nM0\nEND1\nM30\n",
         "o1 while [#1 LT 1500]\n#1=[#1+1]\no1 endwhile\nG0 X1\no1 while [#1 LT 3000]\n#1=[#1+1]\no1 endwhile\nM2\n",
     ];
     for program in busy {
         assert_eq!(stopped(program, 5000), [""; 0], "{program}");
     }
+}
+
+/// A line of each kind that takes no machine time, whatever was before it.
+const IDLE_LINES: [&str; 18] = [
+    "M66 P0 L0",
+    "M66 E0",
+    "F100 G38.3 Z-0",
+    "F100 G38.5 Z0",
+    "G4 P0",
+    "M62 P1",
+    "M63 P1",
+    "M64 P1",
+    "M65 P1",
+    "M67 E0 Q1",
+    "M68 E0 Q1",
+    "G10 L2 P2 X1",
+    "G92 X0",
+    "(MSG, once more)",
+    "G0 X0",
+    "F100 G1 X0 Y0",
+    "M1",
+    "T1 M8 M48 S500 M3 G64",
+];
+
+fn setup_with(blocks: u64, reads: u64) -> Setup {
+    let mut setup = Setup { missing_tools: MissingTools::StandIn, ..Setup::default() };
+    setup.user_codes.push(interp::MachineCode {
+        number: 150,
+        name: "blow".into(),
+        action: interp::CodeAction::Output { number: 3, on: true },
+    });
+    (setup.limits.idle_blocks, setup.limits.idle_reads) = (blocks, reads);
+    setup
+}
+
+fn errors_of(program: &str, setup: &Setup) -> Vec<diag::Diagnostic> {
+    let mut ops = Ops::new(program.as_bytes(), setup);
+    ops.by_ref().take(200_000).for_each(drop);
+    ops.diagnostics().into_iter().filter(diag::Diagnostic::is_error).collect()
+}
+
+/// Without a count, with one, and computing one within another: in each the line that turns is
+/// named, and what would end the loop.
+#[test]
+fn a_loop_of_lines_that_neither_move_nor_wait_is_refused_where_it_turns() {
+    let setup = setup_with(6000, 900);
+    for line in IDLE_LINES.into_iter().chain(["M150"]) {
+        let loops = [
+            (format!("o1 while [1]\n{line}\no1 endwhile\nM2\n"), 3),
+            (format!("o1 while [#5399 EQ 0]\n{line}\no1 endwhile\nM2\n"), 3),
+            (format!("o1 do\n#1=[#1+1]\n{line}\no1 while [1]\nM2\n"), 4),
+            (
+                format!("G0 X1\nG0 X0\no1 repeat [1000000]\n#1=[#1+1]\n{line}\no1 endrepeat\nM2\n"),
+                6,
+            ),
+        ];
+        for (program, turns_in) in loops {
+            let found = errors_of(&program, &setup);
+            let [found] = &found[..] else { panic!("{program}: {found:?}") };
+            assert_eq!((found.code, found.span.line), ("I0803", turns_in), "{program}");
+            let help = found.help.as_deref().unwrap_or_default();
+            assert!(help.contains("G4 P0.1"), "{program}: {help}");
+        }
+    }
+}
+
+/// What a check does not see, because the machine answers otherwise than is assumed.
+#[test]
+fn a_loop_that_polls_while_the_program_runs_is_refused_after_a_stated_number_of_readings() {
+    let program = "G0 X1\nM66 P0 L3 Q1\no1 while [#5399 EQ 0]\nM66 P0 L0\no1 endwhile\nG0 X0\nM2\n";
+    let setup = setup_with(1_000_000, 500);
+    assert_eq!(errors_of(program, &setup).len(), 0, "it is taken to have come");
+    let mut live = interp::Live::new(program, setup, None);
+    let mut answered = 0;
+    while answered < 2000 {
+        while live.next_op().is_some() {}
+        if live.asked() == 0 {
+            break;
+        }
+        live.answer(&canon::Answer::Input(Some(0.0)));
+        answered += 1;
+    }
+    let found: Vec<_> = live.findings().into_iter().filter(diag::Diagnostic::is_error).collect();
+    let [found] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((found.code, found.span.line, answered), ("I0803", 5, 502));
+    assert!(found.message.contains("has read the machine 500 times"), "{}", found.message);
 }

@@ -31,8 +31,8 @@
 //! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward).
 //! An axis that nothing ties is stuck as well if its reading stays for 10 ms while its drive pushes
 //! by more than friction takes, though the setpoint stands.
-//! A spindle that does not turn may as well be stalled; its following error says so. The model may
-//! be off by a·(n·h)²/8 + 8·q.
+//! A spindle is stuck, or blocked, if its reading stays while its drive pushes by what would have
+//! turned it ([`SpindleLoop::is_stuck`]). The model may be off by a·(n·h)²/8 + 8·q.
 mod untied;
 mod watched;
 
@@ -131,7 +131,8 @@ impl EncoderPlausibility {
             let reading = taken.spindles[spindle].angle.value();
             let watched = self.spindle.get_or_insert(Watched::new(reading - turns, turns));
             let expected = expected_of_spindle(loop_, watched, period_s);
-            let bounds = spindle_bounds(loop_, period_s, frame_lost);
+            let is_stuck = !frame_lost && loop_.is_stuck(reading, true);
+            let bounds = Bounds { is_stuck, frame_lost, ..spindle_bounds(loop_, period_s) };
             let (angle, change) = watched.judge(reading, expected, bounds);
             taken.spindles[spindle].angle = units::Angle::rev(angle);
             look_at_spindle(loop_, change, Without::Model, (angle, period_s));
@@ -261,11 +262,10 @@ fn look_at_spindle(
 }
 
 /// What the encoder of a spindle can show.
-fn spindle_bounds(spindle: &SpindleLoop, period_s: f64, frame_lost: bool) -> Bounds {
+fn spindle_bounds(spindle: &SpindleLoop, period_s: f64) -> Bounds {
     Bounds {
         accel_way: spindle.accel_at_rest() * period_s * period_s,
         count: spindle.control.encoder_count.value(),
-        frame_lost,
         ..Bounds::NONE
     }
 }

@@ -9,11 +9,14 @@
 //! A continuous jog is a lease: who wants the axis to go on says so again before it ends. A
 //! client that is lost, or a control that hangs, leaves no axis moving. A limit switch ends what
 //! leads further onto it, whether or not the axis knows where it is.
+mod switch_stops;
+
 use crate::axis::Target;
 use crate::drives::{Drives, Finding};
 use crate::waits::is_not_oriented;
 use bus::{AXES, Feedback, SPINDLES};
 use motion::{Goal, OnlineLimits, OnlineState};
+use switch_stops::SwitchStops;
 use units::{Angle, Axis, Orientation, Spin, Time};
 
 /// How one axis is moved by hand, in its own unit and s.
@@ -49,8 +52,7 @@ pub enum ManualRefusal {
 pub(crate) struct Manual {
     moving: [Option<(ManualOrder, OnlineState)>; AXES],
     turning: [Option<SpindleByHand>; SPINDLES],
-    /// A limit switch has ended a move of this axis, and that was not said yet.
-    stopped: Option<Axis>,
+    stops: SwitchStops,
 }
 
 /// How a spindle is turned by hand.
@@ -101,9 +103,9 @@ impl Manual {
         self.turning = [None; SPINDLES];
     }
 
-    /// The axis that a limit switch has stopped since the last time.
-    pub(crate) const fn take_stopped(&mut self) -> Option<Axis> {
-        self.stopped.take()
+    /// The next axis that a limit switch has stopped, once while it is sent onto it again and again.
+    pub(crate) fn take_stopped(&mut self) -> Option<Axis> {
+        self.stops.take()
     }
 
     /// One period; `rests`: all shall come to rest.
@@ -118,6 +120,7 @@ impl Manual {
         drives: &mut Drives,
     ) -> Result<(), Finding> {
         let mut found = Ok(());
+        self.stops.advance(period_s);
         for (index, (turning, spindle)) in
             self.turning.iter_mut().zip(&mut drives.spindles).enumerate()
         {
@@ -145,9 +148,11 @@ impl Manual {
             let (Some((order, state)), Some(axis)) = (moving.as_mut(), axis.as_mut()) else {
                 continue;
             };
-            if leads_onto(order.goal, state.position, feedback.axes[index].limit_switches) {
+            if let Some(is_upper) =
+                leads_onto(order.goal, state.position, feedback.axes[index].limit_switches)
+            {
                 (order.goal, order.lease) = (Goal::Speed(0.0), None);
-                self.stopped = Some(Axis::ALL[index]);
+                self.stops.ended(index, is_upper);
             }
             let is_over = order.lease.is_some_and(|end| now >= end);
             let goal = if rests || is_over { Goal::Speed(0.0) } else { order.goal };
@@ -169,13 +174,17 @@ impl Manual {
     }
 }
 
-/// A goal lies beyond a limit switch that is actuated.
-const fn leads_onto(goal: Goal, position: f64, [negative, positive]: [bool; 2]) -> bool {
+/// Whether the limit switch, actuated, beyond which a goal lies is that of the upper end.
+const fn leads_onto(goal: Goal, position: f64, [negative, positive]: [bool; 2]) -> Option<bool> {
     let by = match goal {
         Goal::Speed(speed) => speed,
         Goal::Position(place) => place - position,
     };
-    negative && by < 0.0 || positive && by > 0.0
+    match (negative && by < 0.0, positive && by > 0.0) {
+        (_, true) => Some(true),
+        (true, false) => Some(false),
+        (false, false) => None,
+    }
 }
 
 impl ManualOrder {

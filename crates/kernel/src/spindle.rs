@@ -19,6 +19,7 @@
 mod observers;
 mod orientation;
 mod readings;
+mod stuck;
 mod surface;
 
 use crate::config::{Config, SpindleControl};
@@ -31,6 +32,7 @@ use core::f64::consts::TAU;
 use motion::{Profile, SurfaceSpeed};
 use observers::Observers;
 use orientation::ByDrive;
+use stuck::{Resting, Unanswered};
 use sync::{Blend, Rotation, Swing};
 use units::{Angle, Spin, SpinAccel, Time, Torque};
 
@@ -83,6 +85,10 @@ pub(crate) struct SpindleLoop {
     reading: f64,
     reading_before: f64,
     error: f64,
+    /// The torque that was commanded last.
+    torque: f64,
+    unanswered: Unanswered,
+    resting: Resting,
     saturated: bool,
     /// Whether its readings are used: see [`crate::encoder_plausibility`].
     pub(crate) sight: Sight,
@@ -130,6 +136,9 @@ impl SpindleLoop {
             reading: 0.0,
             reading_before: 0.0,
             error: 0.0,
+            torque: 0.0,
+            unanswered: Unanswered::NONE,
+            resting: Resting::NONE,
             saturated: false,
             sight: Sight::Closed,
             regained: false,
@@ -431,6 +440,7 @@ impl SpindleLoop {
             shares.accel * self.inertia * ahead.accel.value() + shares.friction * friction;
         let limit = self.limit(self.now().spin.value());
         let growth = if by_angle { shares.speed * way - turned } else { way - turned };
+        let limits = self.torque_limits(way, limit);
         let regained = core::mem::take(&mut self.regained);
         self.sight.advance(self.period_s);
         let torque = match self.sight {
@@ -442,7 +452,7 @@ impl SpindleLoop {
                     error: self.error,
                     growth: if regained { 0.0 } else { growth },
                     feed_forward,
-                    limits: (-limit, limit),
+                    limits,
                     position: by_angle,
                 })
             }
@@ -453,6 +463,7 @@ impl SpindleLoop {
                 return SpindleCommand { angle: ordered.angle, ..SpindleCommand::default() };
             }
         };
+        self.torque = torque;
         self.observers.tell(ordered.spin);
         SpindleCommand {
             enable: true,

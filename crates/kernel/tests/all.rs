@@ -40,6 +40,7 @@ mod spindle_override;
 mod stop_campaign;
 mod stopping_distance;
 mod stops;
+mod stuck_spindle;
 mod surface_speed;
 mod tapping;
 mod thread_withdrawal;

@@ -3,6 +3,7 @@
 
 mod attacks;
 mod feedback_faults;
+mod held;
 mod inches;
 mod library;
 mod never_slower;
@@ -13,5 +14,6 @@ mod process_drives;
 mod rounded_feeds;
 mod simulator_drives;
 mod single_block;
+mod spindle_starts;
 mod state_kills;
 mod tool_life;

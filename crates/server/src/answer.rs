@@ -4,7 +4,7 @@ use crate::page_words::on_page;
 use crate::rights::Denied;
 use crate::wire::RefusalBody;
 use axum::body::{Body, to_bytes};
-use axum::http::{StatusCode, header};
+use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use control::operation::hosted::{RefusalData, RefusalKind};
 use serde::Serialize;
@@ -12,24 +12,43 @@ use serde::de::DeserializeOwned;
 use std::time::Duration;
 /// Largest body that is JSON.
 pub(crate) const LARGEST_JSON: usize = 64 << 10;
+/// Characters of a client's method that are shown.
+const LONGEST_METHOD: usize = 20;
 
 /// What is wrong, with its status.
 #[derive(Debug)]
 pub(crate) struct ApiError {
     status: StatusCode,
     body: RefusalBody,
+    /// Methods that the address takes.
+    allow: Option<String>,
 }
 
 impl ApiError {
     /// A sentence.
     pub(crate) fn new(status: StatusCode, reason: impl Into<String>) -> Self {
-        Self { status, body: RefusalBody { reason: reason.into(), ..RefusalBody::default() } }
+        let body = RefusalBody { reason: reason.into(), ..RefusalBody::default() };
+        Self { status, body, allow: None }
     }
 
     /// With what would make it possible.
     pub(crate) fn with_remedy(mut self, remedy: impl Into<String>) -> Self {
         self.body.remedy = Some(remedy.into());
         self
+    }
+
+    /// A method that an address does not take; `allow`: those that it takes, as axum lists them.
+    pub(crate) fn wrong_method(method: &Method, allow: &str) -> Self {
+        let mut taken: Vec<_> = allow.split(',').map(str::trim).collect();
+        taken.sort_unstable();
+        let listed = match taken.split_last() {
+            Some((last, [])) => (*last).to_owned(),
+            Some((last, before)) => format!("{} and {last}", before.join(", ")),
+            None => String::new(),
+        };
+        let method: String = method.as_str().chars().take(LONGEST_METHOD).collect();
+        let reason = format!("{method} is no method of this address: it takes {listed}");
+        Self { allow: Some(taken.join(", ")), ..Self::new(StatusCode::METHOD_NOT_ALLOWED, reason) }
     }
 
     /// What is answered.
@@ -57,7 +76,8 @@ impl From<RefusalData> for ApiError {
             finding.help = finding.help.as_deref().map(on_page);
         }
         let (reason, remedy) = (on_page(&reason), remedy.as_deref().map(on_page));
-        Self { status, body: RefusalBody { accepted: false, reason, remedy, findings } }
+        let body = RefusalBody { accepted: false, reason, remedy, findings };
+        Self { status, body, allow: None }
     }
 }
 
@@ -103,6 +123,9 @@ impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let mut response = json(&self.body);
         *response.status_mut() = self.status;
+        if let Some(allow) = self.allow.and_then(|allow| HeaderValue::from_str(&allow).ok()) {
+            response.headers_mut().insert(header::ALLOW, allow);
+        }
         response
     }
 }

@@ -223,6 +223,18 @@ fn a_program_is_replaced_by_who_says_which_and_never_by_nothing() {
             assert!(matches!(status, 400 | 422), "{method} {path}: {status} {answer}");
         }
     }
+    for nothing in ["\u{feff}", "\u{feff}\r\n", " \t\n", "\u{a0}", "\u{1a}"] {
+        for path in ["/programs/plate.ngc?replace=true", "/programs/new.ngc"] {
+            let body = nothing.as_bytes();
+            for (status, answer) in
+                [served.put_with(path, body, &[]), served.post_with(path, body, &[])]
+            {
+                assert_eq!(status, 422, "{path} {nothing:?}: {answer}");
+                let reason = answer["reason"].as_str().unwrap();
+                assert!(reason.contains("it is empty"), "{path} {nothing:?}: {reason}");
+            }
+        }
+    }
     assert_eq!(text(), whole, "it is as it was");
     assert_eq!(served.get("/programs/new.ngc").0, 404);
     let (status, answer) = put("plate.ngc", &[], b"M30\n");
@@ -240,6 +252,34 @@ fn a_program_is_replaced_by_who_says_which_and_never_by_nothing() {
     assert_eq!(put("plate.ngc", &[("if-match", &known)], b"G0 X3\nM30\n").0, 409, "it is another");
     assert_eq!(text(), "G0 X2\nM30\n");
     assert_eq!(served.get("/programs").1["programs"].as_array().unwrap().len(), 1);
+}
+
+/// Of every address that is served and every method that it does not take.
+#[test]
+fn a_method_that_an_address_does_not_take_is_answered_with_those_that_it_takes() {
+    let served = Served::at_pace(1.0);
+    let mut refused = 0;
+    for address in server::addresses() {
+        let path = address.path.replace("{*path}", "plate.ngc").replace("{id}", "1");
+        for method in ["GET", "POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "LINK"] {
+            let (status, answer) = served.raw(method, &path, &[]);
+            if status != 405 || path.starts_with("/mtconnect") {
+                continue;
+            }
+            refused += 1;
+            let answer: serde_json::Value = serde_json::from_str(&answer)
+                .unwrap_or_else(|why| panic!("{method} {path}: {why}: {answer:?}"));
+            let reason = answer["reason"].as_str().unwrap();
+            assert!(reason.contains(method), "{method} {path}: {reason}");
+            let taken = address.method.to_uppercase();
+            assert!(taken == "ANY" || reason.contains(&taken), "{method} {path}: {reason}");
+            assert_eq!(answer["accepted"], false, "{method} {path}: {answer}");
+        }
+    }
+    assert!(refused > 100, "{refused}");
+    let (_, answer) = served.raw("PATCH", "/api/v1/programs/plate.ngc", &[]);
+    let reason = "PATCH is no method of this address: it takes GET, HEAD, POST and PUT";
+    assert!(answer.contains(reason), "{answer}");
 }
 
 #[test]

@@ -24,7 +24,7 @@
 //! | scale error | an axis' reading is off by a share of its way from where it stood when it came |
 //! | eccentricity | a spindle's reading is off by an amplitude once per revolution |
 //! | dropout | the spindle's encoder gives no number for so long |
-//! | stuck | an axis' encoder says the same from then on |
+//! | stuck | the encoder of an axis or a spindle says the same from then on |
 //! | late, missed | a command arrives one period late from then on; a single one is lost |
 //! | torque loss | the spindle gives only a share of what is ordered |
 //!
@@ -88,6 +88,8 @@ pub enum Fault {
     FeedbackLost(Time),
     /// An axis' encoder is stuck.
     Stuck(usize),
+    /// A spindle's encoder is stuck.
+    StuckSpindle(usize),
     /// An axis' reading jumps.
     Jump(usize, Coordinate),
     /// An axis moves so much farther than it reads, from where it stands then: length over length.
@@ -114,7 +116,7 @@ impl Fault {
             Self::Slip(_) => "encoder-slip",
             Self::Dropout(_) => "dropout",
             Self::FeedbackLost(_) => "feedback-lost",
-            Self::Stuck(_) => "stuck",
+            Self::Stuck(_) | Self::StuckSpindle(_) => "stuck",
             Self::Jump(..) => "feedback-jump",
             Self::ScaleError(..) => "scale-error",
             Self::Eccentricity(..) => "eccentricity",
@@ -326,6 +328,7 @@ impl<M: Machine> Faulty<M> {
                 | Fault::Dropout(_)
                 | Fault::FeedbackLost(_)
                 | Fault::Stuck(_)
+                | Fault::StuckSpindle(_)
                 | Fault::Jump(..)
                 | Fault::ScaleError(..)
                 | Fault::Eccentricity(..) => {}
@@ -350,6 +353,9 @@ impl<M: Machine> Faulty<M> {
                 }
                 Fault::FeedbackLost(lasts) if real.time - came < lasts => said = pending.then,
                 Fault::Stuck(axis) => said.axes[axis].position = pending.then.axes[axis].position,
+                Fault::StuckSpindle(index) => {
+                    said.spindles[index].angle = pending.then.spindles[index].angle;
+                }
                 Fault::Jump(axis, by) => said.axes[axis].position += by,
                 Fault::ScaleError(axis, by) => {
                     let way = real.axes[axis].position - pending.then.axes[axis].position;

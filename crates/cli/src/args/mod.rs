@@ -73,7 +73,7 @@ tolerance; 2 the program or a file was refused, or a tap is in the work and noth
 move; 3 an alarm on the machine.
 
 --fault takes power-cut, kill, emergency-stop, drive-fault spindle [N]|AXIS, lost-index, encoder-slip ANGLE, \
-dropout TIME, feedback-lost TIME, stuck AXIS, feedback-jump AXIS LENGTH, scale-error AXIS PPM (from where the axis \
+dropout TIME, feedback-lost TIME, stuck spindle [N]|AXIS, feedback-jump AXIS LENGTH, scale-error AXIS PPM (from where the axis \
 stands then), eccentricity ANGLE [spindle N] (of an encoder), late, missed, torque-loss PERCENT [spindle N]; spindles count from 0.
 --operator takes hold, resume, confirm (M0, M1, a tool that is changed by hand), abort, retract, override PERCENT, \
 rapid-override PERCENT, spindle-override PERCENT, single-block on|off, emergency-stop. Where no confirm has a moment, \

@@ -38,10 +38,27 @@ pub fn check_text(text: &[u8]) -> Result<(), &'static str> {
     if text.contains(&0) {
         return Err("it is no text");
     }
-    if text.iter().all(u8::is_ascii_whitespace) {
+    if is_blank(text) {
         return Err("it is empty");
     }
     not_foreign(text)
+}
+
+/// Byte order marks of UTF-8 and UTF-16.
+const MARKS: [&[u8]; 3] = [b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff"];
+
+/// A text without its byte order mark.
+fn without_mark(text: &[u8]) -> &[u8] {
+    MARKS.iter().find_map(|mark| text.strip_prefix(*mark)).unwrap_or(text)
+}
+
+/// Whether nothing of a text could be seen: white space, control characters, byte order marks.
+fn is_blank(text: &[u8]) -> bool {
+    let is_invisible = |char: char| {
+        let is_mark = matches!(char, '\u{feff}' | '\u{200b}'..='\u{200f}' | '\u{2060}');
+        is_mark || char.is_whitespace() || char.is_control()
+    };
+    String::from_utf8_lossy(without_mark(text)).chars().all(is_invisible)
 }
 
 /// The same of a text that may be empty.
@@ -49,6 +66,7 @@ pub fn check_text(text: &[u8]) -> Result<(), &'static str> {
 /// # Errors
 /// It has a secret in it, or what a control keeps.
 pub fn not_foreign(text: &[u8]) -> Result<(), &'static str> {
+    let text = without_mark(text);
     let head = &text[..text.len().min(HEAD)];
     let is_in = |what: &str| {
         head.split(|byte| matches!(byte, b'\n' | b'\r'))
@@ -93,6 +111,12 @@ mod tests {
         for none in [
             "",
             " \r\n",
+            "\u{feff}",
+            "\u{feff} \r\n\t\u{feff}",
+            "\u{a0}\u{200b}\n",
+            "\u{b}\u{c}\u{1a}",
+            "\u{feff}-----BEGIN PRIVATE KEY-----\nMII",
+            "\u{feff}# leadscrew tools 1, checksum 5d0c01b2\n",
             "G0 X1\0",
             "-----BEGIN PRIVATE KEY-----\nMII",
             "; a note\n  -----BEGIN CERTIFICATE-----",
@@ -105,5 +129,10 @@ mod tests {
             assert_eq!(check_text(program.as_bytes()), Ok(()), "{program:?}");
         }
         assert_eq!(check_text(b"(\xe4)\r\nM2\r\n"), Ok(()), "of another code page");
+        assert_eq!(check_text("\u{feff}M2\r\n".as_bytes()), Ok(()), "with a byte order mark");
+        for mark in MARKS {
+            assert_eq!(check_text(mark), Err("it is empty"), "{mark:?}");
+            assert!(not_foreign(&[mark, b"[[token]]"].concat()).is_err(), "{mark:?}");
+        }
     }
 }

@@ -14,7 +14,7 @@ use super::outside::Outside;
 use super::proving::Begun;
 use super::ranges;
 use super::request::{Accepted, Refusal, Request};
-use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
+use super::state::{Execution, ExecutionEvent, Mode, Power};
 use super::under_way::{InWork, Loaded, UnderWay};
 use crate::drives::{DrivesChoice, Opening};
 use crate::job::{Before, Interruption, Operations, ProgramOptions, Session};
@@ -87,6 +87,8 @@ pub struct Control {
     pub(super) told_faults: usize,
     /// A feed hold was asked for, and not a resume since.
     pub(super) is_hold_asked: bool,
+    /// The program under way was given up by a stop.
+    pub(super) is_stop_asked: bool,
     /// Everything comes to rest before the kernel forgets what it did.
     pub(super) is_resetting: bool,
     /// A recovery is on its way.
@@ -185,6 +187,7 @@ impl Control {
             events: Events::default(),
             told_faults: 0,
             is_hold_asked: false,
+            is_stop_asked: false,
             is_resetting: false,
             is_recovering: false,
             in_work: None,
@@ -317,44 +320,6 @@ impl Control {
         Ok(Accepted { notes })
     }
 
-    /// Whether something that a request needs is so; if not, in particular what is not.
-    pub(super) fn meets(&self, need: &Need) -> Result<(), Need> {
-        let kernel = &self.executor.kernel;
-        let is_met = match need {
-            Need::EmergencyStopArmed => self.emergency_stop() == EmergencyStop::Armed,
-            Need::EmergencyStopTriggered => self.emergency_stop() == EmergencyStop::Triggered,
-            Need::NoAlarm => kernel.faults().is_empty(),
-            Need::PowerOn => self.power == Power::On && kernel.is_ready() && !self.is_resetting,
-            Need::Homed(_) => match self.first_not_homed() {
-                Some(axis) => return Err(Need::Homed(Some(axis.letter()))),
-                None => true,
-            },
-            Need::NoProgramUnderWay => self.under_way.is_none() && !self.is_recovering,
-            Need::ProgramUnderWay => self.under_way.is_some(),
-            Need::ProgramHeld => {
-                self.is_hold_asked
-                    || matches!(
-                        self.execution,
-                        Execution::FeedHold
-                            | Execution::Interrupted
-                            | Execution::ProgramStopped
-                            | Execution::OptionalStop
-                    )
-            }
-            Need::ProgramWaitsForConfirmation => {
-                matches!(self.execution, Execution::ProgramStopped | Execution::OptionalStop)
-            }
-            Need::ProgramLoaded => self.loaded.is_some(),
-            Need::Standstill => kernel.is_off() || kernel.is_standing(),
-            Need::NoManualMotion => !kernel.is_moving_manually() && !self.is_referencing(),
-            Need::TapInThread => self.is_tap_in_thread(),
-            Need::NoTapInThread => !self.is_tap_in_thread(),
-            Need::NotRecovering => !self.is_recovering,
-            Need::StateAcknowledged => self.state_changes.is_empty(),
-        };
-        if is_met { Ok(()) } else { Err(need.clone()) }
-    }
-
     /// Periods that are over and were not looked at yet: so often [`Control::period`] answers at
     /// once. In lock-step there are none.
     pub fn periods_waiting(&self) -> usize {
@@ -399,6 +364,7 @@ impl Control {
 
     /// One servo period.
     pub fn period(&mut self) {
+        self.events.at(self.now());
         if let Some(under_way) = &mut self.under_way {
             let goes_on = under_way.running.period(&mut self.executor);
             let heard = under_way.running.take_events();

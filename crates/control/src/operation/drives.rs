@@ -1,6 +1,5 @@
 //! Power, emergency stop, reset, homing; and what takes a tool out of the work.
 use super::control::Control;
-use super::event::Event;
 use super::manual::refused_by_kernel;
 use super::request::{Accepted, Refusal};
 use super::state::{EmergencyStop, ExecutionEvent, Mode, Power};
@@ -232,7 +231,7 @@ impl Control {
         self.executor.kernel.clear();
         self.left_is_out();
         self.clear_alarms();
-        self.events.push(Event::Notice("the tool is out of the work".into()));
+        self.events.notice("the tool is out of the work");
     }
 
     /// Kernel and control forget the tool that was in the work.

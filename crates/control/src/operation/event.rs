@@ -60,15 +60,38 @@ pub enum Event {
     Feature(Box<Feature>),
 }
 
+/// Time without a notice's cause after which the same notice is given again.
+const QUIET: Time = Time::s(1.0);
+/// Notices whose causes are watched; of more the one that was given first is forgotten.
+const MOST_CAUSES: usize = 32;
+
 /// Events that wait to be asked for.
+///
+/// What a client asks for again and again, or what comes and goes many times a second, gives one
+/// notice: the same one comes again after another event, or when its cause has been gone for a
+/// second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Events {
     waiting: VecDeque<Event>,
     lost: u64,
+    /// Machine time.
+    now: Time,
+    /// Causes of notices, and when each has come last.
+    causes: VecDeque<(String, Time)>,
 }
 
 impl Events {
+    /// Sets the machine time.
+    pub(super) const fn at(&mut self, now: Time) {
+        self.now = now;
+    }
+
     pub(super) fn push(&mut self, event: Event) {
+        self.causes.clear();
+        self.keep(event);
+    }
+
+    fn keep(&mut self, event: Event) {
         if self.waiting.len() == MOST_EVENTS {
             self.waiting.pop_front();
             self.lost += 1;
@@ -76,8 +99,28 @@ impl Events {
         self.waiting.push_back(event);
     }
 
+    /// Gives a notice whose text is its cause.
     pub(super) fn notice(&mut self, text: impl Into<String>) {
-        self.push(Event::Notice(text.into()));
+        let text = text.into();
+        self.notice_of(&text.clone(), text);
+    }
+
+    /// Gives a notice whose text has numbers that change while its cause lasts.
+    pub(super) fn notice_of(&mut self, cause: &str, text: impl Into<String>) {
+        let known = self.causes.iter().position(|(known, _)| known == cause);
+        let last = known.and_then(|index| self.causes.remove(index));
+        if last.is_none() && self.causes.len() == MOST_CAUSES {
+            self.causes.pop_front();
+        }
+        self.causes.push_back((cause.to_owned(), self.now));
+        if last.is_none_or(|(_, last)| (self.now - last).abs() > QUIET) {
+            self.keep(Event::Notice(text.into()));
+        }
+    }
+
+    /// Gives what a program says, as often as it says it.
+    pub(super) fn message(&mut self, text: String) {
+        self.keep(Event::Notice(text));
     }
 
     pub(super) fn pop(&mut self) -> Option<Event> {
@@ -87,5 +130,47 @@ impl Events {
     /// How many were not asked for in time.
     pub(super) const fn lost(&self) -> u64 {
         self.lost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn given(events: &mut Events) -> Vec<String> {
+        let notice = |event| match event {
+            Event::Notice(text) => Some(text),
+            _ => None,
+        };
+        core::iter::from_fn(|| events.pop()).filter_map(notice).collect()
+    }
+
+    #[test]
+    fn a_cause_that_lasts_gives_one_notice_and_another_one_when_it_comes_back() {
+        let mut events = Events::default();
+        for tenth in 0..100 {
+            events.at(Time::s(f64::from(tenth) / 10.0));
+            events.notice("X stands on its limit switch");
+            events.notice_of("following X", format!("X: following error {tenth}"));
+        }
+        assert_eq!(given(&mut events), ["X stands on its limit switch", "X: following error 0"]);
+        events.at(Time::s(11.5));
+        events.notice("X stands on its limit switch");
+        assert_eq!(given(&mut events).len(), 1);
+        events.push(Event::DrivesReady);
+        events.notice("X stands on its limit switch");
+        assert_eq!(given(&mut events).len(), 1, "something else has changed");
+    }
+
+    #[test]
+    fn what_a_program_says_twice_is_given_twice_and_what_nobody_asks_for_is_bounded() {
+        let mut events = Events::default();
+        for number in 0..3000 {
+            events.message("part done".into());
+            events.notice(format!("number {number}"));
+        }
+        assert!(events.causes.len() <= MOST_CAUSES);
+        assert_eq!(events.lost(), 6000 - MOST_EVENTS as u64);
+        assert_eq!(given(&mut events).len(), MOST_EVENTS);
     }
 }

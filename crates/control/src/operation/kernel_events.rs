@@ -16,10 +16,13 @@ impl Control {
                 EventKind::Operator(notice) => self.events.notice(notice.to_string()),
                 EventKind::FollowingWarning { axis, error } => {
                     let (letter, by) = (axis.letter(), axis.reading(*error));
-                    self.events.notice(format!("{letter}: following error {by:.4}"));
+                    let cause = format!("following {letter}");
+                    self.events.notice_of(&cause, format!("{letter}: following error {by:.4}"));
                 }
                 EventKind::SyncWarning { error } => {
-                    self.events.notice(format!("line {}: sync error {error}", event.line));
+                    let cause = format!("sync error {}", event.op);
+                    let text = format!("line {}: sync error {error}", event.line);
+                    self.events.notice_of(&cause, text);
                 }
                 EventKind::Homed { axis, deviation } => {
                     self.keep_homed(*axis);
@@ -58,7 +61,7 @@ impl Control {
         for (program, Message { line, text }) in said {
             self.keep_message(&program, line, &text);
             let time_s = self.now().value();
-            self.events.notice(format!("line {line}: {}", text.trim()));
+            self.events.message(format!("line {line}: {}", text.trim()));
             self.message = Some(MessageStatus { text: text.trim().into(), line, time_s });
         }
     }

@@ -10,7 +10,7 @@
 //!
 //! | file | is |
 //! |---|---|
-//! | `request` | everything that can be asked for, and what it needs |
+//! | `request`, `needs` | everything that can be asked for, and what it needs; whether that is met |
 //! | `state` | execution, mode, power, emergency stop; the transitions |
 //! | `control`, `data` | the control: which request leads where, and the period; what is set on it |
 //! | `drives` | power, emergency stop, reset, what takes a tool out of the work |
@@ -45,6 +45,7 @@ mod left_in_work;
 mod manual;
 mod message;
 mod meters;
+mod needs;
 mod offsets;
 mod outside;
 mod programs;

@@ -7,7 +7,6 @@
 //! ```
 use super::control::Control;
 use super::ended::EndedProgram;
-use super::event::Event;
 use super::keeping::take_left;
 use super::proof::{Basis, Fit, Proof};
 use super::request::{Accepted, Refusal, Request};
@@ -220,7 +219,7 @@ impl Control {
             first,
             restart,
         });
-        (self.is_hold_asked, self.message) = (false, None);
+        (self.is_hold_asked, self.is_stop_asked, self.message) = (false, false, None);
         self.enter(mode);
         self.execution_after(ExecutionEvent::Start);
         Ok(())
@@ -260,7 +259,7 @@ impl Control {
     }
 
     pub(super) fn give_up(&mut self) -> Result<Accepted, Refusal> {
-        self.is_hold_asked = true;
+        (self.is_hold_asked, self.is_stop_asked) = (true, true);
         self.order(Order::Abort)
     }
 
@@ -339,11 +338,11 @@ impl Control {
         if !is_stopped_by_alarm {
             self.executor.kernel.clear();
         }
-        self.is_hold_asked = false;
+        (self.is_hold_asked, self.is_stop_asked) = (false, false);
         let event = if has_ended { ExecutionEvent::End } else { ExecutionEvent::GiveUp };
         self.execution_after(event);
         if !has_ended && !is_stopped_by_alarm {
-            self.events.push(Event::Notice(format!("{name} was given up")));
+            self.events.notice(format!("{name} was given up"));
         }
     }
 }

@@ -159,9 +159,10 @@ impl Request {
         use Need::{
             EmergencyStopArmed, EmergencyStopTriggered, Homed, NoAlarm, NoManualMotion,
             NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld, ProgramLoaded,
-            ProgramUnderWay, ProgramWaitsForConfirmation, Standstill, StateAcknowledged,
-            TapInThread,
+            ProgramNotStopped, ProgramUnderWay, ProgramWaitsForConfirmation, Standstill,
+            StateAcknowledged, TapInThread,
         };
+        const NOT_STOPPED: Need = ProgramNotStopped { tool_in_work: false };
         match self {
             Self::Power(true) => &[EmergencyStopArmed, NoAlarm, NoTapInThread],
             Self::Power(false) => &[NoProgramUnderWay, NoTapInThread, Standstill],
@@ -227,8 +228,8 @@ impl Request {
                 &[NoProgramUnderWay, NoTapInThread, NoManualMotion]
             }
             Self::FeedHold => &[NotRecovering, ProgramUnderWay, NoAlarm],
-            Self::Resume => &[ProgramUnderWay, NoAlarm, ProgramHeld],
-            Self::Confirm => &[ProgramUnderWay, NoAlarm, ProgramWaitsForConfirmation],
+            Self::Resume => &[ProgramUnderWay, NoAlarm, NOT_STOPPED, ProgramHeld],
+            Self::Confirm => &[ProgramUnderWay, NoAlarm, NOT_STOPPED, ProgramWaitsForConfirmation],
             Self::Stop => &[NotRecovering, ProgramUnderWay],
             Self::Retract | Self::Recover | Self::ToolIsFree => &[TapInThread],
             Self::Reset => &[EmergencyStopArmed, NoProgramUnderWay, NoTapInThread, NoManualMotion],

@@ -234,6 +234,11 @@ pub enum Need {
     NoProgramUnderWay,
     /// One does.
     ProgramUnderWay,
+    /// No stop has given the program up; whether its tool is in the work.
+    ProgramNotStopped {
+        /// It stands in the work, and nothing ends the program until it is out.
+        tool_in_work: bool,
+    },
     /// It is held, or stopped by itself.
     ProgramHeld,
     /// It is stopped by itself, at M0 or M1.
@@ -256,7 +261,7 @@ pub enum Need {
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::EmergencyStopArmed,
         Self::EmergencyStopTriggered,
         Self::NoAlarm,
@@ -264,6 +269,7 @@ impl Need {
         Self::Homed(None),
         Self::NoProgramUnderWay,
         Self::ProgramUnderWay,
+        Self::ProgramNotStopped { tool_in_work: false },
         Self::ProgramHeld,
         Self::ProgramWaitsForConfirmation,
         Self::ProgramLoaded,
@@ -285,6 +291,7 @@ impl Need {
             Self::Homed(_) => "homed",
             Self::NoProgramUnderWay => "no_program_under_way",
             Self::ProgramUnderWay => "program_under_way",
+            Self::ProgramNotStopped { .. } => "program_not_stopped",
             Self::ProgramHeld => "program_held",
             Self::ProgramWaitsForConfirmation => "program_waits_for_confirmation",
             Self::ProgramLoaded => "program_loaded",
@@ -319,6 +326,12 @@ impl fmt::Display for Need {
             Self::Homed(None) => "not every axis is homed: home first",
             Self::NoProgramUnderWay => "a program is under way: wait for its end, or stop it",
             Self::ProgramUnderWay => "no program is under way: start one first",
+            Self::ProgramNotStopped { tool_in_work: true } => {
+                "the program was stopped and cannot go on: retract its tool, then start it again, or from a line"
+            }
+            Self::ProgramNotStopped { tool_in_work: false } => {
+                "the program is being stopped and cannot go on: wait until everything stands, then start it again, or from a line"
+            }
             Self::ProgramHeld => "the program is not held: hold it first",
             Self::ProgramWaitsForConfirmation => "nothing waits for a confirmation",
             Self::ProgramLoaded => "no program is loaded: load one first",

@@ -282,13 +282,11 @@ impl Control {
     }
 
     fn unmet(&self) -> Vec<NeedStatus> {
-        let unmet = Need::ALL.iter().filter_map(|need| self.meets(need).err());
-        unmet
-            .map(|need| {
-                let (reason, remedy) = need.reason();
-                NeedStatus { need: need.name(), reason, remedy }
-            })
-            .collect()
+        let unmet = |need: &Need| {
+            let (reason, remedy) = self.meets(need).err()?.reason();
+            Some(NeedStatus { need: need.name(), reason, remedy })
+        };
+        Need::ALL.iter().filter_map(unmet).collect()
     }
 
     fn uncleared(&self) -> Vec<String> {

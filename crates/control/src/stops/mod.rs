@@ -130,18 +130,28 @@ impl Stops {
         }
     }
 
-    /// The run is over after so long: faults that were to happen in it and have not. An operator's
-    /// orders that were never given are only said: what they are for may be over before.
-    pub fn not_triggered(&mut self, after: Time) -> Vec<String> {
+    /// Returns the faults that were to happen in a program that has come to its end after so long,
+    /// and have not. An operator's orders that were never given are only said, for what they are
+    /// for may be over before; so are faults after what ended the run before its program.
+    pub fn not_triggered(&mut self, after: Time, is_at_end: bool) -> Vec<String> {
+        let seconds = after.value();
         let sentence = |what: &str, text: &str| {
-            let seconds = after.value();
-            format!(
-                "{what} not triggered: {text}: the run was over after {seconds:.3} s without that moment"
-            )
+            if is_at_end {
+                format!(
+                    "{what} not triggered: {text}: the run was over after {seconds:.3} s without that moment"
+                )
+            } else {
+                format!("{what} not reached: {text}: the run ended before it, at {seconds:.3} s")
+            }
         };
         let orders: Vec<_> = self.orders.left().map(|text| sentence("order", text)).collect();
+        let faults: Vec<_> = self.faults.left().map(|text| sentence("fault", text)).collect();
         self.happened.extend(orders);
-        self.faults.left().map(|text| sentence("fault", text)).collect()
+        if is_at_end {
+            return faults;
+        }
+        self.happened.extend(faults);
+        Vec::new()
     }
 
     /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the

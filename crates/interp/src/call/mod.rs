@@ -32,6 +32,11 @@ pub trait Sink {
     /// From here on this much is unknown, because a block before was refused.
     fn suppress(&mut self, _: crate::Unknown) {}
 
+    /// Returns true if the machine moves or waits by a call since this was asked last.
+    fn take_time_passed(&mut self) -> bool {
+        false
+    }
+
     /// What an operation has missed, and was told of.
     fn missed(&self) -> crate::Unknown {
         crate::Unknown::default()

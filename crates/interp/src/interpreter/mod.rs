@@ -81,7 +81,7 @@ impl<'s> Interpreter<'s> {
     #[inline]
     fn block<S: Sink>(&mut self, out: &mut Out<'_, S>) {
         let it = &mut self.program;
-        let before = it.executor.modes.unknown;
+        let (before, asked) = (it.executor.modes.unknown, it.executor.store.asked);
         let result = match it.read_block(out) {
             Ok(true) => self.front_end.block(it, out),
             Ok(false) => Ok(()),
@@ -95,6 +95,12 @@ impl<'s> Interpreter<'s> {
             }
             Ok(()) => {}
         }
+        let asked = it.executor.store.asked.wrapping_sub(asked);
+        it.idle.read(asked);
+        if out.sink.take_time_passed() {
+            it.idle.end();
+            self.rounds.time_passes();
+        }
         if core::mem::take(&mut it.jumped_back) {
             let repetition = self.rounds.repeats(it, &self.front_end);
             let repetition = repetition.map(|repetition| repetition.said(it.block.span));
@@ -105,11 +111,6 @@ impl<'s> Interpreter<'s> {
                 }
             }
         }
-    }
-
-    /// The machine moves or waits by the block executed last.
-    pub(crate) const fn is_busy(&mut self) {
-        self.program.is_busy();
     }
 
     /// Execute to the end.

@@ -12,7 +12,11 @@
 use crate::{
     front_end::FrontEnd,
     modes::Modes,
-    program::{Program, outline::At},
+    program::{
+        Program,
+        idle::{COUNTING, WAITING},
+        outline::At,
+    },
     state::{executor::Context, tools::Tools},
     words::names::Store,
 };
@@ -28,6 +32,8 @@ const COMPARED: u64 = 64;
 pub(crate) struct Rounds {
     jumps: u64,
     kept: Option<Box<Round>>,
+    /// The machine has moved or waited since the state was kept.
+    time_passed: bool,
 }
 
 /// What decides where a program goes.
@@ -48,6 +54,8 @@ struct Round {
 pub(crate) enum Repetition {
     /// It never ends.
     Endless,
+    /// It reads the machine and never moves or waits: it turns as fast as it can be read.
+    Polling,
     /// It asks the machine something, and ends by an answer.
     UntilAnswered,
 }
@@ -58,7 +66,11 @@ impl Repetition {
         match self {
             Self::Endless => {
                 let text = "this loop never ends: nothing that it counts changes in its rounds";
-                Diagnostic::error("I0803", span, text)
+                Diagnostic::error("I0803", span, text).with_help(COUNTING)
+            }
+            Self::Polling => {
+                let text = "this loop never ends while the machine reads the same: it neither moves nor waits in its rounds";
+                Diagnostic::error("I0803", span, text).with_help(WAITING)
             }
             Self::UntilAnswered => {
                 let text = "when this loop ends is known when the program runs: what follows it is not looked at before";
@@ -69,6 +81,11 @@ impl Repetition {
 }
 
 impl Rounds {
+    /// The machine moves or waits by the block at hand.
+    pub(crate) const fn time_passes(&mut self) {
+        self.time_passed = true;
+    }
+
     /// The program has jumped back; what is known if it was here before, in the same state.
     pub(crate) fn repeats(&mut self, it: &Program<'_>, front_end: &FrontEnd) -> Option<Repetition> {
         self.jumps += 1;
@@ -78,6 +95,7 @@ impl Rounds {
         let place = it.place();
         if self.jumps.is_power_of_two() {
             let ex = &it.executor;
+            self.time_passed = false;
             self.kept = Some(Box::new(Round {
                 place,
                 modes: uncounted(&ex.modes),
@@ -99,10 +117,10 @@ impl Rounds {
             && kept.store == ex.store
             && kept.tools == ex.tools
             && kept.front_end == *front_end;
-        let repetition = if kept.asked == ex.store.asked {
-            Repetition::Endless
-        } else {
-            Repetition::UntilAnswered
+        let repetition = match (kept.asked == ex.store.asked, self.time_passed) {
+            (true, _) => Repetition::Endless,
+            (false, false) => Repetition::Polling,
+            (false, true) => Repetition::UntilAnswered,
         };
         is_same.then_some(repetition)
     }

@@ -13,7 +13,7 @@
 use crate::{
     front_end::FrontEnd,
     interpreter::{Interpreter, codes_in_force::CodesInForce, rounds::Rounds},
-    program::{Program, outline::At},
+    program::{Program, idle::Idle, outline::At},
     setup::Setup,
     state::executor::Executor,
 };
@@ -36,6 +36,7 @@ pub struct Snapshot {
     has_o_words: bool,
     pub(crate) executed: u64,
     last: u64,
+    idle: Idle,
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) seen: HashSet<(&'static str, Span)>,
     errors: usize,
@@ -76,6 +77,7 @@ impl Snapshot {
     pub(crate) fn forget_findings(&mut self, setup: &Setup) {
         (self.errors, self.faults, self.last) = (0, 0, setup.limits.blocks);
         self.has_o_words = false;
+        self.idle.end();
         self.diagnostics.clear();
         self.seen.clear();
     }
@@ -115,6 +117,7 @@ impl<'s> Interpreter<'s> {
             has_o_words: it.steered,
             executed: it.executed,
             last: it.last,
+            idle: it.idle,
             diagnostics: it.diagnostics.clone(),
             seen: it.seen.clone(),
             errors: it.errors,
@@ -137,6 +140,7 @@ impl<'s> Interpreter<'s> {
         program.spoke = from.spoke;
         program.executed = from.executed;
         program.last = from.last;
+        program.idle = from.idle;
         program.diagnostics.clone_from(&from.diagnostics);
         program.seen.clone_from(&from.seen);
         program.errors = from.errors;

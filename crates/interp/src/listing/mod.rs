@@ -29,12 +29,20 @@ pub struct Listing<W: Write> {
     buffer: Vec<u8>,
     count: u64,
     failed: Option<io::Error>,
+    /// A call came by which the machine moves or waits.
+    time_passed: bool,
 }
 
 impl<W: Write> Listing<W> {
     /// To a writer; no buffering is needed in it.
     pub fn new(out: W) -> Self {
-        Self { out, buffer: Vec::with_capacity(CHUNK + 4096), count: 0, failed: None }
+        Self {
+            out,
+            buffer: Vec::with_capacity(CHUNK + 4096),
+            count: 0,
+            failed: None,
+            time_passed: false,
+        }
     }
 
     /// The end of the listing; the first error of the writer, if there was one.
@@ -243,8 +251,13 @@ impl<W: Write> Listing<W> {
 }
 
 impl<W: Write> Sink for Listing<W> {
+    fn take_time_passed(&mut self) -> bool {
+        core::mem::take(&mut self.time_passed)
+    }
+
     #[inline]
     fn call(&mut self, place: &Place, call: &Call<'_>) {
+        self.time_passed |= takes_time(call);
         match call {
             Call::Line(to) => self.point(place, b"STRAIGHT_FEED", to),
             Call::Rapid(to) => self.point(place, b"STRAIGHT_TRAVERSE", to),
@@ -252,6 +265,25 @@ impl<W: Write> Sink for Listing<W> {
             Call::FeedRate { rate, .. } => self.numbers(place, b"SET_FEED_RATE", &[*rate]),
             other => self.seldom(place, other),
         }
+    }
+}
+
+/// Returns true if a machine may move or waits by a call.
+const fn takes_time(call: &Call<'_>) -> bool {
+    match call {
+        Call::Dwell(seconds) => *seconds > 0.0,
+        _ => matches!(
+            call,
+            Call::Line(_)
+                | Call::Rapid(_)
+                | Call::Arc { .. }
+                | Call::Spline { .. }
+                | Call::Probe { .. }
+                | Call::Tap(_)
+                | Call::RigidTap { .. }
+                | Call::GrowingThread(_)
+                | Call::Cam(_)
+        ),
     }
 }
 

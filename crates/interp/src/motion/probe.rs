@@ -19,7 +19,7 @@ use crate::{
     call::{Call, Sink, Units, out::Out},
     coordinates::target,
     fault::{Outcome, refuse},
-    geometry::frame::Point,
+    geometry::frame::{Point, same},
     modes::{FeedMode, Modes},
     resolve::Resolver,
     state::executor::Settings,
@@ -61,7 +61,9 @@ pub(crate) fn probe<S: Sink>(
         let text = "probing needs a way along X, Y or Z: this one ends where it begins";
         return refuse("I0572", span, text);
     }
-    store.asked = store.asked.wrapping_add(1);
+    if !same(&from, &to) {
+        store.asked = store.asked.wrapping_add(1); // where nothing moves nothing is asked
+    }
     out.say(&Call::Probe { to, until_contact: digit <= 3, required });
     came_to(store, &to, length >= SHORTEST && !settings.stand_alone);
     modes.at = to;

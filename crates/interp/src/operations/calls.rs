@@ -22,6 +22,10 @@ impl Sink for Resolver {
         self.unknown = unknown;
     }
 
+    fn take_time_passed(&mut self) -> bool {
+        core::mem::take(&mut self.time_passed)
+    }
+
     fn missed(&self) -> Unknown {
         self.missed
     }

@@ -6,7 +6,7 @@ use crate::{
     resolve::Resolver,
     setup::{MacroCall, Parameters, Setup},
 };
-use canon::{Counting, Op, OpKind, ProgramFrame, ToolLibrary};
+use canon::{Counting, Op, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
 use gcode::{Block, Grammar, Keyword, Label, Parser};
 use std::collections::HashSet;
@@ -108,9 +108,6 @@ impl Iterator for Ops<'_> {
     fn next(&mut self) -> Option<Op> {
         loop {
             if let Some(op) = self.resolver.pop() {
-                if takes_time(&op.kind) {
-                    self.interpreter.is_busy();
-                }
                 return Some(op);
             }
             if self.ended {
@@ -118,21 +115,6 @@ impl Iterator for Ops<'_> {
             }
             self.ended = self.interpreter.step(&mut self.resolver) == Progress::Ended;
         }
-    }
-}
-
-/// The machine moves, or waits.
-fn takes_time(kind: &OpKind) -> bool {
-    match kind {
-        OpKind::Dwell { time } => time.value() > 0.0,
-        OpKind::Spindle { .. }
-        | OpKind::Coolant { .. }
-        | OpKind::SelectTool { .. }
-        | OpKind::PathMode(_)
-        | OpKind::Overrides { .. }
-        | OpKind::Message(_)
-        | OpKind::Output(_) => false,
-        _ => true,
     }
 }
 

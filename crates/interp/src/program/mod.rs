@@ -4,9 +4,11 @@
 //! The front end of a dialect decides which block is next and what it says; it works on this.
 //!
 //! ```text
+//!   idle      what was executed since the machine has moved or waited
 //!   outline   where the O-words of a file are
 //!   reread    blocks of loops and subprograms, kept as they were read
 //! ```
+pub(crate) mod idle;
 pub(crate) mod outline;
 pub(crate) mod reread;
 
@@ -14,7 +16,7 @@ use crate::{
     call::{Call, Sink, out::Out},
     execute::{begin, refused},
     fault::{Outcome, error, unknown::Unknown},
-    program::{outline::At, reread::Reread},
+    program::{idle::Idle, outline::At, reread::Reread},
     setup::{BreakOff, Limits, Setup},
     state::executor::Executor,
 };
@@ -47,9 +49,9 @@ pub(crate) struct Program<'s> {
     pub(crate) executed: u64,
     /// The block after which it is stopped.
     pub(crate) last: u64,
-    /// What executing has cost, and what it had cost when the machine moved or waited last.
+    /// What executing has cost, in blocks.
     work: u64,
-    busy: u64,
+    pub(crate) idle: Idle,
     /// Who is asked whether the program is still wanted, and at what cost next.
     break_off: BreakOff,
     asks_at: u64,
@@ -103,7 +105,7 @@ impl<'s> Program<'s> {
             executed: 0,
             last: setup.limits.blocks,
             work: 0,
-            busy: 0,
+            idle: Idle::default(),
             break_off: setup.break_off.clone(),
             asks_at: ASKS,
             diagnostics: Vec::new(),
@@ -129,7 +131,9 @@ impl<'s> Program<'s> {
             return self.end_of_file(out).map(|()| false);
         }
         self.executed += 1;
-        self.work += 1 + self.text_of_block().len() as u64 / BYTES;
+        let cost = 1 + self.text_of_block().len() as u64 / BYTES;
+        self.work += cost;
+        self.idle.executed(cost);
         if self.work >= self.asks_at {
             self.asks_at = self.work + ASKS;
             if self.break_off.came() {
@@ -252,20 +256,9 @@ impl<'s> Program<'s> {
         Err(error("I0803", self.block.span, text).into())
     }
 
-    /// The machine moves or waits by the block executed last.
-    pub(crate) const fn is_busy(&mut self) {
-        self.busy = self.work;
-    }
-
     /// The block at hand leads back: refused where nothing has moved or waited for too long.
     pub(crate) fn idles(&self) -> Option<Diagnostic> {
-        let most = self.limits.idle_blocks;
-        (self.work - self.busy > most).then(|| {
-            let text = format!(
-                "this loop has gone on for {most} blocks in which nothing moves or waits: does it end?"
-            );
-            error("I0803", self.block.span, text)
-        })
+        self.idle.refusal(&self.limits, self.block.span)
     }
 
     pub(crate) fn report_all(&mut self, found: impl IntoIterator<Item = Diagnostic>) {

@@ -11,13 +11,15 @@
 //! tilts) is an error with its place. Moves of no length are left out.
 //!
 //! ```text
-//!   stroke   the box of the stored stroke check
+//!   stroke       the box of the stored stroke check
+//!   takes_time   operations by which the machine moves or waits
 //! ```
 //!
 //! The operations of a cycle are made in its file; which call leads where stands in
 //! [`calls`](crate::operations::calls).
 pub(crate) mod lead;
 pub(crate) mod stroke;
+mod takes_time;
 
 use crate::{
     call::{Call, Corners, CycleHole, Sense, Units},
@@ -77,6 +79,8 @@ pub struct Resolver {
     /// What is not known since a block was refused, and what operations have missed.
     pub(crate) unknown: Unknown,
     pub(crate) missed: Unknown,
+    /// An operation came by which the machine moves or waits.
+    pub(crate) time_passed: bool,
 }
 
 /// F and what it counts.
@@ -128,6 +132,7 @@ impl Resolver {
             with_motion: Vec::new(),
             unknown: Unknown::default(),
             missed: Unknown::default(),
+            time_passed: false,
         }
     }
 
@@ -206,6 +211,7 @@ impl Resolver {
                 self.ops.push_back(Op { span, kind: OpKind::Output(output) });
             }
         }
+        self.time_passed |= takes_time::takes_time(&kind);
         self.ops.push_back(Op { span, kind });
     }
 

@@ -117,7 +117,8 @@ impl EncoderPlausibility {
                 continue;
             };
             let expected = expected_of_spindle(loop_, watched, period_s);
-            let bounds = spindle_bounds(loop_, period_s, frame_lost);
+            let is_stuck = !frame_lost && loop_.is_stuck(reading, false);
+            let bounds = Bounds { is_stuck, frame_lost, ..spindle_bounds(loop_, period_s) };
             let (angle, change) = watched.judge(reading, expected, bounds);
             said.angle = Angle::rev(angle);
             look_at_spindle(loop_, change, Without::Nothing, (angle, period_s));

@@ -58,6 +58,8 @@ struct Lost {
     /// The reading at the first of them.
     from: f64,
     unmoved: f64,
+    /// Its drive has pushed and it has not moved: where it is stuck, until it moves.
+    stuck_at: Option<f64>,
 }
 
 /// What an encoder can show.
@@ -74,6 +76,8 @@ pub(super) struct Bounds {
     pub(super) error: f64,
     pub(super) force: f64,
     pub(super) push: f64,
+    /// Its drive has pushed by what moves it, and the reading stays.
+    pub(super) is_stuck: bool,
     /// The reading is not new.
     pub(super) frame_lost: bool,
 }
@@ -87,6 +91,7 @@ impl Bounds {
         error: 0.0,
         force: 0.0,
         push: f64::INFINITY,
+        is_stuck: false,
         frame_lost: false,
     };
 
@@ -189,7 +194,7 @@ impl Watched {
         if self.pushed > PUSHED {
             self.unmoved = f64::INFINITY;
         }
-        let is_stuck = self.unmoved > bounds.stuck;
+        let is_stuck = self.unmoved > bounds.stuck || bounds.is_stuck;
         if jump.abs() <= bounds.jump(self.missed) && !is_stuck {
             // what the model had wrong meanwhile is no step
             let stepped = if self.missed > 0.0 { expected } else { step };
@@ -199,6 +204,7 @@ impl Watched {
         }
         let mut lost = Lost::new(reading, step.is_finite() && !is_stuck, self.unmoved);
         lost.model = Some(expected);
+        lost.stuck_at = bounds.is_stuck.then_some(reading);
         self.lost = Some(lost);
         self.losses = self.losses.saturating_add(1);
         self.last += expected;
@@ -241,6 +247,7 @@ impl Lost {
             good: 0,
             from: reading,
             unmoved,
+            stuck_at: None,
         }
     }
 
@@ -248,7 +255,10 @@ impl Lost {
     fn go_on(&mut self, reading: f64, expected: f64, bounds: Bounds) {
         let step = reading - self.reading;
         self.unmoved = if step == 0.0 { self.unmoved + expected.abs() } else { 0.0 };
-        let can_be = (step - self.step).abs() <= bounds.jump(0.0) && self.unmoved <= bounds.stuck;
+        let moves = |at: f64| (reading - at).abs() > NOISE_COUNTS * bounds.count;
+        self.stuck_at = self.stuck_at.filter(|at| !moves(*at));
+        let is_stuck = self.unmoved > bounds.stuck || self.stuck_at.is_some();
+        let can_be = (step - self.step).abs() <= bounds.jump(0.0) && !is_stuck;
         if can_be {
             self.good += 1;
         } else {

@@ -177,7 +177,7 @@ impl Kernel {
         if let Err(finding) = self.manual.advance(times, rests, sees, &mut self.drives) {
             self.raise(finding, feedback);
         }
-        if let Some(axis) = self.manual.take_stopped() {
+        while let Some(axis) = self.manual.take_stopped() {
             self.note(EventKind::StoppedBySwitch { axis });
         }
     }

@@ -1,4 +1,5 @@
 //! A spindle's readings: taken for the first time, in each period, and again after they were lost.
+use super::stuck::{Resting, Unanswered};
 use super::{SpindleLoop, Task, rotation};
 use crate::sight::Sight;
 use bus::SpindleFeedback;
@@ -17,7 +18,8 @@ impl SpindleLoop {
         self.release();
         self.pace = None;
         self.swing = (Swing::default(), Swing::default());
-        self.error = 0.0;
+        (self.error, self.torque) = (0.0, 0.0);
+        (self.unanswered, self.resting) = (Unanswered::NONE, Resting::NONE);
         (self.sight, self.regained) = (Sight::Closed, false);
         self.encoder_check.break_off();
         self.servo.reset();

@@ -63,8 +63,7 @@ async fn answer(State(app): State<Arc<App>>, request: Request) -> Response {
         return StatusCode::NOT_FOUND.into_response();
     };
     if !matches!(*request.method(), Method::GET | Method::HEAD) {
-        let error = ApiError::new(StatusCode::METHOD_NOT_ALLOWED, "metrics are only read: GET");
-        return ([(header::ALLOW, "GET, HEAD")], error).into_response();
+        return ApiError::wrong_method(request.method(), "GET,HEAD").into_response();
     }
     let texts = metering.texts(&app.client.latest(), app.watching.publisher.as_deref());
     if is_open(request.headers()) {

@@ -203,6 +203,10 @@ impl<S: Sink> Sink for Bent<'_, S> {
         self.sink.suppress(unknown);
     }
 
+    fn take_time_passed(&mut self) -> bool {
+        self.sink.take_time_passed()
+    }
+
     fn missed(&self) -> crate::Unknown {
         self.sink.missed()
     }
