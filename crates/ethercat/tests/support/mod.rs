@@ -1,6 +1,7 @@
 //! A wire in process: frames pass an emulated segment, and time is a number.
-use esc::{DriveModel, Motor, Passed, Quirks, Segment, coupler, digital_io, drive};
-use ethercat::{Device, Link, Network};
+use esc::{DriveModel, Passed, Quirks, Segment, coupler, digital_io, drive};
+use ethercat::cia402::Wanted;
+use ethercat::{Bus, Device, DriveCommand, Link, Network};
 use std::collections::VecDeque;
 
 /// Frames that are under way at most.
@@ -15,6 +16,9 @@ pub(crate) enum Fate {
     ComesTwice,
 }
 
+/// What is done to a segment before a frame: its number, the segment, the time.
+type Before = Box<dyn FnMut(u64, &mut Segment, u64)>;
+
 /// A segment behind a wire.
 pub(crate) struct Wire<F> {
     pub(crate) segment: Segment,
@@ -22,7 +26,7 @@ pub(crate) struct Wire<F> {
     pub(crate) frames: u64,
     pub(crate) fate: F,
     /// Called before each frame with its number and the segment.
-    pub(crate) before: Option<Box<dyn FnMut(u64, &mut Segment, u64)>>,
+    pub(crate) before: Option<Before>,
     back: VecDeque<(u64, usize, [u8; 1514])>,
 }
 
@@ -89,11 +93,6 @@ impl<F: FnMut(u64) -> Fate> Link for Wire<F> {
     }
 }
 
-/// A motor of the tests: 131,072 counts a turn.
-pub(crate) fn motor() -> Motor {
-    Motor::new()
-}
-
 /// Counts that a drive may go in a cycle of a millisecond.
 pub(crate) const MOST_STEP: u32 = 6_000;
 
@@ -111,4 +110,53 @@ pub(crate) fn six_drives_expected() -> Network {
     let drives = ["X", "Y", "Z", "A", "B", "C"].map(|name| Device::csp(name, MOST_STEP));
     let devices = [Device::plain("coupler")].into_iter().chain(drives);
     Network::new(devices.chain([Device::plain("I/O")]).collect())
+}
+
+/// A coupler, two drives and the terminal: the smallest network that has one of each.
+pub(crate) fn two_drives(quirks: &Quirks) -> Segment {
+    let drives = [40_000, -70_000].into_iter().zip(1..).map(|(drift_ppb, serial)| {
+        drive(&DriveModel { drift_ppb, quirks: quirks.clone(), ..DriveModel::new(serial) })
+    });
+    Segment::new([coupler(20_000)].into_iter().chain(drives).chain([digital_io()]))
+}
+
+/// What is expected of [`two_drives`].
+pub(crate) fn two_drives_expected() -> Network {
+    let devices = ["X", "Z"].map(|name| Device::csp(name, MOST_STEP));
+    let devices = [Device::plain("coupler")].into_iter().chain(devices);
+    let mut network = Network::new(devices.chain([Device::plain("I/O")]).collect());
+    network.clock_frames = 200;
+    network
+}
+
+/// Enables all drives; panics if that takes more than a hundred cycles.
+pub(crate) fn enable<F: FnMut(u64) -> Fate>(bus: &mut Bus<'_, '_>, wire: &mut Wire<F>) {
+    for _ in 0..100 {
+        for axis in 0..bus.drives().len() {
+            let target = bus.drives()[axis].sent_target();
+            bus.command(axis, DriveCommand { wanted: Wanted::On, target });
+        }
+        bus.cycle(wire);
+        if bus.drives().iter().all(|drive| drive.feedback().is_enabled()) {
+            return;
+        }
+    }
+    panic!("not enabled: {:?}", bus.drives().iter().map(|d| d.feedback().status).collect::<Vec<_>>());
+}
+
+/// A random number from a seed: splitmix64.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ z >> 31
+    }
+
+    pub(crate) fn below(&mut self, most: u64) -> u64 {
+        self.next() % most
+    }
 }

@@ -1,0 +1,116 @@
+//! Cyclic data: setpoints are followed, clocks run together, inputs and outputs cross.
+use crate::support::{Wire, enable, six_drives, six_drives_expected, two_drives, two_drives_expected};
+use esc::{DriveState, Quirks};
+use ethercat::cia402::Wanted;
+use ethercat::{DriveCommand, Master, Reply, Storage};
+
+/// 20 turns a second in counts per cycle would be 2,621; a sine of 10 turns at 1 Hz needs 8 236.
+fn target(cycle: i32, axis: usize) -> i32 {
+    let angle = f64::from(cycle) / 1000.0 * std::f64::consts::TAU * 0.5;
+    ((1.0 - angle.cos()) * 131_072.0 * (axis as f64 + 1.0) / 2.0).round() as i32
+}
+
+#[test]
+fn six_enabled_drives_follow_a_target_count_by_count() {
+    let mut wire = Wire::new(six_drives(&Quirks::default()));
+    let network = six_drives_expected();
+    let storage = Storage::new();
+    let mut master = Master::new(&storage, &network).unwrap();
+    let mut bus = master.start(&network, &mut wire).unwrap();
+    enable(&mut bus, &mut wire);
+    for cycle in 0..2_000 {
+        for axis in 0..6 {
+            bus.command(axis, DriveCommand { wanted: Wanted::On, target: target(cycle, axis) });
+        }
+        bus.cycle(&mut wire);
+        for axis in 0..6 {
+            let drive = &bus.drives()[axis];
+            assert!(!drive.is_held(), "axis {axis}, cycle {cycle}");
+            // sent in cycle n, taken at the SYNC0 after it, sent back in cycle n + 1
+            let expected = if cycle == 0 { 0 } else { target(cycle - 1, axis) };
+            assert_eq!(drive.feedback().position, expected, "axis {axis}, cycle {cycle}");
+        }
+    }
+    for at in 1..7 {
+        let device = wire.segment.device(at).unwrap();
+        assert_eq!(device.drive_state(0), Some(DriveState::OperationEnabled));
+        let turned = device.motor(0).unwrap().counts();
+        assert_eq!(turned, i64::from(target(1_999, at - 1)));
+    }
+}
+
+#[test]
+fn clocks_that_differ_by_90_ppm_run_together_and_the_frame_keeps_its_phase() {
+    let mut wire = Wire::new(six_drives(&Quirks::default()));
+    let network = six_drives_expected();
+    let storage = Storage::new();
+    let mut master = Master::new(&storage, &network).unwrap();
+    let mut bus = master.start(&network, &mut wire).unwrap();
+    let (mut worst_phase, mut worst_clock) = (0, 0);
+    for cycle in 0..4_000 {
+        let Reply::Complete { phase_ns, .. } = bus.cycle(&mut wire).reply else { panic!() };
+        if cycle < 2_000 {
+            continue;
+        }
+        worst_phase = worst_phase.max(phase_ns.abs());
+        let now = wire.now_ns;
+        let time = |at: usize| wire.segment.device(at).unwrap().system_time(now);
+        let reference = time(0);
+        worst_clock = (1..7).map(|at| time(at).abs_diff(reference)).fold(worst_clock, u64::max);
+    }
+    assert!(worst_phase < 1_000, "{worst_phase} ns");
+    // a cycle at the remaining difference of rate, and the hop of a frame
+    assert!(worst_clock < 1_000, "{worst_clock} ns");
+}
+
+#[test]
+fn digital_inputs_and_outputs_cross() {
+    let mut wire = Wire::new(two_drives(&Quirks::default()));
+    let network = two_drives_expected();
+    let storage = Storage::new();
+    let mut master = Master::new(&storage, &network).unwrap();
+    let mut bus = master.start(&network, &mut wire).unwrap();
+    assert_eq!(bus.set_outputs(3, &[0xA5]), 1);
+    wire.segment.device_mut(3).unwrap().set_digital_inputs(0x3C);
+    for _ in 0..4 {
+        bus.cycle(&mut wire);
+    }
+    let mut inputs = [0];
+    assert_eq!((bus.inputs(3, &mut inputs), inputs), (1, [0x3C]));
+    assert_eq!(wire.segment.device(3).unwrap().digital_outputs(), 0xA5);
+}
+
+#[test]
+fn a_network_is_started_anew_from_op_without_power_being_cut() {
+    let mut wire = Wire::new(two_drives(&Quirks::default()));
+    let network = two_drives_expected();
+    let storage = Storage::new();
+    let mut master = Master::new(&storage, &network).unwrap();
+    for _ in 0..3 {
+        let mut bus = master.start(&network, &mut wire).unwrap_or_else(|error| panic!("{error}"));
+        enable(&mut bus, &mut wire);
+        for _ in 0..50 {
+            assert!(matches!(bus.cycle(&mut wire).reply, Reply::Complete { .. }));
+        }
+    }
+}
+
+#[test]
+fn a_fault_is_reported_and_reset_by_an_order_alone() {
+    let mut wire = Wire::new(two_drives(&Quirks::default()));
+    let network = two_drives_expected();
+    let storage = Storage::new();
+    let mut master = Master::new(&storage, &network).unwrap();
+    let mut bus = master.start(&network, &mut wire).unwrap();
+    enable(&mut bus, &mut wire);
+    wire.segment.device_mut(1).unwrap().fail(0, 0x2310);
+    for _ in 0..500 {
+        bus.cycle(&mut wire);
+    }
+    assert_eq!(bus.drives()[0].feedback().state(), Some(ethercat::cia402::State::Fault));
+    assert!(bus.drives()[1].feedback().is_enabled());
+    bus.reset_fault(0);
+    bus.cycle(&mut wire);
+    assert_eq!(bus.drives()[0].sent_control(), 0x0080);
+    enable(&mut bus, &mut wire);
+}
