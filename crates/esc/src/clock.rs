@@ -27,6 +27,8 @@ pub(crate) struct Clock {
     mean_error_ns: i64,
     /// When the next SYNC0 is due, by the system time; `None` if none comes.
     next_sync_ns: Option<u64>,
+    /// A SYNC0 has come since it was started.
+    has_synced: bool,
 }
 
 impl Clock {
@@ -40,6 +42,7 @@ impl Clock {
             compared_ns: None,
             mean_error_ns: 0,
             next_sync_ns: None,
+            has_synced: false,
         }
     }
 
@@ -93,6 +96,7 @@ impl Clock {
     /// Starts SYNC0 at a system time. One that has passed never comes.
     pub(crate) fn start_sync(&mut self, start_ns: u64, system_ns: u64) {
         self.next_sync_ns = (start_ns > system_ns).then_some(start_ns);
+        self.has_synced = false;
     }
 
     pub(crate) fn stop_sync(&mut self) {
@@ -104,11 +108,17 @@ impl Clock {
         self.next_sync_ns.is_some()
     }
 
+    /// SYNC0 has begun to come.
+    pub(crate) fn has_synced(&self) -> bool {
+        self.has_synced
+    }
+
     /// Takes the next SYNC0 that is due: true if there was one.
     pub(crate) fn take_sync(&mut self, system_ns: u64, period_ns: u32) -> bool {
         match self.next_sync_ns {
             Some(next) if next <= system_ns && period_ns > 0 => {
                 self.next_sync_ns = next.checked_add(u64::from(period_ns));
+                self.has_synced = true;
                 true
             }
             _ => false,

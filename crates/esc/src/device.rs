@@ -473,9 +473,11 @@ impl Device {
             Transition::StartInputs => self.check_process_data(),
             Transition::StartOutputs => {
                 let needs_outputs = self.outputs_bytes() > 0;
-                let fresh = now_ns.saturating_sub(self.outputs_ns) <= self.watchdog_ns().max(1);
+                let limit = self.watchdog_ns();
+                let fresh = limit == 0 || now_ns.saturating_sub(self.outputs_ns) <= limit;
+                let waits = needs_outputs && !(self.has_outputs && fresh) || self.waits_for_sync();
                 match self.check_synchronisation() {
-                    Ok(()) if needs_outputs && !(self.has_outputs && fresh) => {
+                    Ok(()) if waits => {
                         if now_ns < pending.until_ns {
                             return; // asked again when time has passed
                         }
@@ -608,6 +610,10 @@ impl Device {
             return Err(AlCode::NoSyncError);
         }
         Ok(())
+    }
+
+    fn waits_for_sync(&self) -> bool {
+        self.controller.clock.is_synchronised() && !self.controller.clock.has_synced()
     }
 
     fn answer_mail(&mut self) {

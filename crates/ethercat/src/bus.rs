@@ -112,7 +112,11 @@ impl<'m, 's> Bus<'m, 's> {
     }
 
     /// Exchanges process data until every device is in OP.
-    pub(crate) fn reach_op(&mut self, link: &mut impl Link, network: &Network) -> Result<(), StartError> {
+    pub(crate) fn reach_op(
+        &mut self,
+        link: &mut impl Link,
+        network: &Network,
+    ) -> Result<(), StartError> {
         let until_ns = link.now_ns() + MOST_TO_OP_NS;
         let mut cycles = 0;
         while self.in_op < network.devices.len() {
@@ -143,9 +147,7 @@ impl<'m, 's> Bus<'m, 's> {
     pub fn cycle(&mut self, link: &mut impl Link) -> Cycle {
         self.pacer.catch_up(link.now_ns());
         let send_ns = self.pacer.next_ns();
-        while link.now_ns() < send_ns {
-            link.wait(send_ns);
-        }
+        self.exchange.idle(link, send_ns);
         self.write_outputs();
         let until_ns = send_ns + self.cycle_ns * 3 / 4;
         let answer = self.exchange.run(link, self.group.tx_rx_dc(self.main), until_ns);

@@ -77,7 +77,9 @@ pub const fn control_word(status: u16, wanted: Wanted, reset: bool) -> u16 {
     let Some(state) = state(status) else { return DISABLE_VOLTAGE };
     match (state, wanted) {
         (State::Fault, _) if reset => FAULT_RESET,
-        (State::Fault | State::FaultReactionActive | State::NotReadyToSwitchOn, _) => DISABLE_VOLTAGE,
+        (State::Fault | State::FaultReactionActive | State::NotReadyToSwitchOn, _) => {
+            DISABLE_VOLTAGE
+        }
         (State::QuickStopActive, Wanted::QuickStop) => QUICK_STOP,
         (State::QuickStopActive, _) => DISABLE_VOLTAGE,
         (State::SwitchOnDisabled, Wanted::On) => SHUTDOWN,
@@ -97,7 +99,8 @@ mod tests {
     #[test]
     fn a_drive_with_a_fault_is_never_told_to_enable() {
         for status in 0..=u16::MAX {
-            let faulty = matches!(state(status), Some(State::Fault | State::FaultReactionActive) | None);
+            let faulty =
+                matches!(state(status), Some(State::Fault | State::FaultReactionActive) | None);
             for wanted in [Wanted::Off, Wanted::On, Wanted::QuickStop] {
                 for reset in [false, true] {
                     let control = control_word(status, wanted, reset);

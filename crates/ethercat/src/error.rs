@@ -5,7 +5,9 @@ use crate::network::Identity;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the sentences say it
 pub enum StartError {
-    #[error("the cycle is {cycle_ns} ns, and the lead {lead_ns} ns: 62,500 to 10,000,000 ns and less than the cycle work")]
+    #[error(
+        "the cycle is {cycle_ns} ns, and the lead {lead_ns} ns: 62,500 to 10,000,000 ns and less than the cycle work"
+    )]
     Times { cycle_ns: u32, lead_ns: u32 },
     #[error("no device answers: check cable and power")]
     NoAnswer,
@@ -33,7 +35,9 @@ pub enum StartError {
     Mapping { name: String, pdo: u16, object: u16, sub: u8, abort: u32 },
     #[error("{name}: {pdo:04X} is read back as {found} entries, {wanted} were written")]
     ReadBack { name: String, pdo: u16, found: usize, wanted: usize },
-    #[error("{name}: {object:04X} is in none of its PDOs, which cannot be changed or were left as they are")]
+    #[error(
+        "{name}: {object:04X} is in none of its PDOs, which cannot be changed or were left as they are"
+    )]
     Missing { name: String, object: u16 },
     #[error("{name}: mode {mode} is not among those of 6502, {supported:08X}")]
     Mode { name: String, mode: &'static str, supported: u32 },

@@ -113,6 +113,17 @@ impl<'s> Exchange<'s> {
         }
     }
 
+    /// Waits until a time. What comes meanwhile has no place.
+    pub(crate) fn idle(&mut self, link: &mut impl Link, until_ns: u64) {
+        loop {
+            self.receive(link);
+            if link.now_ns() >= until_ns {
+                return;
+            }
+            link.wait(until_ns);
+        }
+    }
+
     fn send(&mut self, link: &mut impl Link) -> bool {
         let mut any = false;
         while let Some(frame) = self.tx.next_sendable_frame() {
@@ -157,8 +168,8 @@ impl<'s> Exchange<'s> {
             return false;
         };
         let (word, bit) = (usize::from(index) / 64, 1_u64 << (index % 64));
-        let is_expected = self.in_flight[word] & bit != 0
-            && is_answer(self.headers[usize::from(index)], header);
+        let is_expected =
+            self.in_flight[word] & bit != 0 && is_answer(self.headers[usize::from(index)], header);
         if !is_expected {
             self.losses.unexpected += 1;
             return false;

@@ -66,7 +66,11 @@ impl<'s> Master<'s> {
     ///
     /// # Errors
     /// If it is not the network that is expected, or a device refuses what is wanted of it.
-    pub fn start(&mut self, network: &Network, link: &mut impl Link) -> Result<Bus<'_, 's>, StartError> {
+    pub fn start(
+        &mut self,
+        network: &Network,
+        link: &mut impl Link,
+    ) -> Result<Bus<'_, 's>, StartError> {
         let Network { cycle_ns, lead_ns, .. } = *network;
         if !CYCLES_NS.contains(&cycle_ns) || lead_ns >= cycle_ns {
             return Err(StartError::Times { cycle_ns, lead_ns });
@@ -78,14 +82,23 @@ impl<'s> Master<'s> {
         let (echoes, emergencies) = (exchange.losses.echoes, exchange.emergency_count);
         let scanned = guarded(exchange, link, scan(main, network), until_ns).map_err(|error| {
             let echoes = exchange.losses.echoes - echoes;
-            if error == StartError::NoAnswer && echoes > 0 { StartError::Echoes { echoes } } else { error }
+            if error == StartError::NoAnswer && echoes > 0 {
+                StartError::Echoes { echoes }
+            } else {
+                error
+            }
         })?;
         exchange.mailboxes.clone_from(&scanned.mailboxes);
         let prepared = guarded(exchange, link, prepare(main, scanned, network), until_ns);
         let prepared = match prepared {
             Ok(prepared) => prepared,
             Err(StartError::Library(text)) => {
-                let refusal = guarded(exchange, link, async { Ok(find_refusal(main, network).await) }, until_ns);
+                let refusal = guarded(
+                    exchange,
+                    link,
+                    async { Ok(find_refusal(main, network).await) },
+                    until_ns,
+                );
                 if let Ok(Some(refusal)) = refusal {
                     return Err(refusal);
                 }
@@ -129,7 +142,9 @@ fn guarded<T>(
     let run = AssertUnwindSafe(|| exchange.run(link, part, until_ns));
     match catch_unwind(run) {
         Ok(Some(result)) => result,
-        Ok(None) => Err(StartError::Library(format!("no end after {} s", MOST_START_NS / 1_000_000_000))),
+        Ok(None) => {
+            Err(StartError::Library(format!("no end after {} s", MOST_START_NS / 1_000_000_000)))
+        }
         Err(payload) => {
             let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
             let text = text.or_else(|| payload.downcast_ref::<String>().cloned());

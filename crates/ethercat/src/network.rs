@@ -150,7 +150,8 @@ impl Device {
     pub fn csp(name: &str, most_step: u32) -> Self {
         let entry = |(index, bits)| Entry::of(index, bits);
         let rx = [(0x6040, 16), (0x607A, 32), (0x6060, 8)].map(entry);
-        let tx = [(0x6041, 16), (0x6064, 32), (0x606C, 32), (0x6077, 16), (0x6061, 8), (0x60FD, 32)];
+        let tx =
+            [(0x6041, 16), (0x6064, 32), (0x606C, 32), (0x6077, 16), (0x6061, 8), (0x60FD, 32)];
         Self {
             name: name.to_owned(),
             identity: None,

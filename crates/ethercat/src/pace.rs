@@ -21,7 +21,12 @@ pub struct Pacer {
 impl Pacer {
     /// Starts at a time of the master's clock.
     pub fn new(cycle_ns: u32, lead_ns: u32, start_ns: u64) -> Self {
-        Self { cycle_ns: i64::from(cycle_ns), lead_ns: i64::from(lead_ns), trim: 0, next_ns: start_ns }
+        Self {
+            cycle_ns: i64::from(cycle_ns),
+            lead_ns: i64::from(lead_ns),
+            trim: 0,
+            next_ns: start_ns,
+        }
     }
 
     /// When the next frame goes out, by the master's clock.
@@ -74,7 +79,8 @@ mod tests {
         let mut worst = 0;
         for cycle in 0..2_000 {
             let sent = pacer.next_ns();
-            let reference = offset_ns + sent.saturating_add_signed(sent.cast_signed() / 1_000_000 * drift_ppm);
+            let reference =
+                offset_ns + sent.saturating_add_signed(sent.cast_signed() / 1_000_000 * drift_ppm);
             if lost_every > 0 && cycle % lost_every == 0 {
                 pacer.missed();
                 continue;

@@ -138,11 +138,15 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
             }
             for (sub, entry) in (1..).zip(&pdo.entries) {
                 let place = Entry { index: pdo.index, sub, bits: 32 };
-                self.write(place, entry.word()).await.map_err(self.unmappable(pdo.index, *entry))?;
+                self.write(place, entry.word())
+                    .await
+                    .map_err(self.unmappable(pdo.index, *entry))?;
             }
             let last = pdo.entries.last().copied().unwrap_or(Entry::of(pdo.index, 0));
             let entries = pdo.entries.len() as u32;
-            self.write(count(pdo.index), entries).await.map_err(self.unmappable(pdo.index, last))?;
+            self.write(count(pdo.index), entries)
+                .await
+                .map_err(self.unmappable(pdo.index, last))?;
             self.check_read_back(pdo).await?;
         }
         if assigns {
@@ -191,7 +195,8 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
         let count: u8 = self.read(assignment, 0).await.map_err(self.refused(assignment, 0))?;
         let mut image = Image::default();
         for sub in 1..=count.min(MOST) {
-            let pdo: u16 = self.read(assignment, sub).await.map_err(self.refused(assignment, sub))?;
+            let pdo: u16 =
+                self.read(assignment, sub).await.map_err(self.refused(assignment, sub))?;
             for entry in self.read_entries(pdo).await? {
                 image.push(entry);
             }

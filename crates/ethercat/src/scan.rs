@@ -90,7 +90,8 @@ pub(crate) async fn prepare(
     let devices = group.iter(main).zip(&network.devices).zip(has_dictionary);
     for ((remote, config), has_dictionary) in devices {
         let configured = Configured { remote: &remote, config };
-        let image = if has_dictionary { configured.configure(network).await? } else { Images::default() };
+        let image =
+            if has_dictionary { configured.configure(network).await? } else { Images::default() };
         images.push(image);
     }
     for (mut device, config) in group.iter_mut(main).zip(&network.devices) {

@@ -44,7 +44,11 @@ fn after_a_power_cut_anywhere_in_the_start_the_next_start_succeeds() {
             wire.segment.power(target, true, wire.now_ns);
         }
         let again = master.start(&network, &mut wire).map(|_| ());
-        assert_eq!(again, Ok(()), "cut {cut} of device {device} at frame {at} of {whole}, after {first:?}");
+        assert_eq!(
+            again,
+            Ok(()),
+            "cut {cut} of device {device} at frame {at} of {whole}, after {first:?}"
+        );
         let in_op = |at| wire.segment.device(at).unwrap().state() == AlState::Op;
         assert!((0..4).all(in_op), "cut {cut}");
     }

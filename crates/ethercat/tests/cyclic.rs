@@ -1,10 +1,12 @@
 //! Cyclic data: setpoints are followed, clocks run together, inputs and outputs cross.
-use crate::support::{Wire, enable, six_drives, six_drives_expected, two_drives, two_drives_expected};
+use crate::support::{
+    Wire, enable, six_drives, six_drives_expected, two_drives, two_drives_expected,
+};
 use esc::{DriveState, Quirks};
-use ethercat::cia402::Wanted;
+use ethercat::cia402::{State, Wanted};
 use ethercat::{DriveCommand, Master, Reply, Storage};
 
-/// 20 turns a second in counts per cycle would be 2,621; a sine of 10 turns at 1 Hz needs 8 236.
+/// There and back within two seconds: a turn of the first drive, six of the last.
 fn target(cycle: i32, axis: usize) -> i32 {
     let angle = f64::from(cycle) / 1000.0 * std::f64::consts::TAU * 0.5;
     ((1.0 - angle.cos()) * 131_072.0 * (axis as f64 + 1.0) / 2.0).round() as i32
@@ -31,6 +33,7 @@ fn six_enabled_drives_follow_a_target_count_by_count() {
             assert_eq!(drive.feedback().position, expected, "axis {axis}, cycle {cycle}");
         }
     }
+    bus.cycle(&mut wire);
     for at in 1..7 {
         let device = wire.segment.device(at).unwrap();
         assert_eq!(device.drive_state(0), Some(DriveState::OperationEnabled));
@@ -81,13 +84,21 @@ fn digital_inputs_and_outputs_cross() {
 }
 
 #[test]
-fn a_network_is_started_anew_from_op_without_power_being_cut() {
+fn a_network_is_started_anew_from_op_and_drives_that_were_enabled_have_a_fault() {
     let mut wire = Wire::new(two_drives(&Quirks::default()));
     let network = two_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
-    for _ in 0..3 {
+    for start in 0..3 {
         let mut bus = master.start(&network, &mut wire).unwrap_or_else(|error| panic!("{error}"));
+        bus.cycle(&mut wire);
+        for axis in 0..2 {
+            // 6007 is 1: the loss of the connection is a fault
+            let is_faulty = bus.drives()[axis].feedback().state() == Some(State::Fault);
+            assert_eq!(is_faulty, start > 0, "start {start}");
+            bus.reset_fault(axis);
+        }
+        bus.cycle(&mut wire);
         enable(&mut bus, &mut wire);
         for _ in 0..50 {
             assert!(matches!(bus.cycle(&mut wire).reply, Reply::Complete { .. }));
@@ -107,7 +118,7 @@ fn a_fault_is_reported_and_reset_by_an_order_alone() {
     for _ in 0..500 {
         bus.cycle(&mut wire);
     }
-    assert_eq!(bus.drives()[0].feedback().state(), Some(ethercat::cia402::State::Fault));
+    assert_eq!(bus.drives()[0].feedback().state(), Some(State::Fault));
     assert!(bus.drives()[1].feedback().is_enabled());
     bus.reset_fault(0);
     bus.cycle(&mut wire);

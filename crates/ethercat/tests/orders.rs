@@ -57,8 +57,14 @@ fn no_drive_with_a_fault_is_enabled_and_no_target_jumps() {
             }
             let device = wire.segment.device(axis + 1).unwrap();
             let faulty = device.drive_state(0) == Some(DriveState::Fault);
-            assert!(!faulty || device.dictionary().number(0x603F, 0) != Some(0x8611), "it lagged behind");
+            assert!(
+                !faulty || device.dictionary().number(0x603F, 0) != Some(0x8611),
+                "it lagged behind"
+            );
         }
     }
-    assert!(enabled > cycles as u64 / 4 && edges > 10 && edges <= resets, "{enabled} {edges} {resets}");
+    assert!(
+        enabled > cycles as u64 / 4 && edges > 10 && edges <= resets,
+        "{enabled} {edges} {resets}"
+    );
 }

@@ -70,7 +70,10 @@ fn the_emulated_drive_shows_the_states_that_an_independent_program_reads() {
 fn the_emulated_drive_has_the_transitions_of_an_independent_program() {
     let by_name = |name: &str| {
         let squeezed = name.replace(' ', "");
-        DRIVE_STATES.into_iter().find(|state| format!("{state:?}").to_uppercase() == squeezed).unwrap()
+        DRIVE_STATES
+            .into_iter()
+            .find(|state| format!("{state:?}").to_uppercase() == squeezed)
+            .unwrap()
     };
     let mut seen = 0;
     for (control, before, after) in transitions() {
@@ -85,15 +88,19 @@ fn the_emulated_drive_has_the_transitions_of_an_independent_program() {
 
 #[test]
 fn each_control_word_is_that_of_a_transition_of_an_independent_program() {
-    let orders: BTreeMap<(&str, &str), u16> =
-        transitions().into_iter().map(|(control, before, after)| ((before, after), control)).collect();
+    let orders: BTreeMap<(&str, &str), u16> = transitions()
+        .into_iter()
+        .map(|(control, before, after)| ((before, after), control))
+        .collect();
     let path = [
         ("SWITCH ON DISABLED", "READY TO SWITCH ON"),
         ("READY TO SWITCH ON", "SWITCHED ON"),
         ("SWITCHED ON", "OPERATION ENABLED"),
     ];
     for (before, after) in path {
-        let status = status_word(DRIVE_STATES.into_iter().find(|s| named(state(status_word(*s))) == before).unwrap());
+        let status = status_word(
+            DRIVE_STATES.into_iter().find(|s| named(state(status_word(*s))) == before).unwrap(),
+        );
         assert_eq!(control_word(status, Wanted::On, false), orders[&(before, after)]);
     }
     let down = [
@@ -103,7 +110,9 @@ fn each_control_word_is_that_of_a_transition_of_an_independent_program() {
         ("QUICK STOP ACTIVE", "SWITCH ON DISABLED"),
     ];
     for (before, after) in down {
-        let status = status_word(DRIVE_STATES.into_iter().find(|s| named(state(status_word(*s))) == before).unwrap());
+        let status = status_word(
+            DRIVE_STATES.into_iter().find(|s| named(state(status_word(*s))) == before).unwrap(),
+        );
         assert_eq!(control_word(status, Wanted::Off, false), orders[&(before, after)]);
     }
     let fault = status_word(DriveState::Fault);

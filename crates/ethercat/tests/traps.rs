@@ -71,7 +71,10 @@ fn a_torque_that_cannot_be_mapped_is_refused_by_name_and_left_out_on_order() {
     let quirks = Quirks { torque_by_sdo_only: true, ..Quirks::default() };
     let mut network = two_drives_expected();
     let text = refusal(&quirks, &network);
-    assert!(text.contains("X: 6077:00 cannot be mapped into 1A00 (abort 06040041): leave it out"), "{text}");
+    assert!(
+        text.contains("X: 6077:00 cannot be mapped into 1A00 (abort 06040041): leave it out"),
+        "{text}"
+    );
     for device in &mut network.devices {
         for pdo in &mut device.pdos {
             pdo.entries.retain(|entry| entry.index != 0x6077);
@@ -122,7 +125,10 @@ fn an_unchanged_source_address_is_named() {
 #[test]
 fn a_drive_without_a_clock_is_refused_where_sync0_is_wanted() {
     let quirks = Quirks { no_clock: true, ..Quirks::default() };
-    assert_eq!(refusal(&quirks, &two_drives_expected()), "X: it has no distributed clock; SYNC0 needs one");
+    assert_eq!(
+        refusal(&quirks, &two_drives_expected()),
+        "X: it has no distributed clock; SYNC0 needs one"
+    );
 }
 
 #[test]
@@ -130,7 +136,8 @@ fn another_device_than_expected_is_refused_with_both_identities() {
     let mut network = two_drives_expected();
     network.devices[2].identity = Some(ethercat::Identity { vendor: 0x539, product: 0x2200_0301 });
     let text = refusal(&Quirks::default(), &network);
-    let expected = "device 2, Z: vendor 00000E5C, product 00000402 is there; 00000539, 22000301 is expected";
+    let expected =
+        "device 2, Z: vendor 00000E5C, product 00000402 is there; 00000539, 22000301 is expected";
     assert_eq!(text, expected);
 }
 
@@ -175,7 +182,8 @@ fn two_axes_in_one_device_have_their_objects_800_apart() {
     second.number = 1;
     device.slots.push(second);
     for pdo in device.pdos.clone() {
-        let shifted = pdo.entries.iter().map(|entry| Entry { index: entry.index + 0x800, ..*entry });
+        let shifted =
+            pdo.entries.iter().map(|entry| Entry { index: entry.index + 0x800, ..*entry });
         device.pdos.push(ethercat::Pdo { index: pdo.index + 0x10, entries: shifted.collect() });
     }
     let network = Network::new(vec![device]);

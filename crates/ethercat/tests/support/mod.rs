@@ -141,7 +141,10 @@ pub(crate) fn enable<F: FnMut(u64) -> Fate>(bus: &mut Bus<'_, '_>, wire: &mut Wi
             return;
         }
     }
-    panic!("not enabled: {:?}", bus.drives().iter().map(|d| d.feedback().status).collect::<Vec<_>>());
+    panic!(
+        "not enabled: {:?}",
+        bus.drives().iter().map(|d| d.feedback().status).collect::<Vec<_>>()
+    );
 }
 
 /// A random number from a seed: splitmix64.
