@@ -1,4 +1,4 @@
-//! An `EtherCAT` slave controller: it executes the datagrams of a frame on the registers and the
+//! An EtherCAT slave controller: it executes the datagrams of a frame on the registers and the
 //! process memory of its device, and says what the application has to do about it.
 use crate::clock::Clock;
 use crate::eeprom::Eeprom;
@@ -25,6 +25,7 @@ pub(crate) struct Moment {
 
 /// What the wire has written that the application has to look at.
 #[derive(Clone, Copy, Debug, Default)]
+#[allow(clippy::struct_excessive_bools)] // events that do not exclude one another
 pub(crate) struct Written {
     /// AL control.
     pub(crate) al_control: bool,

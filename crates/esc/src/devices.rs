@@ -1,11 +1,13 @@
 //! The devices that there are: what is in their EEPROM and their dictionary.
-use crate::coe::{Access, DataType, Dictionary, Entry, Object, Profile, communication_objects};
+use crate::coe::{
+    Access, DataType, Dictionary, Entry, Object, Pdo, Profile, communication_objects,
+};
 use crate::device::{Application, Blueprint, Device, DigitalIo, Encoder};
 use crate::profile::{Axis, Motor, axis_objects, default_pdos, supported_modes};
 use crate::quirks::Quirks;
 use crate::sii::{Contents, Identity, SiiPdo, SiiSyncManager, words};
 
-/// Vendor of all emulated devices: a number that the `EtherCAT` Technology Group has given to nobody.
+/// Vendor of all emulated devices: a number that the EtherCAT Technology Group has given to nobody.
 const VENDOR: u32 = 0x0000_0E5C;
 /// Mailboxes of devices that have them: start and length, out and in.
 const MAILBOXES: [(u16, u16); 2] = [(0x1000, 0x80), (0x1080, 0x80)];
@@ -106,7 +108,7 @@ fn mailbox_device(profile: &Profile, quirks: &Quirks, alias: u16) -> Vec<u16> {
     // SDO, information, assignment, mapping, complete access
     let information = if quirks.no_sdo_information { 0 } else { 0x02 };
     let complete = if quirks.no_complete_access { 0 } else { 0x20 };
-    let pdos = |list: &[(u16, Vec<(u16, u8, u8)>)], sync_manager| {
+    let pdos = |list: &[Pdo], sync_manager| {
         let pdo = |(index, entries): &(u16, Vec<_>)| SiiPdo {
             index: *index,
             sync_manager,
@@ -114,7 +116,7 @@ fn mailbox_device(profile: &Profile, quirks: &Quirks, alias: u16) -> Vec<u16> {
         };
         list.iter().map(pdo).collect()
     };
-    let bytes = |list: &[(u16, Vec<(u16, u8, u8)>)]| {
+    let bytes = |list: &[Pdo]| {
         let bits: u16 = list.iter().flat_map(|(_, e)| e).map(|(.., bits)| u16::from(*bits)).sum();
         bits.div_ceil(8)
     };

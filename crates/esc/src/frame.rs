@@ -16,7 +16,7 @@ const DATAGRAM_HEADER: usize = 10;
 const COUNTER: usize = 2;
 /// Offset of the source address within a frame.
 pub(crate) const SOURCE: usize = 6;
-/// A frame with Ethernet's and `EtherCAT`'s header and no datagram.
+/// A frame with Ethernet's and EtherCAT's header and no datagram.
 pub const EMPTY_FRAME: [u8; HEADERS] =
     [255, 255, 255, 255, 255, 255, 0x10, 0x10, 0x10, 0x10, 0x10, 0x10, 0x88, 0xA4, 0, 0x10];
 
@@ -132,7 +132,7 @@ impl Datagram<'_> {
     }
 }
 
-/// Returns whether an Ethernet frame says of itself that it is one of `EtherCAT`'s.
+/// Returns whether an Ethernet frame says of itself that it is one of EtherCAT's.
 pub fn has_ethercat_type(frame: &[u8]) -> bool {
     frame.len() >= HEADERS && frame[12..14] == [0x88, 0xA4] && frame[15] >> 4 == 1
 }

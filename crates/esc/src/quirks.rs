@@ -14,7 +14,7 @@ pub struct Quirks {
     pub fixed_mapping: bool,
     /// The assignment objects are read-only (abort `0601_0002`).
     pub fixed_assignment: bool,
-    /// A single `TxPDO` can be assigned, with at most so many entries.
+    /// A single TxPDO can be assigned, with at most so many entries.
     pub one_tx_pdo_of: Option<u8>,
     /// Cyclic synchronous velocity is not supported.
     pub no_csv: bool,
@@ -28,7 +28,7 @@ pub struct Quirks {
     pub sync_period_read_only: bool,
     /// The positive software limit, 607D:02, does not exist.
     pub no_positive_software_limit: bool,
-    /// Nothing is assigned to the `TxPDO` sync manager, and nothing can be.
+    /// Nothing is assigned to the TxPDO sync manager, and nothing can be.
     pub rx_pdo_alone: bool,
     /// 1C00 gives the two process data sync managers the wrong way round.
     pub wrong_sync_manager_types: bool,

@@ -1,4 +1,4 @@
-//! Addresses of an `EtherCAT` slave controller, and which of them the wire may write.
+//! Addresses of an EtherCAT slave controller, and which of them the wire may write.
 
 /// Type of the controller; 1 byte.
 pub(crate) const TYPE: u16 = 0x0000;

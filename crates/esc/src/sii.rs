@@ -8,7 +8,7 @@
 /// Who a device says it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identity {
-    /// Vendor, as the `EtherCAT` Technology Group numbers them.
+    /// Vendor, as the EtherCAT Technology Group numbers them.
     pub vendor: u32,
     /// Product code.
     pub product: u32,

@@ -19,6 +19,7 @@ pub(crate) enum Direction {
 
 /// A sync manager as its eight bytes of registers have it.
 #[derive(Clone, Debug, Default)]
+#[allow(clippy::struct_excessive_bools)] // bits of its registers
 pub(crate) struct SyncManager {
     pub(crate) start: u16,
     pub(crate) length: u16,
@@ -32,8 +33,6 @@ pub(crate) struct SyncManager {
     pub(crate) is_full: bool,
     /// The wire has begun an access and not come to its end.
     is_open: bool,
-    /// A complete buffer has been written by the wire and not been taken.
-    pub(crate) is_fresh: bool,
 }
 
 impl SyncManager {
@@ -87,7 +86,6 @@ impl SyncManager {
         self.is_open = !completes;
         if completes {
             self.is_full = self.is_mailbox && self.direction == Direction::Write;
-            self.is_fresh = self.direction == Direction::Write;
         }
         completes
     }

@@ -1,4 +1,5 @@
 //! Emulated devices, asked datagram by datagram.
+#![allow(clippy::unwrap_used)] // in what tests share
 mod al;
 mod clock;
 mod frames;

@@ -71,7 +71,7 @@ pub struct Drive {
 
 impl Drive {
     /// Finds the values of a slot; `None` where one that is needed is missing.
-    pub(crate) fn new(device: usize, slot: &Slot, images: &Images) -> Option<Self> {
+    pub(crate) fn new(device: usize, slot: Slot, images: &Images) -> Option<Self> {
         let offset = 0x800 * u16::from(slot.number);
         let out = |object: u16| images.outputs.find(object + offset, 0);
         let into = |object: u16| images.inputs.find(object + offset, 0);
@@ -101,7 +101,7 @@ impl Drive {
     pub(crate) fn all(devices: &[Device], images: &[Images]) -> Vec<Self> {
         let devices = devices.iter().zip(images).enumerate();
         let axes = devices.flat_map(|(at, (device, images))| {
-            device.slots.iter().filter_map(move |slot| Self::new(at, slot, images))
+            device.slots.iter().filter_map(move |slot| Self::new(at, *slot, images))
         });
         axes.collect()
     }

@@ -181,13 +181,9 @@ impl<'s> Exchange<'s> {
             }
             self.emergency_count += 1;
         }
-        match self.rx.receive_frame(frame) {
-            Ok(_) => true,
-            Err(_) => {
-                self.losses.malformed += 1;
-                false
-            }
-        }
+        let is_taken = self.rx.receive_frame(frame).is_ok();
+        self.losses.malformed += u64::from(!is_taken);
+        is_taken
     }
 }
 
@@ -208,7 +204,7 @@ fn is_answer(sent: [u8; 8], received: [u8; 8]) -> bool {
     sent[0] == received[0] && same_device && sent[4..] == received[4..]
 }
 
-/// Takes an emergency out of an answer from a mailbox. What is left of it is no `CoE` service that
+/// Takes an emergency out of an answer from a mailbox. What is left of it is no CoE service that
 /// `ethercrab` knows, so that it gives an error to whoever waits for another answer (0.7.1 ends the
 /// program on an emergency in the place of an answer).
 fn take_emergency(frame: &mut [u8], mailboxes: &[u16]) -> Option<Emergency> {

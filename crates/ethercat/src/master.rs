@@ -120,7 +120,7 @@ impl<'s> Master<'s> {
             return Err(StartError::Image { bytes, most: MOST_IMAGE });
         }
         let request = async {
-            let requested = prepared.group.request_into_op(main).await;
+            let requested = Box::pin(prepared.group.request_into_op(main)).await;
             requested.map_err(failed("on the way to OP"))
         };
         let group = guarded(exchange, link, request, until_ns)?;

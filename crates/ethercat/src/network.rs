@@ -4,7 +4,7 @@
 /// Who a device is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// Vendor, as the `EtherCAT` Technology Group numbers them.
+    /// Vendor, as the EtherCAT Technology Group numbers them.
     pub vendor: u32,
     /// Product code.
     pub product: u32,

@@ -232,7 +232,9 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
             }
             let mode = Entry::of(0x6060 + offset, 8);
             let refused = self.refused(mode.index, 0);
-            self.write(mode, slot.mode as i8 as u8 as u32).await.map_err(refused)?;
+            self.write(mode, u32::from((slot.mode as i8).cast_unsigned()))
+                .await
+                .map_err(refused)?;
         }
         Ok(())
     }

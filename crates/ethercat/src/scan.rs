@@ -44,8 +44,7 @@ pub(crate) async fn scan(main: &MainDevice<'_>, network: &Network) -> Result<Sca
     if count == 0 {
         return Err(StartError::NoAnswer);
     }
-    let group = main
-        .init_single_group::<MOST_DEVICES, MOST_IMAGE>(clock::now_ns)
+    let group = Box::pin(main.init_single_group::<MOST_DEVICES, MOST_IMAGE>(clock::now_ns))
         .await
         .map_err(failed("while the devices were found"))?;
     let (found, wanted) = (group.len(), network.devices.len());
@@ -103,17 +102,20 @@ pub(crate) async fn prepare(
             }
         });
     }
-    let group = group.into_pre_op_pdi(main).await.map_err(failed("while the image was made"))?;
+    let group =
+        Box::pin(group.into_pre_op_pdi(main)).await.map_err(failed("while the image was made"))?;
     let clock = DcConfiguration {
         start_delay: SYNC_DELAY,
         sync0_period: Duration::from_nanos(u64::from(network.cycle_ns)),
         sync0_shift: Duration::ZERO,
     };
-    let group = group.configure_dc_sync(main, clock).await.map_err(|error| match error {
-        ethercrab::error::Error::DistributedClock(_) => StartError::NoReference,
-        other => failed("while SYNC0 was set up")(other),
-    })?;
-    let group = group.into_safe_op(main).await.map_err(failed("on the way to SAFE-OP"))?;
+    let group =
+        Box::pin(group.configure_dc_sync(main, clock)).await.map_err(|error| match error {
+            ethercrab::error::Error::DistributedClock(_) => StartError::NoReference,
+            other => failed("while SYNC0 was set up")(other),
+        })?;
+    let group =
+        Box::pin(group.into_safe_op(main)).await.map_err(failed("on the way to SAFE-OP"))?;
     Ok(Prepared { group, images })
 }
 

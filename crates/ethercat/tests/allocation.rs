@@ -1,6 +1,7 @@
 //! Cycles take no memory, and two runs of them are bit-identical.
+#![allow(clippy::unwrap_used)] // tests may panic
 #[path = "support/mod.rs"]
-#[allow(dead_code)] // what other tests use
+#[allow(clippy::unwrap_used, dead_code)] // tests may panic, and what they share is not used by each
 mod support;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
@@ -22,8 +23,8 @@ fn run(cycles: i32) -> u64 {
     let mut hash = 0xCBF2_9CE4_8422_2325_u64;
     assert_no_alloc(|| {
         for cycle in 0..cycles {
-            for axis in 0..6_usize {
-                let target = (cycle % 4_000 - 2_000).abs() * 50 * (axis as i32 + 1);
+            for (axis, factor) in (1..=6).enumerate() {
+                let target = (cycle % 4_000 - 2_000).abs() * 50 * factor;
                 let from = bus.drives()[axis].sent_target();
                 let target = from + (target - from).clamp(-5_000, 5_000);
                 bus.command(axis, DriveCommand { wanted: Wanted::On, target });

@@ -17,18 +17,18 @@ fn no_drive_with_a_fault_is_enabled_and_no_target_jumps() {
     let (mut enabled, mut resets, mut edges) = (0_u64, 0_u64, 0_u64);
     let mut before = [0_u16; 2];
     for cycle in 0..cycles {
-        for axis in 0..2 {
+        for (axis, wanted) in wanted.iter_mut().enumerate() {
             if random.below(40) == 0 {
                 let orders = [Wanted::Off, Wanted::On, Wanted::On, Wanted::On, Wanted::QuickStop];
-                wanted[axis].wanted = orders[random.below(5) as usize];
+                wanted.wanted = orders[random.below(5) as usize];
             }
             let sent = bus.drives()[axis].sent_target();
-            wanted[axis].target = match random.below(30) {
+            wanted.target = match random.below(30) {
                 0 => random.next() as i32,
                 1 => sent.wrapping_add(i32::MAX),
                 _ => sent.wrapping_add(random.below(1_000) as i32 - 500),
             };
-            bus.command(axis, wanted[axis]);
+            bus.command(axis, *wanted);
             if random.below(300) == 0 {
                 wire.segment.device_mut(axis + 1).unwrap().fail(0, 0x8400);
             }
@@ -38,7 +38,7 @@ fn no_drive_with_a_fault_is_enabled_and_no_target_jumps() {
             }
         }
         let seen: Vec<_> = bus.drives().iter().map(|drive| *drive.feedback()).collect();
-        let targets: Vec<i32> = bus.drives().iter().map(|drive| drive.sent_target()).collect();
+        let targets: Vec<i32> = bus.drives().iter().map(ethercat::Drive::sent_target).collect();
         bus.cycle(&mut wire);
         for axis in 0..2 {
             let (drive, seen) = (&bus.drives()[axis], seen[axis]);

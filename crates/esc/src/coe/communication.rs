@@ -81,7 +81,7 @@ fn mapping((index, entries): &Pdo, name: &'static str) -> Object {
         });
         Entry::number(sub, "Mapped entry", DataType::U32, Access::CONFIGURE, value)
     });
-    let count = entries.len() as i64;
+    let count = i64::from(entries.len() as u8);
     Object::counted(*index, ObjectKind::Record, name, count, Access::CONFIGURE, list.collect())
 }
 
@@ -91,7 +91,7 @@ fn assignment(index: u16, name: &'static str, pdos: &[Pdo]) -> Object {
         let value = pdos.get(usize::from(sub) - 1).map_or(0, |(index, _)| i64::from(*index));
         Entry::number(sub, "Assigned PDO", DataType::U16, Access::CONFIGURE, value)
     });
-    let count = pdos.len() as i64;
+    let count = i64::from(pdos.len() as u8);
     Object::counted(index, ObjectKind::Array, name, count, Access::CONFIGURE, list.collect())
 }
 

@@ -64,9 +64,9 @@ impl DataType {
 pub struct Access {
     /// It can be written in this state and below; `None` never.
     pub write_up_to: Option<AlState>,
-    /// It can be mapped into an `RxPDO`, which the master sends.
+    /// It can be mapped into an RxPDO, which the master sends.
     pub rx: bool,
-    /// It can be mapped into a `TxPDO`, which the device sends.
+    /// It can be mapped into a TxPDO, which the device sends.
     pub tx: bool,
 }
 

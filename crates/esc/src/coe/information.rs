@@ -7,7 +7,7 @@
 use super::mail::{Service, begin};
 use super::{Abort, Dictionary, Object};
 
-/// Bytes of mailbox, `CoE` and information header.
+/// Bytes of mailbox, CoE and information header.
 const HEADERS: usize = 12;
 
 /// Answers a request with one mail or, where a list is long, several.

@@ -9,10 +9,10 @@
 const HEADER: usize = 6;
 /// Kind of mail: an error of the mailbox itself.
 const ERROR: u8 = 0;
-/// Kind of mail: `CANopen`.
+/// Kind of mail: CANopen.
 pub(crate) const COE: u8 = 3;
 
-/// A `CoE` service (ETG.1000.6, table 29).
+/// A CoE service (ETG.1000.6, table 29).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Service {
@@ -37,7 +37,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Option<Mail<'_>> {
     Some(Mail { kind: header[5] & 0x0F, body })
 }
 
-/// Begins a reply of a `CoE` service in a buffer.
+/// Begins a reply of a CoE service in a buffer.
 pub(crate) fn begin(into: &mut Vec<u8>, service: Service) {
     into.clear();
     into.extend_from_slice(&[0, 0, 0, 0, 0, COE, 0, (service as u8) << 4]);

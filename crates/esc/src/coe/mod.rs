@@ -1,4 +1,4 @@
-//! `CANopen` over `EtherCAT`: the object dictionary, and the services by which a mailbox reads and
+//! CANopen over EtherCAT: the object dictionary, and the services by which a mailbox reads and
 //! writes it.
 
 mod abort;
@@ -10,7 +10,7 @@ mod pdo;
 mod sdo;
 
 pub use abort::Abort;
-pub(crate) use communication::{Profile, communication_objects};
+pub(crate) use communication::{Pdo, Profile, communication_objects};
 pub use dictionary::{
     Access, Allowed, DataType, Dictionary, Entry, Handle, Object, ObjectKind, Value,
 };

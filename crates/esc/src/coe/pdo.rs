@@ -71,7 +71,8 @@ pub(crate) fn check(
             if one_of.is_some_and(|most| value > i64::from(most)) {
                 return Err(Abort::PdoTooLong);
             }
-            let entries = dictionary.object(index).map_or(0, |object| object.entries.len() as i64);
+            let entries =
+                dictionary.object(index).map_or(0, |object| i64::from(object.entries.len() as u8));
             if value >= entries {
                 return Err(Abort::Range);
             }

@@ -15,7 +15,7 @@ use crate::quirks::Quirks;
 
 /// Bytes of an initiating request or response: command, index, subindex, size or data.
 const INITIATE: usize = 8;
-/// Bytes of mailbox and `CoE` header.
+/// Bytes of mailbox and CoE header.
 const HEADERS: usize = 8;
 /// Least bytes of the data of a segment.
 const LEAST_SEGMENT: usize = 7;

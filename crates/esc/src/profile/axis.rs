@@ -284,8 +284,13 @@ impl Axis {
     fn probe(&mut self, dictionary: &mut Dictionary, before: i64) {
         let here = self.motor.counts();
         let turn = i64::from(self.motor.counts_per_rev);
-        let mark = here.max(before).div_euclid(turn) * turn;
-        let passed = before != here && mark > here.min(before) || mark == here && before != here;
+        // up: (before, here]; down: [here, before)
+        let mark = if here > before {
+            here.div_euclid(turn) * turn
+        } else {
+            -(-here).div_euclid(turn) * turn
+        };
+        let passed = if here > before { mark > before } else { mark < before };
         let rose = self.probe_input && !self.probe_before;
         let fell = !self.probe_input && self.probe_before;
         let edges = Edges {

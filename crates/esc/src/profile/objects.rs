@@ -1,7 +1,7 @@
 //! The objects of an axis: 6000 to 67FF, the next axis of a device 800 higher.
 use super::homing::METHODS;
 use super::motor::Motor;
-use crate::coe::{Access, Allowed, DataType, Entry, Object};
+use crate::coe::{Access, Allowed, DataType, Entry, Object, Value};
 use crate::quirks::Quirks;
 
 /// Modes with all of them, and without one or two.
@@ -14,6 +14,7 @@ pub(crate) fn supported_modes(quirks: &Quirks) -> &'static [i64] {
 }
 
 /// Makes the objects of an axis, from index 6000 + `offset` on.
+#[allow(clippy::too_many_lines)] // a table
 pub(crate) fn axis_objects(offset: u16, motor: &Motor, quirks: &Quirks) -> Vec<Object> {
     use DataType::{I8, I16, I32, U8, U16, U32};
     let one = |index: u16, name, data_type, access, value: i64| {
@@ -41,6 +42,7 @@ pub(crate) fn axis_objects(offset: u16, motor: &Motor, quirks: &Quirks) -> Vec<O
     );
     if quirks.no_positive_software_limit {
         limits.entries.pop();
+        limits.entries[0].value = Value::Number(1);
     }
     vec![
         one(0x603F, "Error code", U16, Access::ACTUAL, 0),
@@ -119,7 +121,7 @@ pub(crate) fn axis_objects(offset: u16, motor: &Motor, quirks: &Quirks) -> Vec<O
     ]
 }
 
-/// The PDOs that an axis has at power on: entries of the `RxPDO` and of the `TxPDO`.
+/// The PDOs that an axis has at power on: entries of the RxPDO and of the TxPDO.
 pub(crate) fn default_pdos(offset: u16) -> [Vec<(u16, u8, u8)>; 2] {
     let of =
         |list: &[(u16, u8)]| list.iter().map(|(index, bits)| (index + offset, 0, *bits)).collect();

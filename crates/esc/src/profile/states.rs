@@ -66,9 +66,8 @@ fn order(control: u16) -> usize {
 pub fn next_state(state: DriveState, control: u16, before: u16) -> DriveState {
     match state {
         NotReadyToSwitchOn => SwitchOnDisabled,
-        FaultReactionActive => Fault,
         Fault if control & !before & RESET != 0 => SwitchOnDisabled,
-        Fault => Fault,
+        Fault | FaultReactionActive => Fault,
         _ => {
             let row = ORDERS.iter().find(|(of, _)| *of == state);
             row.map_or(state, |(_, to)| to[order(control)])

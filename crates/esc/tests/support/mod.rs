@@ -137,7 +137,7 @@ impl Bench {
         None
     }
 
-    /// Asks the SDO server; returns what stands behind the `CoE` header.
+    /// Asks the SDO server; returns what stands behind the CoE header.
     pub(crate) fn sdo(&mut self, request: &[u8]) -> Vec<u8> {
         let mut body = vec![0, 0x20];
         body.extend(request);
