@@ -7,14 +7,20 @@ use crate::link::Link;
 use crate::network::Network;
 use crate::pace::Pacer;
 use crate::pdo::Images;
-use crate::scan::{Group, find_refusal};
+use crate::scan::{FIRST_STATION, Group, find_refusal};
 use ethercrab::subdevice_group::{HasDc, Op};
-use ethercrab::{MainDevice, SubDeviceState};
+use ethercrab::{Command, MainDevice, SubDeviceState};
 
 /// How long devices may take from SAFE-OP to OP, ns.
 const MOST_TO_OP_NS: u64 = 3_000_000_000;
 /// Cycles between two looks at who refuses.
 const LOOK_EVERY: u64 = 100;
+
+/// Status of the sync manager of the mailbox that is read, and its length.
+const MAIL_STATUS: u16 = 0x080D;
+const MAIL_LENGTH: u16 = 0x080A;
+/// Bit of the status.
+const MAIL_IS_THERE: u8 = 0x08;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +84,7 @@ pub struct Bus<'m, 's> {
     missed: u32,
     in_op: usize,
     counters: Counters,
+    next_mail: usize,
 }
 
 impl<'m, 's> Bus<'m, 's> {
@@ -108,6 +115,7 @@ impl<'m, 's> Bus<'m, 's> {
             missed: 0,
             in_op: 0,
             counters: Counters::default(),
+            next_mail: 0,
         }
     }
 
@@ -267,6 +275,35 @@ impl<'m, 's> Bus<'m, 's> {
     /// Working counter if every device executes a frame.
     pub fn expected_counter(&self) -> u16 {
         self.expected
+    }
+
+    /// Looks whether a device has something in its mailbox, the next one at each call, in what is
+    /// left of the cycle; an emergency is kept.
+    pub fn poll_mail(&mut self, link: &mut impl Link) {
+        let devices = self.exchange.mailboxes.len();
+        if devices == 0 {
+            return;
+        }
+        let at = self.next_mail % devices;
+        self.next_mail = at + 1;
+        let mailbox = self.exchange.mailboxes[at];
+        if mailbox == 0 {
+            return;
+        }
+        let station = FIRST_STATION + at as u16;
+        let main = self.main;
+        let mail = async {
+            let read = |register: u16| Command::fprd(station, register).ignore_wkc();
+            let status: u8 = read(MAIL_STATUS).receive(main).await?;
+            if status & MAIL_IS_THERE != 0 {
+                let length: u16 = read(MAIL_LENGTH).receive(main).await?;
+                read(mailbox).receive_slice(main, length).await?;
+            }
+            Ok::<(), ethercrab::error::Error>(())
+        };
+        let until_ns = self.pacer.next_ns().saturating_sub(self.cycle_ns / 8);
+        // what does not come in time is asked for again at the next turn
+        let _ = self.exchange.run(link, mail, until_ns);
     }
 
     /// Emergencies since the master was made, the oldest first, and how many there were in all.

@@ -116,8 +116,12 @@ fn a_fault_is_reported_and_reset_by_an_order_alone() {
     enable(&mut bus, &mut wire);
     wire.segment.device_mut(1).unwrap().fail(0, 0x2310);
     for _ in 0..500 {
-        bus.cycle(&mut wire);
+        let outcome = bus.cycle(&mut wire);
+        assert!(matches!(outcome.reply, Reply::Complete { .. }));
+        bus.poll_mail(&mut wire);
     }
+    let expected = ethercat::Emergency { station: 0x1001, code: 0x2310, register: 0x21 };
+    assert_eq!(bus.emergencies(), (&[expected][..], 1));
     assert_eq!(bus.drives()[0].feedback().state(), Some(State::Fault));
     assert!(bus.drives()[1].feedback().is_enabled());
     bus.reset_fault(0);
