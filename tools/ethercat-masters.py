@@ -1,6 +1,6 @@
-"""SOEM, by `pysoem`, on the emulated EtherCAT devices: run by tools/ethercat-masters, in its namespace.
+"""SOEM, by `pysoem`, and KickCAT on the emulated EtherCAT devices: run by tools/ethercat-masters, in its namespace.
 
-A process passes frames between one end of a veth pair and the devices on pipes; SOEM has the other end.
+A process passes frames between one end of a veth pair and the devices on pipes; the masters have the other end, one after the other.
 """
 import multiprocessing
 import os
@@ -95,6 +95,49 @@ def soem(interface):
     master.close()
 
 
+def kickcat(interface):
+    import kickcat as kc
+
+    link = kc.create_link(interface, "")
+    link.set_timeout(0.02)
+    bus = kc.Bus(link)
+    bus.init(0.1)
+    assert len(bus.slaves()) == DRIVES + 2, len(bus.slaves())
+    drive = bus.slaves()[1]
+    assert bus.read_sdo(drive, 0x1018, 1, kc.Access.PARTIAL, 4, 0.5)[:4] == struct.pack("<I", 0x0E5C)
+    print("kickcat:", bus.read_object_description(drive, 0x6040), bus.read_entry_description(drive, 0x6041, 0))
+    bus.create_mapping()
+    bus.request_state(kc.State.SAFE_OP)
+    bus.wait_for_state(kc.State.SAFE_OP, 1.0)
+    drives = bus.slaves()[1 : 1 + DRIVES]
+    assert [drive.output_size for drive in drives] == [6] * DRIVES
+    targets = [struct.pack("<Hi", 0, 0)] * DRIVES
+
+    def exchange(times):
+        for _ in range(times):
+            for drive, target in zip(drives, targets):
+                drive.set_output_bytes(target)
+            bus.process_data()
+            time.sleep(0.002)
+
+    def feedback():
+        return [struct.unpack("<Hi", drive.input_data[:6]) for drive in drives]
+
+    bus.request_state(kc.State.OPERATIONAL)
+    for _ in range(500):
+        exchange(1)
+        if all(bus.get_state(slave) == kc.State.OPERATIONAL for slave in bus.slaves()):
+            break
+    assert all(bus.get_state(slave) == kc.State.OPERATIONAL for slave in bus.slaves())
+    for control in (0x80, 0, 6, 7, 15):
+        for _ in range(10):
+            targets = [struct.pack("<Hi", control, position) for _, position in feedback()]
+            exchange(1)
+    assert all(status & 0x6F == 0x27 for status, _ in feedback()), feedback()
+    bus.request_state(kc.State.INIT)
+    print("kickcat: OP, all drives enabled")
+
+
 def cycle(master):
     master.send_processdata()
     counter = master.receive_processdata(20_000)
@@ -116,6 +159,7 @@ for command in (
 devices = multiprocessing.Process(target=bridge, args=(sys.argv[1], "ec1"), daemon=True)
 devices.start()
 time.sleep(1)
-soem("ec0")
-print("ethercat-masters: 1 passed, 0 failed")
+for master in (soem, kickcat):
+    master("ec0")
+print("ethercat-masters: 2 passed, 0 failed")
 devices.terminate()
