@@ -3,7 +3,7 @@
 //!
 //! `tools/ethercat-masters` puts a network card in between, so that masters of others meet the
 //! emulated devices.
-use esc::{DriveModel, Passed, Segment, coupler, digital_io, drive};
+use esc::{DriveModel, NetworkSegment, Passed, coupler, digital_io, drive};
 use std::io::{Read, Write, stdin, stdout};
 use std::time::Instant;
 
@@ -13,7 +13,8 @@ fn main() -> std::io::Result<()> {
     let drives = (1..=drives).map(|serial| {
         drive(&DriveModel { drift_ppb: 5_000 * i64::from(serial), ..DriveModel::new(serial) })
     });
-    let mut segment = Segment::new([coupler(0)].into_iter().chain(drives).chain([digital_io()]));
+    let mut segment =
+        NetworkSegment::new([coupler(0)].into_iter().chain(drives).chain([digital_io()]));
     let started = Instant::now();
     let (mut input, mut output) = (stdin().lock(), stdout().lock());
     let mut length = [0; 2];

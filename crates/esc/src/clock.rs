@@ -15,7 +15,7 @@ const BILLION: i64 = 1_000_000_000;
 
 /// The clock of a device.
 #[derive(Clone, Debug)]
-pub(crate) struct Clock {
+pub(crate) struct LocalClock {
     drift_ppb: i64,
     trim_ppb: i64,
     /// Local time at `since_ns`.
@@ -31,7 +31,7 @@ pub(crate) struct Clock {
     has_synced: bool,
 }
 
-impl Clock {
+impl LocalClock {
     /// Makes a clock that says `start_ns` at time 0 and gains `drift_ppb` nanoseconds a second.
     pub(crate) fn new(start_ns: u64, drift_ppb: i64) -> Self {
         Self {
@@ -144,14 +144,14 @@ mod tests {
 
     #[test]
     fn a_clock_that_gains_100_ppm_is_100_microseconds_ahead_after_a_second() {
-        let clock = Clock::new(5_000, 100_000);
+        let clock = LocalClock::new(5_000, 100_000);
         assert_eq!(clock.local(1_000_000_000), 1_000_000_000 + 5_000 + 100_000);
     }
 
     #[test]
     fn the_control_loop_takes_out_drift_and_offset() {
         for drift in [-100_000, -3, 0, 40, 100_000] {
-            let (mut clock, offset) = (Clock::new(0, drift), 4_000);
+            let (mut clock, offset) = (LocalClock::new(0, drift), 4_000);
             let mut worst = 0;
             for cycle in 1..5_000_u64 {
                 let now = cycle * 1_000_000;
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_pulse_that_has_passed_never_comes() {
-        let mut clock = Clock::new(0, 0);
+        let mut clock = LocalClock::new(0, 0);
         clock.start_sync(1_000, 2_000);
         assert!(!clock.take_sync(u64::MAX, 1_000));
         clock.start_sync(3_000, 2_000);

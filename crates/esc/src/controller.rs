@@ -1,13 +1,13 @@
 //! An EtherCAT slave controller: it executes the datagrams of a frame on the registers and the
 //! process memory of its device, and says what the application has to do about it.
-use crate::clock::Clock;
+use crate::clock::LocalClock;
 use crate::eeprom::Eeprom;
 use crate::fmmu::Fmmu;
-use crate::frame::{Command, Datagram};
+use crate::frame::{Datagram, DatagramCommand};
 use crate::memory::{Memory, SIZE};
 use crate::quirks::Quirks;
 use crate::registers as reg;
-use crate::sync_manager::{Direction, SyncManager};
+use crate::sync_manager::{BufferDirection, SyncManager};
 
 /// Longest data of a datagram.
 const MOST_DATA: usize = 2048;
@@ -16,7 +16,7 @@ const AL_EVENT: u16 = 1 << 3;
 
 /// When a frame passes a device.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Moment {
+pub(crate) struct PassingTime {
     /// At port 0.
     pub(crate) arrives_ns: u64,
     /// At port 1, on its way back; `None` for the last device.
@@ -48,7 +48,7 @@ pub(crate) struct Controller {
     /// What the application has written or the wire has completed, by sync manager.
     buffers: [Vec<u8>; reg::CHANNELS],
     eeprom: Eeprom,
-    pub(crate) clock: Clock,
+    pub(crate) clock: LocalClock,
     has_clock: bool,
     has_cyclic_unit: bool,
     /// What the application has not looked at.
@@ -57,7 +57,7 @@ pub(crate) struct Controller {
 }
 
 impl Controller {
-    pub(crate) fn new(words: Vec<u16>, clock: Clock, quirks: &Quirks) -> Self {
+    pub(crate) fn new(words: Vec<u16>, clock: LocalClock, quirks: &Quirks) -> Self {
         let mut memory = Memory::new();
         let features: u16 = if quirks.no_clock { 0 } else { 0x010C };
         let alias = words.get(4).copied().unwrap_or_default();
@@ -95,8 +95,8 @@ impl Controller {
     }
 
     /// Executes a datagram that passes.
-    pub(crate) fn execute(&mut self, datagram: &mut Datagram<'_>, moment: Moment) {
-        use Command as C;
+    pub(crate) fn execute(&mut self, datagram: &mut Datagram<'_>, moment: PassingTime) {
+        use DatagramCommand as C;
         let Some(command) = datagram.command else { return };
         let is_selected = match command {
             C::Nop => return,
@@ -134,7 +134,7 @@ impl Controller {
         reads: bool,
         writes: bool,
         joins: bool,
-        moment: Moment,
+        moment: PassingTime,
     ) {
         let at = datagram.register();
         let length = datagram.data.len();
@@ -155,24 +155,35 @@ impl Controller {
         self.scratch = incoming;
     }
 
-    fn execute_logical(&mut self, command: Command, datagram: &mut Datagram<'_>, moment: Moment) {
+    fn execute_logical(
+        &mut self,
+        command: DatagramCommand,
+        datagram: &mut Datagram<'_>,
+        moment: PassingTime,
+    ) {
         let logical = datagram.logical();
         let (mut has_read, mut has_written) = (false, false);
         for fmmu in self.fmmus {
-            if fmmu.writes && command != Command::Lrd {
+            if fmmu.writes && command != DatagramCommand::Lrd {
                 has_written |= self.write_mapped(&fmmu, logical, datagram.data, moment);
             }
         }
         for fmmu in self.fmmus {
-            if fmmu.reads && command != Command::Lwr {
+            if fmmu.reads && command != DatagramCommand::Lwr {
                 has_read |= self.read_mapped(&fmmu, logical, datagram.data, moment);
             }
         }
-        let written = if command == Command::Lrw { 2 } else { 1 };
+        let written = if command == DatagramCommand::Lrw { 2 } else { 1 };
         datagram.count(u16::from(has_read) + u16::from(has_written) * written);
     }
 
-    fn write_mapped(&mut self, fmmu: &Fmmu, logical: u32, data: &[u8], moment: Moment) -> bool {
+    fn write_mapped(
+        &mut self,
+        fmmu: &Fmmu,
+        logical: u32,
+        data: &[u8],
+        moment: PassingTime,
+    ) -> bool {
         if fmmu.is_byte_wise() {
             let Some(overlap) = fmmu.overlap(logical, data.len()) else { return false };
             let part = &data[overlap.offset..overlap.offset + overlap.length];
@@ -194,7 +205,13 @@ impl Controller {
         any | open.is_some_and(|(before, byte)| self.write(before, &[byte], moment))
     }
 
-    fn read_mapped(&mut self, fmmu: &Fmmu, logical: u32, data: &mut [u8], moment: Moment) -> bool {
+    fn read_mapped(
+        &mut self,
+        fmmu: &Fmmu,
+        logical: u32,
+        data: &mut [u8],
+        moment: PassingTime,
+    ) -> bool {
         if fmmu.is_byte_wise() {
             let Some(overlap) = fmmu.overlap(logical, data.len()) else { return false };
             if !self.read(overlap.physical, overlap.length, moment) {
@@ -218,7 +235,7 @@ impl Controller {
     }
 
     /// Brings what a read shows up to date; false where the wire may not read.
-    fn read(&mut self, at: u16, length: usize, moment: Moment) -> bool {
+    fn read(&mut self, at: u16, length: usize, moment: PassingTime) -> bool {
         if length == 0 || usize::from(at) + length > SIZE {
             return false;
         }
@@ -235,7 +252,7 @@ impl Controller {
             if !manager.overlaps(at, length) {
                 continue;
             }
-            if !manager.allows(Direction::Read, at) {
+            if !manager.allows(BufferDirection::Read, at) {
                 return false;
             }
             if manager.begins(at) && !manager.is_mailbox {
@@ -262,13 +279,18 @@ impl Controller {
     }
 
     /// Writes what the wire may write; false where it may write nothing of it.
-    fn write(&mut self, at: u16, data: &[u8], moment: Moment) -> bool {
+    fn write(&mut self, at: u16, data: &[u8], moment: PassingTime) -> bool {
         let length = data.len();
         if length == 0 || usize::from(at) + length > SIZE || reg::is_clock(at) && !self.has_clock {
             return false;
         }
         let overlapping = |manager: &&SyncManager| manager.overlaps(at, length);
-        if !self.sync_managers.iter().filter(overlapping).all(|m| m.allows(Direction::Write, at)) {
+        if !self
+            .sync_managers
+            .iter()
+            .filter(overlapping)
+            .all(|m| m.allows(BufferDirection::Write, at))
+        {
             return false;
         }
         let mut any = false;
@@ -322,7 +344,7 @@ impl Controller {
         self.show_status(i);
     }
 
-    fn after_write(&mut self, at: u16, length: usize, data: &[u8], moment: Moment) {
+    fn after_write(&mut self, at: u16, length: usize, data: &[u8], moment: PassingTime) {
         let end = usize::from(at) + length;
         let touches = |register: u16| at <= register && usize::from(register) < end;
         let overlaps = |first: u16, bytes: u16| at < first + bytes && usize::from(first) < end;
@@ -362,7 +384,7 @@ impl Controller {
         &mut self,
         at: u16,
         data: &[u8],
-        moment: Moment,
+        moment: PassingTime,
         touches: impl Fn(u16) -> bool,
     ) {
         let now = moment.arrives_ns;

@@ -5,18 +5,18 @@
 //!   time passes  ────────────────────────────────────► advance: SYNC0, watchdog, answers that are due
 //! ```
 use crate::al::{AlCode, AlState, ERROR, Transition, transition};
-use crate::clock::Clock;
+use crate::clock::LocalClock;
 use crate::coe::{
     COE, Context, Dictionary, Emergency, Mapping, RX_ASSIGNMENT, Server, Service, TX_ASSIGNMENT,
     error_reply, inform, parse,
 };
-use crate::controller::{Controller, Moment, Written};
+use crate::controller::{Controller, PassingTime, Written};
 use crate::frame::Datagram;
-use crate::profile::{Axis, DriveState, HomingSwitches, Motor};
+use crate::profile::{DriveState, EmulatedAxis, HomingSwitches, Motor};
 use crate::quirks::Quirks;
 use crate::registers as reg;
 use crate::sii::Identity;
-use crate::sync_manager::{Direction, SyncManager};
+use crate::sync_manager::{BufferDirection, SyncManager};
 use std::collections::VecDeque;
 use units::{Angle, Spin, Time};
 
@@ -96,7 +96,7 @@ impl Encoder {
 pub(crate) enum Application {
     None,
     DigitalIo(DigitalIo),
-    Drive(Vec<Axis>),
+    Drive(Vec<EmulatedAxis>),
     Encoder(Encoder),
 }
 
@@ -150,7 +150,7 @@ pub struct Device {
 
 impl Device {
     pub(crate) fn new(blueprint: Blueprint) -> Self {
-        let clock = Clock::new(0, blueprint.drift_ppb);
+        let clock = LocalClock::new(0, blueprint.drift_ppb);
         let mut device = Self {
             controller: Controller::new(blueprint.words.clone(), clock, &blueprint.quirks),
             latency: Latency::default(),
@@ -218,14 +218,14 @@ impl Device {
         self.controller.system_time(now_ns)
     }
 
-    fn axis(&self, axis: usize) -> Option<&Axis> {
+    fn axis(&self, axis: usize) -> Option<&EmulatedAxis> {
         match &self.application {
             Application::Drive(axes) => axes.get(axis),
             _ => None,
         }
     }
 
-    fn axis_mut(&mut self, axis: usize) -> Option<&mut Axis> {
+    fn axis_mut(&mut self, axis: usize) -> Option<&mut EmulatedAxis> {
         match &mut self.application {
             Application::Drive(axes) => axes.get_mut(axis),
             _ => None,
@@ -301,7 +301,7 @@ impl Device {
         self.controller.memory.set(reg::DL_STATUS, &status.to_le_bytes());
     }
 
-    pub(crate) fn execute(&mut self, datagram: &mut Datagram<'_>, moment: Moment) {
+    pub(crate) fn execute(&mut self, datagram: &mut Datagram<'_>, moment: PassingTime) {
         self.controller.execute(datagram, moment);
     }
 
@@ -533,7 +533,7 @@ impl Device {
 
     fn check_mailboxes(&self) -> Result<(), AlCode> {
         let Some(expected) = self.blueprint.mailboxes else { return Ok(()) };
-        let directions = [Direction::Write, Direction::Read];
+        let directions = [BufferDirection::Write, BufferDirection::Read];
         let fits = |i: usize| {
             let manager: &SyncManager = &self.controller.sync_managers[i];
             let (start, length) = expected[i];
@@ -571,10 +571,10 @@ impl Device {
             let kind = manager.is_enabled && !manager.is_mailbox && manager.direction == direction;
             kind && usize::from(manager.length) == bytes
         };
-        if !fits(out, wanted_out, Direction::Write) {
+        if !fits(out, wanted_out, BufferDirection::Write) {
             return Err(AlCode::InvalidOutputConfiguration);
         }
-        if !fits(into, wanted_in, Direction::Read) {
+        if !fits(into, wanted_in, BufferDirection::Read) {
             return Err(AlCode::InvalidInputConfiguration);
         }
         self.controller.inputs_mut(into);

@@ -1,9 +1,9 @@
 //! The devices that there are: what is in their EEPROM and their dictionary.
 use crate::coe::{
-    Access, DataType, Dictionary, Entry, Object, Pdo, Profile, communication_objects,
+    Access, DataType, DeviceProfile, Dictionary, Object, ObjectEntry, Pdo, communication_objects,
 };
 use crate::device::{Application, Blueprint, Device, DigitalIo, Encoder};
-use crate::profile::{Axis, Motor, axis_objects, default_pdos, supported_modes};
+use crate::profile::{EmulatedAxis, Motor, axis_objects, default_pdos, supported_modes};
 use crate::quirks::Quirks;
 use crate::sii::{Contents, Identity, SiiPdo, SiiSyncManager, words};
 
@@ -104,7 +104,7 @@ pub fn digital_io() -> Device {
 }
 
 /// EEPROM of a device with mailbox and dictionary.
-fn mailbox_device(profile: &Profile, quirks: &Quirks, alias: u16) -> Vec<u16> {
+fn mailbox_device(profile: &DeviceProfile, quirks: &Quirks, alias: u16) -> Vec<u16> {
     // SDO, information, assignment, mapping, complete access
     let information = if quirks.no_sdo_information { 0 } else { 0x02 };
     let complete = if quirks.no_complete_access { 0 } else { 0x20 };
@@ -151,7 +151,7 @@ fn mailbox_device(profile: &Profile, quirks: &Quirks, alias: u16) -> Vec<u16> {
 }
 
 fn with_dictionary(
-    profile: &Profile,
+    profile: &DeviceProfile,
     quirks: Quirks,
     drift_ppb: i64,
     dictionary: Dictionary,
@@ -179,7 +179,7 @@ pub fn drive(model: &DriveModel) -> Device {
         let pdo = |offset: &u16| (first + offset / 0x80, default_pdos(*offset)[list].clone());
         offsets.iter().map(pdo).collect()
     };
-    let profile = Profile {
+    let profile = DeviceProfile {
         device_type: 0x0002_0192,
         name: "Drive",
         identity: identity(0x0402, model.serial),
@@ -192,8 +192,9 @@ pub fn drive(model: &DriveModel) -> Device {
     let dictionary =
         Dictionary::new(communication_objects(&profile, quirks).into_iter().chain(objects));
     let modes = supported_modes(quirks);
-    let axes =
-        axes.filter_map(|(offset, motor)| Axis::new(&dictionary, *offset, motor.clone(), modes));
+    let axes = axes.filter_map(|(offset, motor)| {
+        EmulatedAxis::new(&dictionary, *offset, motor.clone(), modes)
+    });
     let application = Application::Drive(axes.collect());
     with_dictionary(&profile, quirks.clone(), model.drift_ppb, dictionary, application)
 }
@@ -201,7 +202,7 @@ pub fn drive(model: &DriveModel) -> Device {
 /// Makes an encoder terminal: a counter of 32 bits with a latch at the index mark.
 pub fn encoder(counts_per_rev: u32, quirks: Quirks) -> Device {
     use DataType::{U16, U32};
-    let profile = Profile {
+    let profile = DeviceProfile {
         device_type: 0x0000_1389,
         name: "Encoder",
         identity: identity(0x5101, 1),
@@ -209,8 +210,10 @@ pub fn encoder(counts_per_rev: u32, quirks: Quirks) -> Device {
         tx: vec![(0x1A00, vec![(0x6010, 1, 16), (0x6010, 0x11, 32), (0x6010, 0x12, 32)])],
         least_cycle_ns: LEAST_CYCLE_NS,
     };
-    let actual = |sub, name, data_type| Entry::number(sub, name, data_type, Access::ACTUAL, 0);
-    let setpoint = |sub, name, data_type| Entry::number(sub, name, data_type, Access::SETPOINT, 0);
+    let actual =
+        |sub, name, data_type| ObjectEntry::number(sub, name, data_type, Access::ACTUAL, 0);
+    let setpoint =
+        |sub, name, data_type| ObjectEntry::number(sub, name, data_type, Access::SETPOINT, 0);
     let objects = [
         Object::record(
             0x6010,

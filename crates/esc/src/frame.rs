@@ -22,7 +22,7 @@ pub const EMPTY_FRAME: [u8; HEADERS] =
 
 /// What a datagram orders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Command {
+pub enum DatagramCommand {
     /// No operation.
     Nop,
     /// Read by position.
@@ -55,7 +55,7 @@ pub enum Command {
     Frmw,
 }
 
-impl Command {
+impl DatagramCommand {
     const ALL: [Self; 15] = [
         Self::Nop,
         Self::Aprd,
@@ -89,7 +89,7 @@ impl Command {
 #[derive(Debug)]
 pub struct Datagram<'a> {
     /// What it orders; `None` where its code is reserved.
-    pub command: Option<Command>,
+    pub command: Option<DatagramCommand>,
     /// Number that the master gave it.
     pub index: u8,
     /// Position or configured address (low word) and register (high word); or a logical address.
@@ -158,7 +158,7 @@ pub fn datagrams(frame: &mut [u8], mut visit: impl FnMut(Datagram<'_>)) {
         let Some((counter, after)) = after.split_first_chunk_mut::<COUNTER>() else { return };
         let mut interrupt = [*i0, *i1];
         visit(Datagram {
-            command: Command::of(*command),
+            command: DatagramCommand::of(*command),
             index: *index,
             address,
             interrupt: &mut interrupt,
@@ -194,8 +194,8 @@ mod tests {
             seen.push((d.command, d.index, d.device(), d.register(), d.data.to_vec()));
         });
         let expected = [
-            (Some(Command::Brd), 1, 0, 0x0010, vec![0xAA, 0xBB]),
-            (Some(Command::Aprd), 2, 0xFFFF, 0x0130, vec![0xCC]),
+            (Some(DatagramCommand::Brd), 1, 0, 0x0010, vec![0xAA, 0xBB]),
+            (Some(DatagramCommand::Aprd), 2, 0xFFFF, 0x0130, vec![0xCC]),
         ];
         assert_eq!(seen, expected);
     }
@@ -203,12 +203,21 @@ mod tests {
     #[test]
     fn codes_are_those_of_the_standard() {
         // ETG.1000.4, table 16 and following
-        let codes = [Command::Aprd, Command::Fprd, Command::Brd, Command::Lrd, Command::Lrw];
-        assert_eq!(codes.map(Command::code), [1, 4, 7, 10, 12]);
-        assert_eq!([Command::Armw, Command::Frmw].map(Command::code), [13, 14]);
-        assert_eq!(Command::of(15), None);
+        let codes = [
+            DatagramCommand::Aprd,
+            DatagramCommand::Fprd,
+            DatagramCommand::Brd,
+            DatagramCommand::Lrd,
+            DatagramCommand::Lrw,
+        ];
+        assert_eq!(codes.map(DatagramCommand::code), [1, 4, 7, 10, 12]);
+        assert_eq!(
+            [DatagramCommand::Armw, DatagramCommand::Frmw].map(DatagramCommand::code),
+            [13, 14]
+        );
+        assert_eq!(DatagramCommand::of(15), None);
         for code in 0..15 {
-            assert_eq!(Command::of(code).map(Command::code), Some(code));
+            assert_eq!(DatagramCommand::of(code).map(DatagramCommand::code), Some(code));
         }
     }
 

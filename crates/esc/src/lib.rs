@@ -11,7 +11,7 @@
 //! ```
 //!
 //! A frame is processed on the fly: each device executes each datagram as it passes. Time is what
-//! [`Segment::pass`] is told, in nanoseconds, so that two runs of the same frames at the same times
+//! [`NetworkSegment::pass`] is told, in nanoseconds, so that two runs of the same frames at the same times
 //! are bit-identical. What is known of devices that behave otherwise than the standards have it is
 //! a switch of [`Quirks`].
 //!
@@ -38,13 +38,13 @@ mod sync_manager;
 
 pub use al::{AlCode, AlState, TRANSITIONS, Transition};
 pub use coe::{
-    Abort, Access, Allowed, DataType, Dictionary, Emergency, Entry, Handle, Object, ObjectKind,
-    Value,
+    Abort, Access, Allowed, DataType, Dictionary, Emergency, Handle, Object, ObjectEntry,
+    ObjectKind, ObjectValue,
 };
 pub use device::{Device, Latency};
 pub use devices::{DriveModel, coupler, digital_io, drive, encoder};
-pub use frame::{Command, Datagram, EMPTY_FRAME, datagrams, has_ethercat_type};
+pub use frame::{Datagram, DatagramCommand, EMPTY_FRAME, datagrams, has_ethercat_type};
 pub use profile::{DriveState, HomingSwitches, Motor, next_state, status_word};
 pub use quirks::Quirks;
-pub use segment::{Passed, Segment};
+pub use segment::{NetworkSegment, Passed};
 pub use sii::Identity;

@@ -4,7 +4,7 @@
 //!   master ──hop──► device 0 ──hop──► device 1 ── … ──► last powered device
 //!   master ◄────────────────────────────────────────────┘  the ports behind it are closed
 //! ```
-use crate::controller::Moment;
+use crate::controller::PassingTime;
 use crate::device::Device;
 use crate::frame::{SOURCE, datagrams, has_ethercat_type};
 
@@ -22,11 +22,11 @@ pub enum Passed {
 
 /// Devices on a wire.
 #[derive(Clone, Debug, Default)]
-pub struct Segment {
+pub struct NetworkSegment {
     devices: Vec<(Device, bool)>,
 }
 
-impl Segment {
+impl NetworkSegment {
     /// Makes a segment of devices in the order of the wire, all of them powered.
     pub fn new(devices: impl IntoIterator<Item = Device>) -> Self {
         Self { devices: devices.into_iter().map(|device| (device, true)).collect() }
@@ -92,7 +92,7 @@ impl Segment {
             let is_last = i + 1 == reached;
             let returns_ns = (!is_last).then_some(now_ns + back - HOP_NS * (i as u64 + 1));
             device.set_ports(!is_last);
-            let moment = Moment { arrives_ns, returns_ns };
+            let moment = PassingTime { arrives_ns, returns_ns };
             datagrams(frame, |mut datagram| device.execute(&mut datagram, moment));
             device.serve(arrives_ns);
         }

@@ -9,7 +9,7 @@
 
 /// Side that writes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Direction {
+pub(crate) enum BufferDirection {
     /// The application writes, the wire reads.
     #[default]
     Read,
@@ -24,7 +24,7 @@ pub(crate) struct SyncManager {
     pub(crate) start: u16,
     pub(crate) length: u16,
     pub(crate) is_mailbox: bool,
-    pub(crate) direction: Direction,
+    pub(crate) direction: BufferDirection,
     pub(crate) has_watchdog: bool,
     pub(crate) is_enabled: bool,
     /// Bit 1 of its activation: a change asks for the last mail anew.
@@ -43,7 +43,11 @@ impl SyncManager {
             start: u16::from_le_bytes([s0, s1]),
             length: u16::from_le_bytes([l0, l1]),
             is_mailbox: control & 0x03 == 2,
-            direction: if control & 0x0C == 4 { Direction::Write } else { Direction::Read },
+            direction: if control & 0x0C == 4 {
+                BufferDirection::Write
+            } else {
+                BufferDirection::Read
+            },
             has_watchdog: control & 0x40 != 0,
             is_enabled: activation & 1 != 0,
             repeat: activation & 2 != 0,
@@ -73,9 +77,9 @@ impl SyncManager {
     }
 
     /// Returns whether the wire may access a range that overlaps.
-    pub(crate) fn allows(&self, direction: Direction, at: u16) -> bool {
+    pub(crate) fn allows(&self, direction: BufferDirection, at: u16) -> bool {
         let begins = at <= self.start || self.is_open;
-        let has_turn = !self.is_mailbox || self.is_full == (direction == Direction::Read);
+        let has_turn = !self.is_mailbox || self.is_full == (direction == BufferDirection::Read);
         direction == self.direction && begins && has_turn
     }
 
@@ -85,7 +89,7 @@ impl SyncManager {
         let completes = usize::from(at) + length >= end;
         self.is_open = !completes;
         if completes {
-            self.is_full = self.is_mailbox && self.direction == Direction::Write;
+            self.is_full = self.is_mailbox && self.direction == BufferDirection::Write;
         }
         completes
     }

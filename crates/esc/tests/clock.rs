@@ -1,12 +1,12 @@
 //! Distributed clocks: receive times, offsets, SYNC0.
 use crate::support::Bench;
-use esc::{AlState, Command, DriveModel, Quirks, coupler, digital_io, drive};
+use esc::{AlState, DatagramCommand, DriveModel, Quirks, coupler, digital_io, drive};
 
 #[test]
 fn receive_times_show_the_way_to_the_end_of_the_wire_and_back() {
     let mut bench =
         Bench::new([coupler(0), drive(&DriveModel::new(1)), drive(&DriveModel::new(2))]);
-    let (_, counter) = bench.send(Command::Bwr, 0x0900_0000, &[0; 4]);
+    let (_, counter) = bench.send(DatagramCommand::Bwr, 0x0900_0000, &[0; 4]);
     assert_eq!(counter, 3);
     let mut loops = Vec::new();
     for device in 0..3 {
@@ -32,7 +32,7 @@ fn devices_without_a_clock_do_not_count() {
     let quirks = Quirks { no_clock: true, ..Quirks::default() };
     let mut bench =
         Bench::new([drive(&DriveModel { quirks, ..DriveModel::new(1) }), coupler(0), digital_io()]);
-    assert_eq!(bench.send(Command::Bwr, 0x0900_0000, &[0; 4]).1, 1);
+    assert_eq!(bench.send(DatagramCommand::Bwr, 0x0900_0000, &[0; 4]).1, 1);
     assert_eq!(bench.read(0x0910, 8).1, 0);
     assert_eq!(bench.read(0x0008, 2).0[0] & 4, 0);
 }

@@ -1,6 +1,6 @@
 //! Frames that nobody would send: nothing panics, and what was in order works afterwards.
 use crate::support::{Bench, frame};
-use esc::{AlState, Command, DriveModel, Quirks, coupler, digital_io, drive, encoder};
+use esc::{AlState, DatagramCommand, DriveModel, Quirks, coupler, digital_io, drive, encoder};
 use proptest::prelude::*;
 
 fn all() -> Bench {
@@ -56,11 +56,11 @@ proptest! {
         let mut bench = all();
         for (command, device, register, data, later) in list {
             let address = u32::from(register) << 16 | u32::from(device);
-            bench.send(Command::of(command).unwrap(), address, &data);
+            bench.send(DatagramCommand::of(command).unwrap(), address, &data);
             bench.wait_us(later / 1_000);
         }
         bench.segment.power_cycle(bench.now_ns);
-        let (_, counter) = bench.send(Command::Brd, 0x0130_0000, &[0, 0]);
+        let (_, counter) = bench.send(DatagramCommand::Brd, 0x0130_0000, &[0, 0]);
         prop_assert_eq!(counter, 4);
     }
 
@@ -77,10 +77,10 @@ proptest! {
     ) {
         let mut bench = all();
         let mut sent = frame(&[
-            (Command::Frmw, 0x0910_1001, vec![0; 8]),
-            (Command::Lrw, 0, vec![0; 60]),
-            (Command::Fprd, 0x0130_1002, vec![0; 2]),
-            (Command::Fpwr, 0x1000_1001, vec![0; 64]),
+            (DatagramCommand::Frmw, 0x0910_1001, vec![0; 8]),
+            (DatagramCommand::Lrw, 0, vec![0; 60]),
+            (DatagramCommand::Fprd, 0x0130_1002, vec![0; 2]),
+            (DatagramCommand::Fpwr, 0x1000_1001, vec![0; 64]),
         ]);
         for (at, to) in changes {
             if let Some(byte) = sent.get_mut(at) {

@@ -1,6 +1,8 @@
 //! Registers, FMMUs, sync managers, EEPROM, and what the working counter says.
 use crate::support::{Bench, OUT, frame};
-use esc::{AlState, Command, DriveModel, Quirks, coupler, datagrams, digital_io, drive, encoder};
+use esc::{
+    AlState, DatagramCommand, DriveModel, Quirks, coupler, datagrams, digital_io, drive, encoder,
+};
 
 fn position(register: u16, at: u16) -> u32 {
     u32::from(register) << 16 | u32::from(at.wrapping_neg())
@@ -15,24 +17,24 @@ fn working_counters_are_those_of_the_standard() {
     // ETG.1000.4, table 15: read 1, write 1, both 3; a broadcast once a device
     let station = |register: u16, at: u32| u32::from(register) << 16 | (0x1001 + at);
     let cases = [
-        (Command::Nop, 0, 0),
-        (Command::Aprd, position(0x0010, 1), 1),
-        (Command::Apwr, position(0x0F80, 2), 1),
-        (Command::Aprw, position(0x0F80, 0), 3),
-        (Command::Fprd, station(0x0130, 2), 1),
-        (Command::Fpwr, station(0x0F80, 0), 1),
-        (Command::Fprw, station(0x0F80, 1), 3),
-        (Command::Brd, 0, 3),
-        (Command::Bwr, u32::from(0x0F80_u16) << 16, 3),
-        (Command::Brw, u32::from(0x0F80_u16) << 16, 9),
-        (Command::Armw, position(0x0F80, 1), 3),
-        (Command::Frmw, station(0x0F80, 1), 3),
+        (DatagramCommand::Nop, 0, 0),
+        (DatagramCommand::Aprd, position(0x0010, 1), 1),
+        (DatagramCommand::Apwr, position(0x0F80, 2), 1),
+        (DatagramCommand::Aprw, position(0x0F80, 0), 3),
+        (DatagramCommand::Fprd, station(0x0130, 2), 1),
+        (DatagramCommand::Fpwr, station(0x0F80, 0), 1),
+        (DatagramCommand::Fprw, station(0x0F80, 1), 3),
+        (DatagramCommand::Brd, 0, 3),
+        (DatagramCommand::Bwr, u32::from(0x0F80_u16) << 16, 3),
+        (DatagramCommand::Brw, u32::from(0x0F80_u16) << 16, 9),
+        (DatagramCommand::Armw, position(0x0F80, 1), 3),
+        (DatagramCommand::Frmw, station(0x0F80, 1), 3),
         // nobody there, nothing there, not to be written
-        (Command::Fprd, 0x0130_2000, 0),
-        (Command::Aprd, position(0x0130, 3), 0),
-        (Command::Fprd, station(0x3000, 0), 0),
-        (Command::Fpwr, station(0x0130, 0), 0),
-        (Command::Lrd, 0, 0),
+        (DatagramCommand::Fprd, 0x0130_2000, 0),
+        (DatagramCommand::Aprd, position(0x0130, 3), 0),
+        (DatagramCommand::Fprd, station(0x3000, 0), 0),
+        (DatagramCommand::Fpwr, station(0x0130, 0), 0),
+        (DatagramCommand::Lrd, 0, 0),
     ];
     for (command, address, expected) in cases {
         let found = three().send(command, address, &[0, 0]).1;
@@ -43,7 +45,7 @@ fn working_counters_are_those_of_the_standard() {
 #[test]
 fn positions_count_up_from_device_to_device() {
     let mut bench = three();
-    let mut sent = frame(&[(Command::Brd, 5, vec![0; 2])]);
+    let mut sent = frame(&[(DatagramCommand::Brd, 5, vec![0; 2])]);
     bench.segment.pass(&mut sent, bench.now_ns + 1);
     let mut seen = 0;
     datagrams(&mut sent, |d| seen = d.device());
@@ -54,7 +56,8 @@ fn positions_count_up_from_device_to_device() {
 fn a_read_multiple_write_takes_the_value_of_the_one_to_all_others() {
     let mut bench = three();
     bench.write_to(1, 0x0F80, &[7, 8]);
-    let (data, counter) = bench.send(Command::Frmw, u32::from(0x0F80_u16) << 16 | 0x1002, &[1, 1]);
+    let (data, counter) =
+        bench.send(DatagramCommand::Frmw, u32::from(0x0F80_u16) << 16 | 0x1002, &[1, 1]);
     assert_eq!((data, counter), (vec![7, 8], 3));
     // the device before the one that is read has what the master sent
     assert_eq!(bench.read_of(0, 0x0F80, 2).0, [1, 1]);
@@ -65,7 +68,8 @@ fn a_read_multiple_write_takes_the_value_of_the_one_to_all_others() {
 fn an_exchange_writes_what_came_and_returns_what_was() {
     let mut bench = three();
     bench.write(0x0F80, &[1, 2]);
-    let (data, counter) = bench.send(Command::Fprw, u32::from(0x0F80_u16) << 16 | 0x1001, &[3, 4]);
+    let (data, counter) =
+        bench.send(DatagramCommand::Fprw, u32::from(0x0F80_u16) << 16 | 0x1001, &[3, 4]);
     assert_eq!((data, counter), (vec![1, 2], 3));
     assert_eq!(bench.read(0x0F80, 2).0, [3, 4]);
 }
@@ -73,7 +77,7 @@ fn an_exchange_writes_what_came_and_returns_what_was() {
 #[test]
 fn the_first_device_marks_the_source_address() {
     let mut bench = three();
-    let mut sent = frame(&[(Command::Nop, 0, vec![0])]);
+    let mut sent = frame(&[(DatagramCommand::Nop, 0, vec![0])]);
     let before = sent[6];
     bench.segment.pass(&mut sent, bench.now_ns + 1);
     assert_eq!(sent[6], before | 0x02);
@@ -115,17 +119,17 @@ fn bits_are_mapped_across_bytes() {
     image[10] = 0b1010_1000;
     image[11] = 0b0000_0011;
     bench.write(0x0120, &[8, 0]);
-    bench.send(Command::Lrw, 0x1_0000, &image);
+    bench.send(DatagramCommand::Lrw, 0x1_0000, &image);
     bench.wait_us(3_000);
-    let (data, counter) = bench.send(Command::Lrw, 0x1_0000, &image);
+    let (data, counter) = bench.send(DatagramCommand::Lrw, 0x1_0000, &image);
     assert_eq!(counter, 3);
     assert_eq!(bench.segment.device(0).unwrap().state(), AlState::Op);
     assert_eq!(bench.segment.device(0).unwrap().digital_outputs(), 0b0111_0101);
     assert_eq!(data[20] >> 5, 0b110);
     assert_eq!(data[21] & 0x1F, 0b1_0110);
-    assert_eq!(bench.send(Command::Lrd, 0x1_0014, &[0; 2]).1, 1);
-    assert_eq!(bench.send(Command::Lwr, 0x1_000A, &[0; 2]).1, 1);
-    assert_eq!(bench.send(Command::Lrw, 0x2_0000, &[0; 2]).1, 0);
+    assert_eq!(bench.send(DatagramCommand::Lrd, 0x1_0014, &[0; 2]).1, 1);
+    assert_eq!(bench.send(DatagramCommand::Lwr, 0x1_000A, &[0; 2]).1, 1);
+    assert_eq!(bench.send(DatagramCommand::Lrw, 0x2_0000, &[0; 2]).1, 0);
 }
 
 #[test]
@@ -206,7 +210,7 @@ fn an_alias_is_an_address_once_it_is_turned_on() {
     // word 4 of the EEPROM is the alias; it is read at power on
     bench.write(0x0508, &[0x34, 0x12]);
     bench.write(0x0502, &[1, 2, 4, 0, 0, 0]);
-    assert_eq!(bench.send(Command::Fprd, 0x0130_1234, &[0]).1, 0);
+    assert_eq!(bench.send(DatagramCommand::Fprd, 0x0130_1234, &[0]).1, 0);
     assert_eq!(bench.read(0x0012, 2).0, [0, 0]);
 }
 

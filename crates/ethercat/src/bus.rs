@@ -1,9 +1,9 @@
 //! A network in OP: one frame a cycle, and what became of it.
 use crate::cia402::Wanted;
-use crate::drive::{Drive, DriveCommand};
+use crate::drive::{DriveAxis, DriveCommand};
 use crate::error::StartError;
 use crate::exchange::{Emergency, Exchange, Losses};
-use crate::link::Link;
+use crate::link::FrameLink;
 use crate::network::Network;
 use crate::pace::Pacer;
 use crate::pdo::Images;
@@ -76,7 +76,7 @@ pub struct Bus<'m, 's> {
     main: &'m MainDevice<'s>,
     exchange: &'m mut Exchange<'s>,
     group: Group<Op, HasDc>,
-    drives: Vec<Drive>,
+    drives: Vec<DriveAxis>,
     expected: u16,
     cycle_ns: u64,
     pacer: Pacer,
@@ -96,7 +96,7 @@ impl<'m, 's> Bus<'m, 's> {
         network: &Network,
         now_ns: u64,
     ) -> Self {
-        let drives = Drive::all(&network.devices, images);
+        let drives = DriveAxis::all(&network.devices, images);
         let expected = group.iter(main).map(|device| {
             let io = device.io_raw();
             u16::from(!io.inputs().is_empty()) + 2 * u16::from(!io.outputs().is_empty())
@@ -122,7 +122,7 @@ impl<'m, 's> Bus<'m, 's> {
     /// Exchanges process data until every device is in OP.
     pub(crate) fn reach_op(
         &mut self,
-        link: &mut impl Link,
+        link: &mut impl FrameLink,
         network: &Network,
     ) -> Result<(), StartError> {
         let until_ns = link.now_ns() + MOST_TO_OP_NS;
@@ -152,7 +152,7 @@ impl<'m, 's> Bus<'m, 's> {
     }
 
     /// Waits for the time of the next frame, sends it, and takes what comes back.
-    pub fn cycle(&mut self, link: &mut impl Link) -> Cycle {
+    pub fn cycle(&mut self, link: &mut impl FrameLink) -> Cycle {
         self.pacer.catch_up(link.now_ns());
         let send_ns = self.pacer.next_ns();
         self.exchange.idle(link, send_ns);
@@ -222,7 +222,7 @@ impl<'m, 's> Bus<'m, 's> {
     }
 
     /// Axes, in the order of the wire.
-    pub fn drives(&self) -> &[Drive] {
+    pub fn drives(&self) -> &[DriveAxis] {
         &self.drives
     }
 
@@ -279,7 +279,7 @@ impl<'m, 's> Bus<'m, 's> {
 
     /// Looks whether a device has something in its mailbox, the next one at each call, in what is
     /// left of the cycle; an emergency is kept.
-    pub fn poll_mail(&mut self, link: &mut impl Link) {
+    pub fn poll_mail(&mut self, link: &mut impl FrameLink) {
         let devices = self.exchange.mailboxes.len();
         if devices == 0 {
             return;

@@ -12,7 +12,7 @@
 
 /// State of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum PdsState {
     /// It initialises itself.
     NotReadyToSwitchOn,
     /// It waits for the order to get ready.
@@ -57,16 +57,16 @@ pub const ENABLE_OPERATION: u16 = 0x000F;
 pub const FAULT_RESET: u16 = 0x0080;
 
 /// Returns the state of a status word; `None` where it is none of the standard's.
-pub const fn state(status: u16) -> Option<State> {
+pub const fn state(status: u16) -> Option<PdsState> {
     Some(match status & 0x6F {
-        0x00 | 0x20 => State::NotReadyToSwitchOn,
-        0x40 | 0x60 => State::SwitchOnDisabled,
-        0x21 => State::ReadyToSwitchOn,
-        0x23 => State::SwitchedOn,
-        0x27 => State::OperationEnabled,
-        0x07 => State::QuickStopActive,
-        0x0F | 0x2F => State::FaultReactionActive,
-        0x08 | 0x28 => State::Fault,
+        0x00 | 0x20 => PdsState::NotReadyToSwitchOn,
+        0x40 | 0x60 => PdsState::SwitchOnDisabled,
+        0x21 => PdsState::ReadyToSwitchOn,
+        0x23 => PdsState::SwitchedOn,
+        0x27 => PdsState::OperationEnabled,
+        0x07 => PdsState::QuickStopActive,
+        0x0F | 0x2F => PdsState::FaultReactionActive,
+        0x08 | 0x28 => PdsState::Fault,
         _ => return None,
     })
 }
@@ -77,19 +77,19 @@ pub const fn state(status: u16) -> Option<State> {
 pub const fn control_word(status: u16, wanted: Wanted, reset: bool) -> u16 {
     let Some(state) = state(status) else { return DISABLE_VOLTAGE };
     match (state, wanted) {
-        (State::Fault, _) if reset => FAULT_RESET,
-        (State::Fault | State::FaultReactionActive | State::NotReadyToSwitchOn, _) => {
+        (PdsState::Fault, _) if reset => FAULT_RESET,
+        (PdsState::Fault | PdsState::FaultReactionActive | PdsState::NotReadyToSwitchOn, _) => {
             DISABLE_VOLTAGE
         }
-        (State::QuickStopActive, Wanted::QuickStop) => QUICK_STOP,
-        (State::QuickStopActive, _) => DISABLE_VOLTAGE,
-        (State::SwitchOnDisabled, Wanted::On) => SHUTDOWN,
-        (State::ReadyToSwitchOn, Wanted::On) => SWITCH_ON,
-        (State::SwitchedOn | State::OperationEnabled, Wanted::On) => ENABLE_OPERATION,
-        (State::OperationEnabled, Wanted::QuickStop) => QUICK_STOP,
-        (State::OperationEnabled, Wanted::Off) => SWITCH_ON,
-        (State::SwitchedOn, _) => SHUTDOWN,
-        (State::ReadyToSwitchOn | State::SwitchOnDisabled, _) => DISABLE_VOLTAGE,
+        (PdsState::QuickStopActive, Wanted::QuickStop) => QUICK_STOP,
+        (PdsState::QuickStopActive, _) => DISABLE_VOLTAGE,
+        (PdsState::SwitchOnDisabled, Wanted::On) => SHUTDOWN,
+        (PdsState::ReadyToSwitchOn, Wanted::On) => SWITCH_ON,
+        (PdsState::SwitchedOn | PdsState::OperationEnabled, Wanted::On) => ENABLE_OPERATION,
+        (PdsState::OperationEnabled, Wanted::QuickStop) => QUICK_STOP,
+        (PdsState::OperationEnabled, Wanted::Off) => SWITCH_ON,
+        (PdsState::SwitchedOn, _) => SHUTDOWN,
+        (PdsState::ReadyToSwitchOn | PdsState::SwitchOnDisabled, _) => DISABLE_VOLTAGE,
     }
 }
 
@@ -100,8 +100,10 @@ mod tests {
     #[test]
     fn a_drive_with_a_fault_is_never_told_to_enable() {
         for status in 0..=u16::MAX {
-            let faulty =
-                matches!(state(status), Some(State::Fault | State::FaultReactionActive) | None);
+            let faulty = matches!(
+                state(status),
+                Some(PdsState::Fault | PdsState::FaultReactionActive) | None
+            );
             for wanted in [Wanted::Off, Wanted::On, Wanted::QuickStop] {
                 for reset in [false, true] {
                     let control = control_word(status, wanted, reset);
@@ -109,7 +111,7 @@ mod tests {
                         !faulty || control.trailing_zeros() >= 4,
                         "{status:04X}: {control:04X}"
                     );
-                    assert!(control & FAULT_RESET == 0 || state(status) == Some(State::Fault));
+                    assert!(control & FAULT_RESET == 0 || state(status) == Some(PdsState::Fault));
                     let enables = control & 0x0F == ENABLE_OPERATION;
                     assert!(!enables || wanted == Wanted::On);
                 }

@@ -1,8 +1,8 @@
 //! An axis of a drive in the process image: status word to control word, and setpoints that never
 //! jump.
-use crate::cia402::{State, Wanted, control_word, state};
-use crate::image::Place;
-use crate::network::{Device, Mode, Slot};
+use crate::cia402::{PdsState, Wanted, control_word, state};
+use crate::image::ImagePlace;
+use crate::network::{AxisSlot, Device, DriveMode};
 use crate::pdo::Images;
 
 /// Cycles for which the bit that resets a fault is held at most.
@@ -36,31 +36,31 @@ pub struct DriveFeedback {
 
 impl DriveFeedback {
     /// State; `None` where the status word is none of the standard's.
-    pub fn state(&self) -> Option<State> {
+    pub fn state(&self) -> Option<PdsState> {
         state(self.status)
     }
 
     /// It follows its setpoints.
     pub fn is_enabled(&self) -> bool {
-        self.state() == Some(State::OperationEnabled)
+        self.state() == Some(PdsState::OperationEnabled)
     }
 }
 
 /// An axis of a drive.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct DriveAxis {
     pub(crate) device: usize,
-    mode: Mode,
+    mode: DriveMode,
     most_step: u32,
-    control: Place,
-    target: Place,
-    mode_out: Option<Place>,
-    status: Place,
-    position: Place,
-    velocity: Option<Place>,
-    torque: Option<Place>,
-    mode_in: Option<Place>,
-    inputs: Option<Place>,
+    control: ImagePlace,
+    target: ImagePlace,
+    mode_out: Option<ImagePlace>,
+    status: ImagePlace,
+    position: ImagePlace,
+    velocity: Option<ImagePlace>,
+    torque: Option<ImagePlace>,
+    mode_in: Option<ImagePlace>,
+    inputs: Option<ImagePlace>,
     command: DriveCommand,
     reset_cycles: u16,
     feedback: DriveFeedback,
@@ -69,9 +69,9 @@ pub struct Drive {
     is_held: bool,
 }
 
-impl Drive {
+impl DriveAxis {
     /// Finds the values of a slot; `None` where one that is needed is missing.
-    pub(crate) fn new(device: usize, slot: Slot, images: &Images) -> Option<Self> {
+    pub(crate) fn new(device: usize, slot: AxisSlot, images: &Images) -> Option<Self> {
         let offset = 0x800 * u16::from(slot.number);
         let out = |object: u16| images.outputs.find(object + offset, 0);
         let into = |object: u16| images.inputs.find(object + offset, 0);
@@ -132,7 +132,7 @@ impl Drive {
 
     /// Asks for the reset of a fault, if there is one: one edge.
     pub(crate) fn reset_fault(&mut self) {
-        if self.feedback.state() == Some(State::Fault) {
+        if self.feedback.state() == Some(PdsState::Fault) {
             self.reset_cycles = MOST_RESET_CYCLES;
         }
     }
@@ -147,7 +147,7 @@ impl Drive {
             mode: self.mode_in.map(|place| place.read(from) as i8),
             inputs: self.inputs.map(|place| place.read(from) as u32),
         };
-        if self.feedback.state() != Some(State::Fault) {
+        if self.feedback.state() != Some(PdsState::Fault) {
             self.reset_cycles = 0;
         }
     }
@@ -166,7 +166,7 @@ impl Drive {
     }
 
     fn choose_target(&mut self) {
-        let rest = if self.mode == Mode::Csp { self.feedback.position } else { 0 };
+        let rest = if self.mode == DriveMode::Csp { self.feedback.position } else { 0 };
         self.is_held = false;
         if !self.feedback.is_enabled() {
             self.sent_target = rest;

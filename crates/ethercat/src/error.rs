@@ -1,5 +1,5 @@
 //! Why a network could not be started: which device, what was found, what would work.
-use crate::network::Identity;
+use crate::network::DeviceIdentity;
 
 /// A start that was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -22,7 +22,7 @@ pub enum StartError {
         "device {position}, {name}: vendor {:08X}, product {:08X} is there; {:08X}, {:08X} is expected",
         found.vendor, found.product, wanted.vendor, wanted.product
     )]
-    Identity { position: usize, name: String, found: Identity, wanted: Identity },
+    Identity { position: usize, name: String, found: DeviceIdentity, wanted: DeviceIdentity },
     #[error("{name}: it has no distributed clock; SYNC0 needs one")]
     NoClock { name: String },
     #[error("no device has a distributed clock: one has to be the reference")]

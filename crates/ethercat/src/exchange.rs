@@ -8,7 +8,7 @@
 //!                                     foreign · echo · unexpected (late, repeated): a counter each
 //! ```
 use crate::clock;
-use crate::link::Link;
+use crate::link::FrameLink;
 use core::future::Future;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
@@ -90,7 +90,7 @@ impl<'s> Exchange<'s> {
     /// their way then are forgotten: what comes of them later is unexpected.
     pub(crate) fn run<F: Future>(
         &mut self,
-        link: &mut impl Link,
+        link: &mut impl FrameLink,
         future: F,
         until_ns: u64,
     ) -> Option<F::Output> {
@@ -114,7 +114,7 @@ impl<'s> Exchange<'s> {
     }
 
     /// Waits until a time. What comes meanwhile has no place.
-    pub(crate) fn idle(&mut self, link: &mut impl Link, until_ns: u64) {
+    pub(crate) fn idle(&mut self, link: &mut impl FrameLink, until_ns: u64) {
         loop {
             self.receive(link);
             if link.now_ns() >= until_ns {
@@ -124,7 +124,7 @@ impl<'s> Exchange<'s> {
         }
     }
 
-    fn send(&mut self, link: &mut impl Link) -> bool {
+    fn send(&mut self, link: &mut impl FrameLink) -> bool {
         let mut any = false;
         while let Some(frame) = self.tx.next_sendable_frame() {
             let (in_flight, headers) = (&mut self.in_flight, &mut self.headers);
@@ -144,7 +144,7 @@ impl<'s> Exchange<'s> {
         any
     }
 
-    fn receive(&mut self, link: &mut impl Link) -> bool {
+    fn receive(&mut self, link: &mut impl FrameLink) -> bool {
         let mut any = false;
         while let Some(length) = link.receive(&mut self.buffer[..]) {
             any |= self.take(length.min(MOST_FRAME));

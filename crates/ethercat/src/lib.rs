@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Datagrams, EEPROM, mailbox and state requests are `ethercrab`'s; this crate polls it by hand, so
-//! that it needs no executor, no thread and, once started, no memory. Time is what the [`Link`]
+//! that it needs no executor, no thread and, once started, no memory. Time is what the [`FrameLink`]
 //! says: virtual in tests, the computer's clock on a wire. The bus is the master of time; the
 //! reference clock is read and, after the start, never written.
 
@@ -29,11 +29,11 @@ mod pdo;
 mod scan;
 
 pub use bus::{Bus, Counters, Cycle, Reply};
-pub use drive::{Drive, DriveCommand, DriveFeedback};
+pub use drive::{DriveAxis, DriveCommand, DriveFeedback};
 pub use error::StartError;
 pub use exchange::{Emergency, Losses};
-pub use image::{Image, Place};
-pub use link::Link;
+pub use image::{Image, ImagePlace};
+pub use link::FrameLink;
 pub use master::{Master, Storage};
-pub use network::{Device, Entry, Identity, Mode, Network, Pdo, Sdo, Slot, Sync};
+pub use network::{AxisSlot, Device, DeviceIdentity, DriveMode, Network, Pdo, PdoEntry, Sdo, Sync};
 pub use pace::Pacer;

@@ -1,7 +1,7 @@
 //! What a master sends its frames by.
 
 /// A network card, or what stands for one.
-pub trait Link {
+pub trait FrameLink {
     /// Nanoseconds from a beginning of its own; never goes back.
     fn now_ns(&mut self) -> u64;
 

@@ -2,7 +2,7 @@
 use crate::bus::Bus;
 use crate::error::StartError;
 use crate::exchange::Exchange;
-use crate::link::Link;
+use crate::link::FrameLink;
 use crate::network::Network;
 use crate::scan::{MOST_IMAGE, failed, find_refusal, prepare, scan};
 use core::future::Future;
@@ -69,7 +69,7 @@ impl<'s> Master<'s> {
     pub fn start(
         &mut self,
         network: &Network,
-        link: &mut impl Link,
+        link: &mut impl FrameLink,
     ) -> Result<Bus<'_, 's>, StartError> {
         let Network { cycle_ns, lead_ns, .. } = *network;
         if !CYCLES_NS.contains(&cycle_ns) || lead_ns >= cycle_ns {
@@ -135,7 +135,7 @@ impl<'s> Master<'s> {
 /// end is an error like any other.
 fn guarded<T>(
     exchange: &mut Exchange<'_>,
-    link: &mut impl Link,
+    link: &mut impl FrameLink,
     part: impl Future<Output = Result<T, StartError>>,
     until_ns: u64,
 ) -> Result<T, StartError> {

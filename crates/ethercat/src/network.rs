@@ -3,7 +3,7 @@
 
 /// Who a device is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Identity {
+pub struct DeviceIdentity {
     /// Vendor, as the EtherCAT Technology Group numbers them.
     pub vendor: u32,
     /// Product code.
@@ -12,7 +12,7 @@ pub struct Identity {
 
 /// An entry of a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct PdoEntry {
     /// Index of the object.
     pub index: u16,
     /// Subindex.
@@ -21,7 +21,7 @@ pub struct Entry {
     pub bits: u8,
 }
 
-impl Entry {
+impl PdoEntry {
     /// An entry of a single value.
     pub const fn of(index: u16, bits: u8) -> Self {
         Self { index, sub: 0, bits }
@@ -43,14 +43,14 @@ pub struct Pdo {
     /// Index: 1600 and following to the device, 1A00 and following from it.
     pub index: u16,
     /// What is mapped.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<PdoEntry>,
 }
 
 /// A value that is written before SAFE-OP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sdo {
     /// What is written, and in how many bits.
-    pub entry: Entry,
+    pub entry: PdoEntry,
     /// The value; what the bits do not hold is left out.
     pub value: u32,
 }
@@ -73,7 +73,7 @@ pub enum Sync {
 /// How a drive gets its setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i8)]
-pub enum Mode {
+pub enum DriveMode {
     /// Frequency converter, `vl`: 6042 in rpm.
     Velocity = 2,
     /// Cyclic synchronous position: 607A.
@@ -84,7 +84,7 @@ pub enum Mode {
     Cst = 10,
 }
 
-impl Mode {
+impl DriveMode {
     /// Short name.
     pub const fn name(self) -> &'static str {
         match self {
@@ -113,11 +113,11 @@ impl Mode {
 
 /// An axis of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slot {
+pub struct AxisSlot {
     /// Its number in the device: objects are 800 a slot higher.
     pub number: u8,
     /// How it gets its setpoints.
-    pub mode: Mode,
+    pub mode: DriveMode,
     /// Counts by which the target may change in a cycle at most; a larger step is held back.
     pub most_step: u32,
 }
@@ -128,7 +128,7 @@ pub struct Device {
     /// Name, for people.
     pub name: String,
     /// Who it has to be; `None` if anybody may be there.
-    pub identity: Option<Identity>,
+    pub identity: Option<DeviceIdentity>,
     /// What it receives and sends; empty: what it has of its own.
     pub pdos: Vec<Pdo>,
     /// What is written before SAFE-OP, in order.
@@ -136,7 +136,7 @@ pub struct Device {
     /// How it is synchronised.
     pub sync: Sync,
     /// Its axes, if it is a drive.
-    pub slots: Vec<Slot>,
+    pub slots: Vec<AxisSlot>,
 }
 
 impl Device {
@@ -148,7 +148,7 @@ impl Device {
     /// A CiA 402 drive with one axis in CSP, on SYNC0: control word, target and mode to it; status
     /// word, position, speed, torque, mode and inputs from it.
     pub fn csp(name: &str, most_step: u32) -> Self {
-        let entry = |(index, bits)| Entry::of(index, bits);
+        let entry = |(index, bits)| PdoEntry::of(index, bits);
         let rx = [(0x6040, 16), (0x607A, 32), (0x6060, 8)].map(entry);
         let tx =
             [(0x6041, 16), (0x6064, 32), (0x606C, 32), (0x6077, 16), (0x6061, 8), (0x60FD, 32)];
@@ -161,7 +161,7 @@ impl Device {
             ],
             sdos: Vec::new(),
             sync: Sync::Sync0,
-            slots: vec![Slot { number: 0, mode: Mode::Csp, most_step }],
+            slots: vec![AxisSlot { number: 0, mode: DriveMode::Csp, most_step }],
         }
     }
 }

@@ -6,7 +6,7 @@
 //! ```
 use crate::error::StartError;
 use crate::image::Image;
-use crate::network::{Device, Entry, Network, Pdo, Sdo, Sync};
+use crate::network::{Device, Network, Pdo, PdoEntry, Sdo, Sync};
 use core::ops::Deref;
 use ethercrab::error::{Error, MailboxError};
 use ethercrab::{EtherCrabWireReadSized, SubDevice, SubDeviceRef};
@@ -63,8 +63,8 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
         }
     }
 
-    async fn write(&self, entry: Entry, value: u32) -> Result<(), Failure> {
-        let Entry { index, sub, bits } = entry;
+    async fn write(&self, entry: PdoEntry, value: u32) -> Result<(), Failure> {
+        let PdoEntry { index, sub, bits } = entry;
         let mut tried = 0;
         loop {
             tried += 1;
@@ -126,7 +126,7 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
     }
 
     async fn assign(&self, assignment: u16, pdos: &[&Pdo]) -> Result<(), StartError> {
-        let count = |index| Entry { index, sub: 0, bits: 8 };
+        let count = |index| PdoEntry { index, sub: 0, bits: 8 };
         let assigns = match self.write(count(assignment), 0).await {
             Err(Failure::Abort(READ_ONLY)) => false,
             result => result.map(|()| true).map_err(self.refused(assignment, 0))?,
@@ -137,12 +137,12 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
                 result => result.map_err(self.refused(pdo.index, 0))?,
             }
             for (sub, entry) in (1..).zip(&pdo.entries) {
-                let place = Entry { index: pdo.index, sub, bits: 32 };
+                let place = PdoEntry { index: pdo.index, sub, bits: 32 };
                 self.write(place, entry.word())
                     .await
                     .map_err(self.unmappable(pdo.index, *entry))?;
             }
-            let last = pdo.entries.last().copied().unwrap_or(Entry::of(pdo.index, 0));
+            let last = pdo.entries.last().copied().unwrap_or(PdoEntry::of(pdo.index, 0));
             let entries = pdo.entries.len() as u32;
             self.write(count(pdo.index), entries)
                 .await
@@ -151,7 +151,7 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
         }
         if assigns {
             for (sub, pdo) in (1..).zip(pdos) {
-                let place = Entry { index: assignment, sub, bits: 16 };
+                let place = PdoEntry { index: assignment, sub, bits: 16 };
                 let refused = self.refused(assignment, sub);
                 self.write(place, u32::from(pdo.index)).await.map_err(refused)?;
             }
@@ -161,7 +161,7 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
         Ok(())
     }
 
-    fn unmappable(&self, pdo: u16, entry: Entry) -> impl Fn(Failure) -> StartError {
+    fn unmappable(&self, pdo: u16, entry: PdoEntry) -> impl Fn(Failure) -> StartError {
         let name = self.config.name.clone();
         move |failure| match failure {
             Failure::Abort(abort) => {
@@ -181,12 +181,12 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
         Err(StartError::ReadBack { name: self.config.name.clone(), pdo: pdo.index, found, wanted })
     }
 
-    async fn read_entries(&self, pdo: u16) -> Result<Vec<Entry>, StartError> {
+    async fn read_entries(&self, pdo: u16) -> Result<Vec<PdoEntry>, StartError> {
         let count: u8 = self.read(pdo, 0).await.map_err(self.refused(pdo, 0))?;
         let mut entries = Vec::new();
         for sub in 1..=count.min(MOST) {
             let word: u32 = self.read(pdo, sub).await.map_err(self.refused(pdo, sub))?;
-            entries.push(Entry::of_word(word));
+            entries.push(PdoEntry::of_word(word));
         }
         Ok(entries)
     }
@@ -209,7 +209,7 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
     async fn synchronise(&self, cycle_ns: u32) -> Result<(), StartError> {
         for object in [0x1C32, 0x1C33] {
             for (sub, bits, value) in [(1, 16, 2), (2, 32, cycle_ns)] {
-                match self.write(Entry { index: object, sub, bits }, value).await {
+                match self.write(PdoEntry { index: object, sub, bits }, value).await {
                     Ok(()) | Err(Failure::Abort(_)) => {}
                     Err(failure) => return Err(self.refused(object, sub)(failure)),
                 }
@@ -230,7 +230,7 @@ impl<S: Deref<Target = SubDevice>> Configured<'_, '_, S> {
                     return Err(StartError::Missing { name, object: object + offset });
                 }
             }
-            let mode = Entry::of(0x6060 + offset, 8);
+            let mode = PdoEntry::of(0x6060 + offset, 8);
             let refused = self.refused(mode.index, 0);
             self.write(mode, u32::from((slot.mode as i8).cast_unsigned()))
                 .await

@@ -1,7 +1,7 @@
 //! From an unknown wire to devices in SAFE-OP that are who they have to be.
 use crate::clock;
 use crate::error::StartError;
-use crate::network::{Identity, Network, Sync};
+use crate::network::{DeviceIdentity, Network, Sync};
 use crate::pdo::{Configured, Images};
 use core::time::Duration;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, PreOp, SafeOp};
@@ -55,7 +55,7 @@ pub(crate) async fn scan(main: &MainDevice<'_>, network: &Network) -> Result<Sca
     let mut has_dictionary = Vec::with_capacity(found);
     for (position, (device, config)) in group.iter(main).zip(&network.devices).enumerate() {
         let own = device.identity();
-        let found = Identity { vendor: own.vendor_id, product: own.product_id };
+        let found = DeviceIdentity { vendor: own.vendor_id, product: own.product_id };
         if let Some(wanted) = config.identity.filter(|wanted| *wanted != found) {
             let name = config.name.clone();
             return Err(StartError::Identity { position, name, found, wanted });

@@ -3,7 +3,7 @@ use crate::support::{
     Wire, enable, six_drives, six_drives_expected, two_drives, two_drives_expected,
 };
 use esc::{DriveState, Quirks};
-use ethercat::cia402::{State, Wanted};
+use ethercat::cia402::{PdsState, Wanted};
 use ethercat::{DriveCommand, Master, Reply, Storage};
 
 /// There and back within two seconds: a turn of the first drive, six of the last.
@@ -94,7 +94,7 @@ fn a_network_is_started_anew_from_op_and_drives_that_were_enabled_have_a_fault()
         bus.cycle(&mut wire);
         for axis in 0..2 {
             // 6007 is 1: the loss of the connection is a fault
-            let is_faulty = bus.drives()[axis].feedback().state() == Some(State::Fault);
+            let is_faulty = bus.drives()[axis].feedback().state() == Some(PdsState::Fault);
             assert_eq!(is_faulty, start > 0, "start {start}");
             bus.reset_fault(axis);
         }
@@ -122,7 +122,7 @@ fn a_fault_is_reported_and_reset_by_an_order_alone() {
     }
     let expected = ethercat::Emergency { station: 0x1001, code: 0x2310, register: 0x21 };
     assert_eq!(bus.emergencies(), (&[expected][..], 1));
-    assert_eq!(bus.drives()[0].feedback().state(), Some(State::Fault));
+    assert_eq!(bus.drives()[0].feedback().state(), Some(PdsState::Fault));
     assert!(bus.drives()[1].feedback().is_enabled());
     bus.reset_fault(0);
     bus.cycle(&mut wire);

@@ -1,7 +1,7 @@
 //! Random orders of an operator and of the drives' own faults: what must never be is never sent.
 use crate::support::{MOST_STEP, Random, Wire, two_drives, two_drives_expected};
 use esc::{DriveState, Quirks};
-use ethercat::cia402::{FAULT_RESET, State, Wanted};
+use ethercat::cia402::{FAULT_RESET, PdsState, Wanted};
 use ethercat::{DriveCommand, Master, Storage};
 
 #[test]
@@ -38,14 +38,15 @@ fn no_drive_with_a_fault_is_enabled_and_no_target_jumps() {
             }
         }
         let seen: Vec<_> = bus.drives().iter().map(|drive| *drive.feedback()).collect();
-        let targets: Vec<i32> = bus.drives().iter().map(ethercat::Drive::sent_target).collect();
+        let targets: Vec<i32> = bus.drives().iter().map(ethercat::DriveAxis::sent_target).collect();
         bus.cycle(&mut wire);
         for axis in 0..2 {
             let (drive, seen) = (&bus.drives()[axis], seen[axis]);
             let control = drive.sent_control();
-            let is_faulty = matches!(seen.state(), Some(State::Fault | State::FaultReactionActive));
+            let is_faulty =
+                matches!(seen.state(), Some(PdsState::Fault | PdsState::FaultReactionActive));
             assert!(!is_faulty || control & 0x0F != 0x0F, "cycle {cycle}: {control:04X}");
-            assert!(control & FAULT_RESET == 0 || seen.state() == Some(State::Fault));
+            assert!(control & FAULT_RESET == 0 || seen.state() == Some(PdsState::Fault));
             edges += u64::from(control & !before[axis] & FAULT_RESET != 0);
             before[axis] = control;
             if seen.is_enabled() {

@@ -1,21 +1,21 @@
 //! The states of CiA 402 against those of an independent program.
 use esc::{DriveState, next_state, status_word};
-use ethercat::cia402::{State, Wanted, control_word, state};
+use ethercat::cia402::{PdsState, Wanted, control_word, state};
 use std::collections::BTreeMap;
 
 const TABLE: &str = include_str!("cia402-states.txt");
 
-fn named(state: Option<State>) -> &'static str {
+fn named(state: Option<PdsState>) -> &'static str {
     match state {
         None => "NONE",
-        Some(State::NotReadyToSwitchOn) => "NOT READY TO SWITCH ON",
-        Some(State::SwitchOnDisabled) => "SWITCH ON DISABLED",
-        Some(State::ReadyToSwitchOn) => "READY TO SWITCH ON",
-        Some(State::SwitchedOn) => "SWITCHED ON",
-        Some(State::OperationEnabled) => "OPERATION ENABLED",
-        Some(State::QuickStopActive) => "QUICK STOP ACTIVE",
-        Some(State::FaultReactionActive) => "FAULT REACTION ACTIVE",
-        Some(State::Fault) => "FAULT",
+        Some(PdsState::NotReadyToSwitchOn) => "NOT READY TO SWITCH ON",
+        Some(PdsState::SwitchOnDisabled) => "SWITCH ON DISABLED",
+        Some(PdsState::ReadyToSwitchOn) => "READY TO SWITCH ON",
+        Some(PdsState::SwitchedOn) => "SWITCHED ON",
+        Some(PdsState::OperationEnabled) => "OPERATION ENABLED",
+        Some(PdsState::QuickStopActive) => "QUICK STOP ACTIVE",
+        Some(PdsState::FaultReactionActive) => "FAULT REACTION ACTIVE",
+        Some(PdsState::Fault) => "FAULT",
     }
 }
 

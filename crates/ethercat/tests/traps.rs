@@ -1,7 +1,7 @@
 //! What real devices do otherwise than the standards have it: handled, or refused by name.
 use crate::support::{MOST_STEP, Wire, enable, two_drives, two_drives_expected};
 use esc::Quirks;
-use ethercat::{Device, Entry, Master, Mode, Network, StartError, Storage, Sync};
+use ethercat::{Device, DriveMode, Master, Network, PdoEntry, StartError, Storage, Sync};
 
 /// Starts two drives with a quirk, enables them, and returns how it ended.
 fn start(quirks: &Quirks, network: &Network) -> Result<(), StartError> {
@@ -55,7 +55,7 @@ fn a_drive_with_fixed_pdos_is_taken_as_it_is() {
 fn a_fixed_pdo_without_the_target_is_refused_by_its_object() {
     let quirks = Quirks { fixed_mapping: true, ..Quirks::default() };
     let mut network = two_drives_expected();
-    network.devices[1].slots[0].mode = Mode::Csv;
+    network.devices[1].slots[0].mode = DriveMode::Csv;
     assert!(refusal(&quirks, &network).contains("X: 60FF is in none of its PDOs"));
 }
 
@@ -87,7 +87,7 @@ fn a_torque_that_cannot_be_mapped_is_refused_by_name_and_left_out_on_order() {
 fn a_mode_that_a_drive_does_not_have_is_refused() {
     let quirks = Quirks { no_csv: true, ..Quirks::default() };
     let mut network = two_drives_expected();
-    network.devices[1].slots[0].mode = Mode::Csv;
+    network.devices[1].slots[0].mode = DriveMode::Csv;
     assert!(refusal(&quirks, &network).contains("mode csv is not among those of 6502"));
 }
 
@@ -111,7 +111,7 @@ fn sync1_is_activated_where_a_drive_needs_it_and_its_refusal_has_a_name_where_no
 
 #[test]
 fn an_unchanged_source_address_is_named() {
-    let mut wire = Wire::new(esc::Segment::new([esc::drive(&esc::DriveModel {
+    let mut wire = Wire::new(esc::NetworkSegment::new([esc::drive(&esc::DriveModel {
         quirks: Quirks { source_address_kept: true, ..Quirks::default() },
         ..esc::DriveModel::new(1)
     })]));
@@ -134,7 +134,8 @@ fn a_drive_without_a_clock_is_refused_where_sync0_is_wanted() {
 #[test]
 fn another_device_than_expected_is_refused_with_both_identities() {
     let mut network = two_drives_expected();
-    network.devices[2].identity = Some(ethercat::Identity { vendor: 0x539, product: 0x2200_0301 });
+    network.devices[2].identity =
+        Some(ethercat::DeviceIdentity { vendor: 0x539, product: 0x2200_0301 });
     let text = refusal(&Quirks::default(), &network);
     let expected =
         "device 2, Z: vendor 00000E5C, product 00000402 is there; 00000539, 22000301 is expected";
@@ -150,7 +151,7 @@ fn a_device_too_many_or_too_few_is_refused_with_both_counts() {
 
 #[test]
 fn nobody_on_the_wire_is_said_so() {
-    let mut wire = Wire::new(esc::Segment::default());
+    let mut wire = Wire::new(esc::NetworkSegment::default());
     let network = two_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
@@ -161,7 +162,7 @@ fn nobody_on_the_wire_is_said_so() {
 #[test]
 fn an_object_that_a_device_does_not_have_is_refused_by_its_number() {
     let mut network = two_drives_expected();
-    network.devices[1].sdos.push(ethercat::Sdo { entry: Entry::of(0x3001, 16), value: 1 });
+    network.devices[1].sdos.push(ethercat::Sdo { entry: PdoEntry::of(0x3001, 16), value: 1 });
     assert_eq!(refusal(&Quirks::default(), &network), "X: 3001:00 is refused with abort 06020000");
 }
 
@@ -176,14 +177,14 @@ fn a_cycle_that_a_drive_cannot_keep_is_refused_by_its_al_status_code() {
 #[test]
 fn two_axes_in_one_device_have_their_objects_800_apart() {
     let model = esc::DriveModel { motors: vec![esc::Motor::new(); 2], ..esc::DriveModel::new(9) };
-    let mut wire = Wire::new(esc::Segment::new([esc::drive(&model)]));
+    let mut wire = Wire::new(esc::NetworkSegment::new([esc::drive(&model)]));
     let mut device = Device::csp("XY", MOST_STEP);
     let mut second = device.slots[0];
     second.number = 1;
     device.slots.push(second);
     for pdo in device.pdos.clone() {
         let shifted =
-            pdo.entries.iter().map(|entry| Entry { index: entry.index + 0x800, ..*entry });
+            pdo.entries.iter().map(|entry| PdoEntry { index: entry.index + 0x800, ..*entry });
         device.pdos.push(ethercat::Pdo { index: pdo.index + 0x10, entries: shifted.collect() });
     }
     let network = Network::new(vec![device]);

@@ -122,7 +122,7 @@ impl Allowed {
 
 /// A value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Value {
+pub enum ObjectValue {
     /// A number, as wide as its type.
     Number(i64),
     /// A text.
@@ -131,7 +131,7 @@ pub enum Value {
 
 /// An entry of an object.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct ObjectEntry {
     /// Subindex.
     pub sub: u8,
     /// Name, for SDO information.
@@ -143,10 +143,10 @@ pub struct Entry {
     /// Values that it takes.
     pub allowed: Allowed,
     /// Its value.
-    pub value: Value,
+    pub value: ObjectValue,
 }
 
-impl Entry {
+impl ObjectEntry {
     /// An entry for a number.
     pub fn number(
         sub: u8,
@@ -155,7 +155,14 @@ impl Entry {
         access: Access,
         value: i64,
     ) -> Self {
-        Self { sub, name, data_type, access, allowed: Allowed::Any, value: Value::Number(value) }
+        Self {
+            sub,
+            name,
+            data_type,
+            access,
+            allowed: Allowed::Any,
+            value: ObjectValue::Number(value),
+        }
     }
 
     /// The same for these values alone.
@@ -167,16 +174,16 @@ impl Entry {
     /// Bits of its value.
     pub fn bits(&self) -> usize {
         match &self.value {
-            Value::Text(text) => text.len() * 8,
-            Value::Number(_) => self.data_type.bytes() * 8,
+            ObjectValue::Text(text) => text.len() * 8,
+            ObjectValue::Number(_) => self.data_type.bytes() * 8,
         }
     }
 
     /// Appends its value, little endian.
     pub(crate) fn append(&self, into: &mut Vec<u8>) {
         match &self.value {
-            Value::Text(text) => into.extend(text.bytes()),
-            Value::Number(number) => {
+            ObjectValue::Text(text) => into.extend(text.bytes()),
+            ObjectValue::Number(number) => {
                 into.extend_from_slice(&number.to_le_bytes()[..self.data_type.bytes()]);
             }
         }
@@ -205,7 +212,7 @@ pub struct Object {
     /// Name, for SDO information.
     pub name: &'static str,
     /// Entries, in the order of their subindex.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<ObjectEntry>,
 }
 
 impl Object {
@@ -217,20 +224,20 @@ impl Object {
         access: Access,
         value: i64,
     ) -> Self {
-        let entries = vec![Entry::number(0, name, data_type, access, value)];
+        let entries = vec![ObjectEntry::number(0, name, data_type, access, value)];
         Self { index, kind: ObjectKind::Variable, name, entries }
     }
 
     /// A text.
     pub fn text(index: u16, name: &'static str, text: &'static str) -> Self {
-        let value = Value::Text(text);
+        let value = ObjectValue::Text(text);
         let (data_type, access, allowed) = (DataType::Text, Access::READ, Allowed::Any);
-        let entries = vec![Entry { sub: 0, name, data_type, access, allowed, value }];
+        let entries = vec![ObjectEntry { sub: 0, name, data_type, access, allowed, value }];
         Self { index, kind: ObjectKind::Variable, name, entries }
     }
 
     /// A record, whose subindex 0 is the number of its entries.
-    pub fn record(index: u16, name: &'static str, entries: Vec<Entry>) -> Self {
+    pub fn record(index: u16, name: &'static str, entries: Vec<ObjectEntry>) -> Self {
         let last = entries.last().map_or(0, |entry| i64::from(entry.sub));
         Self::counted(index, ObjectKind::Record, name, last, Access::READ, entries)
     }
@@ -242,9 +249,9 @@ impl Object {
         name: &'static str,
         count: i64,
         access: Access,
-        entries: Vec<Entry>,
+        entries: Vec<ObjectEntry>,
     ) -> Self {
-        let count = Entry::number(0, "Number of entries", DataType::U8, access, count);
+        let count = ObjectEntry::number(0, "Number of entries", DataType::U8, access, count);
         Self { index, kind, name, entries: [vec![count], entries].concat() }
     }
 
@@ -258,7 +265,7 @@ impl Object {
     }
 
     /// The entry of a subindex.
-    pub fn entry(&self, sub: u8) -> Option<&Entry> {
+    pub fn entry(&self, sub: u8) -> Option<&ObjectEntry> {
         self.entries.iter().find(|entry| entry.sub == sub)
     }
 }
@@ -313,14 +320,14 @@ impl Dictionary {
     }
 
     /// The entry at a place.
-    pub fn at(&self, handle: Handle) -> Option<&Entry> {
+    pub fn at(&self, handle: Handle) -> Option<&ObjectEntry> {
         self.objects.get(usize::from(handle.object))?.entries.get(usize::from(handle.entry))
     }
 
     /// Number at a place; 0 where there is none.
     pub fn get(&self, handle: Handle) -> i64 {
         match self.at(handle).map(|entry| &entry.value) {
-            Some(Value::Number(number)) => *number,
+            Some(ObjectValue::Number(number)) => *number,
             _ => 0,
         }
     }
@@ -329,7 +336,7 @@ impl Dictionary {
     pub fn set(&mut self, handle: Handle, number: i64) {
         let object = self.objects.get_mut(usize::from(handle.object));
         let entry = object.and_then(|object| object.entries.get_mut(usize::from(handle.entry)));
-        if let Some(Entry { value: Value::Number(place), .. }) = entry {
+        if let Some(ObjectEntry { value: ObjectValue::Number(place), .. }) = entry {
             *place = number;
         }
     }
@@ -347,7 +354,7 @@ impl Dictionary {
     }
 
     /// Returns the entry of an index and subindex, or which of the two there is not.
-    pub(crate) fn entry(&self, index: u16, sub: u8) -> Result<&Entry, Abort> {
+    pub(crate) fn entry(&self, index: u16, sub: u8) -> Result<&ObjectEntry, Abort> {
         self.object(index).ok_or(Abort::NoObject)?.entry(sub).ok_or(Abort::NoSubindex)
     }
 

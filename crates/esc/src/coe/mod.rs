@@ -10,9 +10,9 @@ mod pdo;
 mod sdo;
 
 pub use abort::Abort;
-pub(crate) use communication::{Pdo, Profile, communication_objects};
+pub(crate) use communication::{DeviceProfile, Pdo, communication_objects};
 pub use dictionary::{
-    Access, Allowed, DataType, Dictionary, Entry, Handle, Object, ObjectKind, Value,
+    Access, Allowed, DataType, Dictionary, Handle, Object, ObjectEntry, ObjectKind, ObjectValue,
 };
 pub(crate) use information::answer as inform;
 pub use mail::Emergency;

@@ -19,7 +19,7 @@ const MOST_BYTES: usize = 512;
 
 /// Way of process data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
+pub(crate) enum PdoDirection {
     /// From the master.
     Rx,
     /// To the master.
@@ -27,18 +27,18 @@ pub(crate) enum Direction {
 }
 
 /// Returns the direction of a mapping object.
-fn mapping_direction(index: u16) -> Option<Direction> {
+fn mapping_direction(index: u16) -> Option<PdoDirection> {
     match index {
-        0x1600..=0x17FF => Some(Direction::Rx),
-        0x1A00..=0x1BFF => Some(Direction::Tx),
+        0x1600..=0x17FF => Some(PdoDirection::Rx),
+        0x1A00..=0x1BFF => Some(PdoDirection::Tx),
         _ => None,
     }
 }
 
-fn assignment_direction(index: u16) -> Option<Direction> {
+fn assignment_direction(index: u16) -> Option<PdoDirection> {
     match index {
-        RX_ASSIGNMENT => Some(Direction::Rx),
-        TX_ASSIGNMENT => Some(Direction::Tx),
+        RX_ASSIGNMENT => Some(PdoDirection::Rx),
+        TX_ASSIGNMENT => Some(PdoDirection::Tx),
         _ => None,
     }
 }
@@ -65,7 +65,7 @@ pub(crate) fn check(
     if sub > 0 && dictionary.number(index, 0) != Some(0) {
         return Err(Abort::SubindexZeroFirst);
     }
-    let one_of = quirks.one_tx_pdo_of.filter(|_| direction == Direction::Tx);
+    let one_of = quirks.one_tx_pdo_of.filter(|_| direction == PdoDirection::Tx);
     match (sub, mapping.is_some()) {
         (0, true) => {
             if one_of.is_some_and(|most| value > i64::from(most)) {
@@ -111,7 +111,7 @@ pub(crate) fn check(
 fn check_entry(
     dictionary: &Dictionary,
     value: i64,
-    direction: Direction,
+    direction: PdoDirection,
     quirks: &Quirks,
 ) -> Result<(Option<Handle>, usize), Abort> {
     let (index, sub, bits) = ((value >> 16) as u16, (value >> 8) as u8, value as u8);
@@ -129,8 +129,8 @@ fn check_entry(
     let handle = dictionary.find(index, sub).ok_or(Abort::NoObject)?;
     let entry = dictionary.at(handle).ok_or(Abort::NoObject)?;
     let allowed = match direction {
-        Direction::Rx => entry.access.rx,
-        Direction::Tx => entry.access.tx || entry.access.rx,
+        PdoDirection::Rx => entry.access.rx,
+        PdoDirection::Tx => entry.access.tx || entry.access.rx,
     };
     let fits = entry.bits() == usize::from(bits);
     if allowed && fits { Ok((Some(handle), usize::from(bits))) } else { Err(Abort::NotMappable) }

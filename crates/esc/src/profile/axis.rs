@@ -1,5 +1,5 @@
 //! An axis of a drive: from the objects that the master writes to the motor, and back.
-use super::homing::{Homing, HomingSwitches, Sight};
+use super::homing::{HomingState, HomingSwitches, Sight};
 use super::motor::Motor;
 use super::probe::{Edges, Probe};
 use super::states::{DriveState, next_state, status_word};
@@ -57,7 +57,7 @@ handles! {
 
 /// An axis.
 #[derive(Clone, Debug)]
-pub(crate) struct Axis {
+pub(crate) struct EmulatedAxis {
     handles: Handles,
     modes: &'static [i64],
     pub(crate) state: DriveState,
@@ -67,7 +67,7 @@ pub(crate) struct Axis {
     pub(crate) switches: HomingSwitches,
     pub(crate) probe_input: bool,
     probe_before: bool,
-    homing: Homing,
+    homing: HomingState,
     probes: [Probe; 2],
     /// Counts of the motor at position 0.
     zero: i64,
@@ -76,7 +76,7 @@ pub(crate) struct Axis {
     fault: Option<u16>,
 }
 
-impl Axis {
+impl EmulatedAxis {
     /// Finds the objects of an axis; `None` where one is missing.
     pub(crate) fn new(
         dictionary: &Dictionary,
@@ -95,7 +95,7 @@ impl Axis {
             switches: HomingSwitches::new(),
             probe_input: false,
             probe_before: false,
-            homing: Homing::NotStarted,
+            homing: HomingState::NotStarted,
             probes: Default::default(),
             zero: 0,
             vl_rpm: 0.0,
@@ -178,7 +178,7 @@ impl Axis {
         let wanted = self.get(dictionary, Id::Mode);
         if wanted != self.mode && self.modes.contains(&wanted) {
             self.mode = wanted;
-            self.homing = Homing::NotStarted;
+            self.homing = HomingState::NotStarted;
             self.vl_rpm = self.motor.spin.in_rpm();
         }
     }
@@ -237,9 +237,9 @@ impl Axis {
     fn home(&mut self, dictionary: &mut Dictionary, control: u16, period: Time) {
         let method = self.get(dictionary, Id::Method);
         if control & !self.control & START != 0 {
-            self.homing = Homing::start(method);
+            self.homing = HomingState::start(method);
         } else if control & START == 0 && self.homing.is_moving() {
-            self.homing = Homing::NotStarted;
+            self.homing = HomingState::NotStarted;
         }
         let speeds =
             [Id::HomingFast, Id::HomingSlow].map(|id| self.motor.spin_of(self.get(dictionary, id)));
@@ -252,7 +252,7 @@ impl Axis {
         let (next, spin) = self.homing.next(&sight);
         self.homing = next;
         let starts_here = matches!(method, 35 | 37) && control & !self.control & START != 0;
-        if next == Homing::Attained && (before != Homing::Attained || starts_here) {
+        if next == HomingState::Attained && (before != HomingState::Attained || starts_here) {
             let mark = if matches!(method, 1 | 2 | 33 | 34) {
                 self.index_counts()
             } else {
@@ -329,8 +329,8 @@ impl Axis {
         let enabled = self.state == DriveState::OperationEnabled;
         let follows = match self.mode {
             CSP | CSV | CST if enabled => FOLLOWS,
-            HOMING if self.homing == Homing::Attained => FOLLOWS | REACHED,
-            HOMING if self.homing == Homing::Failed => ERROR,
+            HOMING if self.homing == HomingState::Attained => FOLLOWS | REACHED,
+            HOMING if self.homing == HomingState::Failed => ERROR,
             VELOCITY if self.get(dictionary, Id::VlTarget) == self.vl_rpm.round() as i64 => REACHED,
             _ => 0,
         };

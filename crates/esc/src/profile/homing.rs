@@ -47,7 +47,7 @@ impl Default for HomingSwitches {
 
 /// How far homing is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Homing {
+pub(crate) enum HomingState {
     /// It was not started since the mode was entered.
     #[default]
     NotStarted,
@@ -75,7 +75,7 @@ pub(crate) struct Sight {
     pub(crate) speeds: [Spin; 2],
 }
 
-impl Homing {
+impl HomingState {
     /// Starts.
     pub(crate) fn start(method: i64) -> Self {
         match method {

@@ -8,7 +8,7 @@ mod objects;
 mod probe;
 mod states;
 
-pub(crate) use axis::Axis;
+pub(crate) use axis::EmulatedAxis;
 pub use homing::HomingSwitches;
 pub use motor::Motor;
 pub(crate) use objects::{axis_objects, default_pdos, supported_modes};

@@ -1,7 +1,7 @@
 //! The objects of an axis: 6000 to 67FF, the next axis of a device 800 higher.
 use super::homing::METHODS;
 use super::motor::Motor;
-use crate::coe::{Access, Allowed, DataType, Entry, Object, Value};
+use crate::coe::{Access, Allowed, DataType, Object, ObjectEntry, ObjectValue};
 use crate::quirks::Quirks;
 
 /// Modes with all of them, and without one or two.
@@ -22,8 +22,8 @@ pub(crate) fn axis_objects(offset: u16, motor: &Motor, quirks: &Quirks) -> Vec<O
     };
     let pair = |index: u16, name, data_type, access, values: [(&'static str, i64); 2]| {
         let entries = (1_u8..).zip(values);
-        let entries =
-            entries.map(|(sub, (name, value))| Entry::number(sub, name, data_type, access, value));
+        let entries = entries
+            .map(|(sub, (name, value))| ObjectEntry::number(sub, name, data_type, access, value));
         Object::record(index + offset, name, entries.collect())
     };
     let modes = supported_modes(quirks);
@@ -42,7 +42,7 @@ pub(crate) fn axis_objects(offset: u16, motor: &Motor, quirks: &Quirks) -> Vec<O
     );
     if quirks.no_positive_software_limit {
         limits.entries.pop();
-        limits.entries[0].value = Value::Number(1);
+        limits.entries[0].value = ObjectValue::Number(1);
     }
     vec![
         one(0x603F, "Error code", U16, Access::ACTUAL, 0),
@@ -110,8 +110,8 @@ pub(crate) fn axis_objects(offset: u16, motor: &Motor, quirks: &Quirks) -> Vec<O
             0x60C2 + offset,
             "Interpolation time period",
             vec![
-                Entry::number(1, "Period", U8, Access::WRITE, 1),
-                Entry::number(2, "Exponent", I8, Access::WRITE, -3),
+                ObjectEntry::number(1, "Period", U8, Access::WRITE, 1),
+                ObjectEntry::number(2, "Exponent", I8, Access::WRITE, -3),
             ],
         ),
         one(0x60F4, "Following error actual value", I32, Access::ACTUAL, 0),

@@ -1,9 +1,9 @@
 //! A master of a few lines: a datagram a frame, and mail.
-use esc::{AlState, Command, Passed, Segment, datagrams};
+use esc::{AlState, DatagramCommand, NetworkSegment, Passed, datagrams};
 
 /// A segment and the time.
 pub(crate) struct Bench {
-    pub(crate) segment: Segment,
+    pub(crate) segment: NetworkSegment,
     pub(crate) now_ns: u64,
     counter: u8,
 }
@@ -15,11 +15,12 @@ const MAILBOX: u16 = 0x80;
 
 impl Bench {
     pub(crate) fn new(devices: impl IntoIterator<Item = esc::Device>) -> Self {
-        let mut bench = Self { segment: Segment::new(devices), now_ns: 1_000_000, counter: 0 };
+        let mut bench =
+            Self { segment: NetworkSegment::new(devices), now_ns: 1_000_000, counter: 0 };
         for at in 0..bench.segment.len() as u16 {
             let station = (0x1001 + at).to_le_bytes();
             let address = u32::from(0x0010_u16) << 16 | u32::from(at.wrapping_neg());
-            assert_eq!(bench.send(Command::Apwr, address, &station).1, 1);
+            assert_eq!(bench.send(DatagramCommand::Apwr, address, &station).1, 1);
         }
         bench
     }
@@ -27,11 +28,16 @@ impl Bench {
     pub(crate) fn wait_us(&mut self, us: u64) {
         self.now_ns += us * 1_000;
         // a frame that does nothing lets the devices see the time
-        self.send(Command::Nop, 0, &[0]);
+        self.send(DatagramCommand::Nop, 0, &[0]);
     }
 
     /// Sends a datagram; returns data and working counter.
-    pub(crate) fn send(&mut self, command: Command, address: u32, data: &[u8]) -> (Vec<u8>, u16) {
+    pub(crate) fn send(
+        &mut self,
+        command: DatagramCommand,
+        address: u32,
+        data: &[u8],
+    ) -> (Vec<u8>, u16) {
         let mut frame = frame(&[(command, address, data.to_vec())]);
         self.now_ns += 10_000;
         assert!(matches!(self.segment.pass(&mut frame, self.now_ns), Passed::Back(_)));
@@ -47,7 +53,7 @@ impl Bench {
 
     pub(crate) fn read_of(&mut self, device: u16, register: u16, length: usize) -> (Vec<u8>, u16) {
         let address = u32::from(register) << 16 | u32::from(0x1001 + device);
-        self.send(Command::Fprd, address, &vec![0; length])
+        self.send(DatagramCommand::Fprd, address, &vec![0; length])
     }
 
     pub(crate) fn write(&mut self, register: u16, data: &[u8]) -> u16 {
@@ -56,7 +62,7 @@ impl Bench {
 
     pub(crate) fn write_to(&mut self, device: u16, register: u16, data: &[u8]) -> u16 {
         let address = u32::from(register) << 16 | u32::from(0x1001 + device);
-        self.send(Command::Fpwr, address, data).1
+        self.send(DatagramCommand::Fpwr, address, data).1
     }
 
     /// Requests an AL state of the first device, and returns status and code when it is done.
@@ -220,7 +226,7 @@ impl Bench {
 }
 
 /// Builds a frame of datagrams.
-pub(crate) fn frame(list: &[(Command, u32, Vec<u8>)]) -> Vec<u8> {
+pub(crate) fn frame(list: &[(DatagramCommand, u32, Vec<u8>)]) -> Vec<u8> {
     let mut frame = esc::EMPTY_FRAME.to_vec();
     for (i, (command, address, data)) in list.iter().enumerate() {
         let more = if i + 1 < list.len() { 0x8000 } else { 0 };

@@ -1,7 +1,7 @@
 //! A wire in process: frames pass an emulated segment, and time is a number.
-use esc::{DriveModel, Passed, Quirks, Segment, coupler, digital_io, drive};
+use esc::{DriveModel, NetworkSegment, Passed, Quirks, coupler, digital_io, drive};
 use ethercat::cia402::Wanted;
-use ethercat::{Bus, Device, DriveCommand, Link, Network};
+use ethercat::{Bus, Device, DriveCommand, FrameLink, Network};
 use std::collections::VecDeque;
 
 /// Frames that are under way at most.
@@ -17,11 +17,11 @@ pub(crate) enum Fate {
 }
 
 /// What is done to a segment before a frame: its number, the segment, the time.
-type Before = Box<dyn FnMut(u64, &mut Segment, u64)>;
+type Before = Box<dyn FnMut(u64, &mut NetworkSegment, u64)>;
 
 /// A segment behind a wire.
 pub(crate) struct Wire<F> {
-    pub(crate) segment: Segment,
+    pub(crate) segment: NetworkSegment,
     pub(crate) now_ns: u64,
     pub(crate) frames: u64,
     pub(crate) fate: F,
@@ -31,13 +31,13 @@ pub(crate) struct Wire<F> {
 }
 
 impl Wire<fn(u64) -> Fate> {
-    pub(crate) fn new(segment: Segment) -> Self {
+    pub(crate) fn new(segment: NetworkSegment) -> Self {
         Self::with_fate(segment, |_| Fate::Comes)
     }
 }
 
 impl<F: FnMut(u64) -> Fate> Wire<F> {
-    pub(crate) fn with_fate(segment: Segment, fate: F) -> Self {
+    pub(crate) fn with_fate(segment: NetworkSegment, fate: F) -> Self {
         let back = VecDeque::with_capacity(2 * MOST_FRAMES);
         Self { segment, now_ns: 1_000_000, frames: 0, fate, before: None, back }
     }
@@ -49,7 +49,7 @@ impl<F: FnMut(u64) -> Fate> Wire<F> {
     }
 }
 
-impl<F: FnMut(u64) -> Fate> Link for Wire<F> {
+impl<F: FnMut(u64) -> Fate> FrameLink for Wire<F> {
     fn now_ns(&mut self) -> u64 {
         self.now_ns
     }
@@ -97,12 +97,12 @@ impl<F: FnMut(u64) -> Fate> Link for Wire<F> {
 pub(crate) const MOST_STEP: u32 = 6_000;
 
 /// A coupler, six drives whose clocks differ, and a terminal with digital inputs and outputs.
-pub(crate) fn six_drives(quirks: &Quirks) -> Segment {
+pub(crate) fn six_drives(quirks: &Quirks) -> NetworkSegment {
     let drives = (0..6).map(|i| {
         let drift_ppb = 15_000 * (i64::from(i) - 3);
         drive(&DriveModel { drift_ppb, quirks: quirks.clone(), ..DriveModel::new(i + 1) })
     });
-    Segment::new([coupler(20_000)].into_iter().chain(drives).chain([digital_io()]))
+    NetworkSegment::new([coupler(20_000)].into_iter().chain(drives).chain([digital_io()]))
 }
 
 /// What is expected of [`six_drives`].
@@ -113,11 +113,11 @@ pub(crate) fn six_drives_expected() -> Network {
 }
 
 /// A coupler, two drives and the terminal: the smallest network that has one of each.
-pub(crate) fn two_drives(quirks: &Quirks) -> Segment {
+pub(crate) fn two_drives(quirks: &Quirks) -> NetworkSegment {
     let drives = [40_000, -70_000].into_iter().zip(1..).map(|(drift_ppb, serial)| {
         drive(&DriveModel { drift_ppb, quirks: quirks.clone(), ..DriveModel::new(serial) })
     });
-    Segment::new([coupler(20_000)].into_iter().chain(drives).chain([digital_io()]))
+    NetworkSegment::new([coupler(20_000)].into_iter().chain(drives).chain([digital_io()]))
 }
 
 /// What is expected of [`two_drives`].
