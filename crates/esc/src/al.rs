@@ -100,8 +100,8 @@ pub enum Transition {
 
 use Transition::{Down, Refuse, StartBootstrap, StartInputs, StartMailbox, StartOutputs, Stay};
 
-/// What a request does, by the state that a device is in (rows) and the one requested (columns), each
-/// in the order of [`AlState::ALL`].
+/// What a request does, by the state of a device (rows) and the one requested (columns), each in
+/// the order of [`AlState::ALL`].
 pub const TRANSITIONS: [[Transition; 5]; 5] = [
     // INIT       PRE-OP        BOOT            SAFE-OP      OP
     [Stay, StartMailbox, StartBootstrap, Refuse, Refuse], // INIT

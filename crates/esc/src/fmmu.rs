@@ -1,4 +1,4 @@
-//! A fieldbus memory management unit: bits of the logical memory of all devices to bits of this one.
+//! A fieldbus memory management unit: from bits of the logical memory to bits of this device.
 //!
 //! ```text
 //!   logical   start byte · start bit ────── length ────── last byte · end bit

@@ -70,8 +70,8 @@ impl NetworkSegment {
         }
     }
 
-    /// Sends a frame through the devices at a time that never goes back; it comes back changed. What
-    /// is no frame of EtherCAT's comes back as it was.
+    /// Sends a frame through the devices at a time that never goes back; it comes back changed.
+    /// A frame of another protocol comes back as it was.
     pub fn pass(&mut self, frame: &mut [u8], now_ns: u64) -> Passed {
         let reached = self.devices.iter().take_while(|(_, power)| *power).count();
         let devices = self.devices.iter_mut().take(reached);

@@ -94,7 +94,7 @@ fn the_ports_show_where_the_wire_ends() {
     assert_eq!(bench.read_of(2, 0x0110, 2).1, 0);
 }
 
-/// Maps bits of the terminal: outputs to bit 3 of byte 10 and on, inputs to bit 5 of byte 20 and on.
+/// Outputs of the terminal begin at bit 3 of byte 10, inputs at bit 5 of byte 20.
 #[test]
 fn bits_are_mapped_across_bytes() {
     let mut bench = Bench::new([digital_io()]);

@@ -5,13 +5,13 @@
 //!   Bus::cycle      one frame: FRMW of the reference clock, LRW of the process image, AL states
 //!                     │ lost, short, late, foreign: counted, and the outputs go out again
 //!                     ▼
-//!   Drive           status word ─► control word, one transition a cycle; the target is the actual
+//!   DriveAxis       status word ─► control word, one transition a cycle; the target is the actual
 //!                   position until the drive is enabled
 //! ```
 //!
 //! Datagrams, EEPROM, mailbox and state requests are `ethercrab`'s; this crate polls it by hand, so
-//! that it needs no executor, no thread and, once started, no memory. Time is what the [`FrameLink`]
-//! says: virtual in tests, the computer's clock on a wire. The bus is the master of time; the
+//! that it needs no executor, no thread and, once started, no memory. Time is what the
+//! [`FrameLink`] says: virtual in tests, the computer's clock on a wire. The bus is the master of time; the
 //! reference clock is read and, after the start, never written.
 
 mod bus;

@@ -13,7 +13,7 @@ use support::{Wire, six_drives, six_drives_expected};
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// Runs cycles in which all drives are enabled and follow a target; returns a hash of what they did.
+/// Runs cycles in which all drives follow a target; returns a hash of what they did.
 fn run(cycles: i32) -> u64 {
     let mut wire = Wire::new(six_drives(&Quirks::default()));
     let network = six_drives_expected();

@@ -75,7 +75,7 @@ pub fn next_state(state: DriveState, control: u16, before: u16) -> DriveState {
     }
 }
 
-/// Returns the status word of a state: its bits 0 to 3, 5 and 6, bit 4 (voltage) and bit 9 (remote).
+/// Returns the status word of a state: its bits 0 to 3, 5 and 6, bit 4 (voltage), bit 9 (remote).
 pub fn status_word(state: DriveState) -> u16 {
     let bits = match state {
         NotReadyToSwitchOn => 0x0000,

@@ -4,36 +4,27 @@
 //!   frame passes ─► controller ─► what was written ─► serve: AL request, mailbox, outputs
 //!   time passes  ────────────────────────────────────► advance: SYNC0, watchdog, answers that are due
 //! ```
-use crate::al::{AlCode, AlState, ERROR, Transition, transition};
+use crate::al::{AlCode, AlState, ERROR};
 use crate::clock::LocalClock;
-use crate::coe::{
-    COE, Context, Dictionary, Emergency, Mapping, RX_ASSIGNMENT, Server, Service, TX_ASSIGNMENT,
-    error_reply, inform, parse,
-};
+use crate::coe::{Dictionary, Emergency, Mapping, Server};
 use crate::controller::{Controller, PassingTime, Written};
 use crate::frame::Datagram;
 use crate::profile::{DriveState, EmulatedAxis, HomingSwitches, Motor};
 use crate::quirks::Quirks;
 use crate::registers as reg;
 use crate::sii::Identity;
-use crate::sync_manager::{BufferDirection, SyncManager};
+pub(crate) use application::{Application, DigitalIo, Encoder};
 use std::collections::VecDeque;
-use units::{Angle, Spin, Time};
+use units::{Spin, Time};
 
-/// Most mails that wait to be read; a device that is asked for more leaves the newest out.
-const MOST_MAILS: usize = 64;
+mod application;
+mod mail;
+mod transitions;
+
 /// Period of an application that nothing synchronises, ns.
 const FREE_RUN_NS: u64 = 1_000_000;
 /// Most periods that are executed at once; longer pauses are left out.
 const MOST_STEPS: u64 = 64;
-/// How long SAFE-OP waits for outputs on its way to OP, ns.
-const WAIT_FOR_OUTPUTS_NS: u64 = 5_000_000_000;
-/// Least bytes of a mailbox.
-const LEAST_MAILBOX: u16 = 0x22;
-/// Mailbox error: kind of mail that is not supported.
-const UNSUPPORTED_PROTOCOL: u16 = 0x0002;
-/// Mailbox error: its header does not fit.
-const INVALID_HEADER: u16 = 0x0004;
 
 /// How long a device takes, ns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,56 +39,6 @@ impl Default for Latency {
     fn default() -> Self {
         Self { mailbox_ns: 100_000, transition_ns: 500_000 }
     }
-}
-
-/// Eight digital outputs and inputs.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct DigitalIo {
-    inputs: u8,
-    outputs: u8,
-}
-
-/// An encoder on a shaft.
-#[derive(Clone, Debug)]
-pub(crate) struct Encoder {
-    counts_per_rev: u32,
-    angle: Angle,
-    spin: Spin,
-    latched: Option<u32>,
-}
-
-impl Encoder {
-    pub(crate) fn new(counts_per_rev: u32) -> Self {
-        Self { counts_per_rev, angle: Angle::ZERO, spin: Spin::ZERO, latched: None }
-    }
-
-    fn counts(&self, angle: Angle) -> u32 {
-        (angle.value() * f64::from(self.counts_per_rev)).floor() as i64 as u32
-    }
-
-    fn step(&mut self, dictionary: &mut Dictionary, period: Time) {
-        let before = self.angle.value().floor();
-        self.angle += self.spin * period;
-        let after = self.angle.value().floor();
-        let enabled = dictionary.number(0x7010, 1).unwrap_or(0) & 1 != 0;
-        if !enabled {
-            self.latched = None;
-        } else if before != after && self.latched.is_none() {
-            self.latched = Some(self.counts(Angle::rev(before.max(after))));
-        }
-        dictionary.put(0x6010, 1, i64::from(self.latched.is_some()));
-        dictionary.put(0x6010, 0x11, i64::from(self.counts(self.angle)));
-        dictionary.put(0x6010, 0x12, i64::from(self.latched.unwrap_or(0)));
-    }
-}
-
-/// What a device does.
-#[derive(Clone, Debug)]
-pub(crate) enum Application {
-    None,
-    DigitalIo(DigitalIo),
-    Drive(Vec<EmulatedAxis>),
-    Encoder(Encoder),
 }
 
 /// Everything that a device is made from.
@@ -296,7 +237,7 @@ impl Device {
     }
 
     pub(crate) fn set_ports(&mut self, has_next: bool) {
-        // PDI and watchdog work; port 0 is connected, port 1 if a device follows; 2 and 3 are closed
+        // PDI and watchdog work; port 0 is connected, port 1 if a device follows; 2 and 3 closed
         let status: u16 = if has_next { 0x5A33 } else { 0x5613 };
         self.controller.memory.set(reg::DL_STATUS, &status.to_le_bytes());
     }
@@ -347,16 +288,6 @@ impl Device {
             self.deliver();
         }
         self.advance(now_ns);
-    }
-
-    fn repeat_mail(&mut self) {
-        let wanted = u8::from(self.controller.sync_managers[1].repeat);
-        let status = reg::SYNC_MANAGER + 8 + 7;
-        self.controller.memory.set(status, &[wanted << 1]);
-        if !self.last_mail.is_empty() {
-            self.controller.sync_managers[1].is_full = false;
-            self.controller.put_mail(1, &self.last_mail);
-        }
     }
 
     /// Lets time pass.
@@ -444,235 +375,6 @@ impl Device {
             self.controller.memory.set(reg::WATCHDOG_STATUS, &[0]);
             self.leave(AlState::SafeOp);
             self.refuse(AlCode::SyncManagerWatchdog);
-        }
-    }
-
-    fn request(&mut self, control: u8, now_ns: u64) {
-        let is_acknowledged = control & ERROR != 0;
-        if self.code != 0 {
-            if !is_acknowledged {
-                return;
-            }
-            self.code = 0;
-            self.show();
-        }
-        let Some(to) = AlState::of(control & 0x0F) else {
-            return self.refuse(AlCode::UnknownRequestedState);
-        };
-        let due_ns = now_ns + self.latency.transition_ns;
-        self.pending = Some(Pending { to, due_ns, until_ns: due_ns + WAIT_FOR_OUTPUTS_NS });
-    }
-
-    fn execute_request(&mut self, pending: Pending, now_ns: u64) {
-        let to = pending.to;
-        let result = match transition(self.state, to) {
-            Transition::Stay | Transition::Down => Ok(()),
-            Transition::Refuse => Err(AlCode::InvalidRequestedStateChange),
-            Transition::StartBootstrap => Err(AlCode::BootstrapNotSupported),
-            Transition::StartMailbox => self.check_mailboxes(),
-            Transition::StartInputs => self.check_process_data(),
-            Transition::StartOutputs => {
-                let needs_outputs = self.outputs_bytes() > 0;
-                let limit = self.watchdog_ns();
-                let fresh = limit == 0 || now_ns.saturating_sub(self.outputs_ns) <= limit;
-                let waits = needs_outputs && !(self.has_outputs && fresh) || self.waits_for_sync();
-                match self.check_synchronisation() {
-                    Ok(()) if waits => {
-                        if now_ns < pending.until_ns {
-                            return; // asked again when time has passed
-                        }
-                        Err(AlCode::NoValidOutputs)
-                    }
-                    result => result,
-                }
-            }
-        };
-        self.pending = None;
-        match result {
-            Ok(()) => self.go_to(to),
-            Err(code) => self.refuse(code),
-        }
-    }
-
-    fn go_to(&mut self, to: AlState) {
-        if to < self.state {
-            self.leave(to);
-        }
-        if to == AlState::PreOp
-            && self.state == AlState::Init
-            && self.blueprint.quirks.emergency_at_start
-        {
-            self.say(Emergency { code: 0xFF00, register: 0x81, data: [1, 2, 3, 4, 5] });
-        }
-        self.state = to;
-        self.show();
-        self.deliver();
-    }
-
-    /// Leaves OP, or the mailbox.
-    fn leave(&mut self, to: AlState) {
-        if self.state == AlState::Op {
-            if let Application::Drive(axes) = &mut self.application {
-                for axis in axes {
-                    axis.lose_connection(&mut self.dictionary);
-                }
-            }
-            self.has_outputs = false;
-        }
-        if to == AlState::Init {
-            self.server = Server::new();
-            self.outbox.clear();
-            self.last_mail.clear();
-            self.mail_due_ns = None;
-        }
-        self.state = to;
-        if let Application::DigitalIo(io) = &mut self.application {
-            io.outputs = 0;
-        }
-    }
-
-    fn check_mailboxes(&self) -> Result<(), AlCode> {
-        let Some(expected) = self.blueprint.mailboxes else { return Ok(()) };
-        let directions = [BufferDirection::Write, BufferDirection::Read];
-        let fits = |i: usize| {
-            let manager: &SyncManager = &self.controller.sync_managers[i];
-            let (start, length) = expected[i];
-            manager.is_enabled
-                && manager.is_mailbox
-                && manager.direction == directions[i]
-                && manager.start == start
-                && (LEAST_MAILBOX..=length).contains(&manager.length)
-        };
-        if fits(0) && fits(1) { Ok(()) } else { Err(AlCode::InvalidMailboxConfiguration) }
-    }
-
-    fn outputs_bytes(&self) -> usize {
-        match (&self.application, self.blueprint.process) {
-            (Application::DigitalIo(_), Some(_)) => 1,
-            _ => self.rx.bytes(),
-        }
-    }
-
-    fn check_process_data(&mut self) -> Result<(), AlCode> {
-        let Some([out, into]) = self.blueprint.process else { return Ok(()) };
-        let (mut wanted_out, mut wanted_in) = (1, 1);
-        if self.blueprint.dictionary.is_some() {
-            self.rx = Mapping::of(&self.dictionary, RX_ASSIGNMENT)
-                .map_err(|_| AlCode::InvalidOutputConfiguration)?;
-            self.tx = Mapping::of(&self.dictionary, TX_ASSIGNMENT)
-                .map_err(|_| AlCode::InvalidInputConfiguration)?;
-            (wanted_out, wanted_in) = (self.rx.bytes(), self.tx.bytes());
-        }
-        let fits = |i: usize, bytes: usize, direction| {
-            let manager = &self.controller.sync_managers[i];
-            if bytes == 0 {
-                return !manager.is_enabled || manager.length == 0;
-            }
-            let kind = manager.is_enabled && !manager.is_mailbox && manager.direction == direction;
-            kind && usize::from(manager.length) == bytes
-        };
-        if !fits(out, wanted_out, BufferDirection::Write) {
-            return Err(AlCode::InvalidOutputConfiguration);
-        }
-        if !fits(into, wanted_in, BufferDirection::Read) {
-            return Err(AlCode::InvalidInputConfiguration);
-        }
-        self.controller.inputs_mut(into);
-        self.check_clock()
-    }
-
-    fn check_clock(&mut self) -> Result<(), AlCode> {
-        let activation = self.controller.memory.u8(reg::SYNC_ACTIVATION) & 7;
-        let period = self.controller.memory.u32(reg::SYNC0_PERIOD);
-        let needed = match self.blueprint.quirks.sync_activation {
-            0 => 3,
-            own => own & 7,
-        };
-        if activation & 1 != 0 {
-            if activation != needed {
-                return Err(AlCode::InvalidDcSyncConfiguration);
-            }
-            if period < self.blueprint.least_cycle_ns {
-                return Err(AlCode::InvalidSyncCycleTime);
-            }
-        }
-        if !self.blueprint.quirks.sync_type_reads_zero {
-            let kind = if activation & 1 != 0 { 2 } else { 1 };
-            self.dictionary.put(0x1C32, 1, kind);
-            self.dictionary.put(0x1C33, 1, kind);
-        }
-        Ok(())
-    }
-
-    fn check_synchronisation(&self) -> Result<(), AlCode> {
-        let wanted = self.controller.memory.u8(reg::SYNC_ACTIVATION) & 1 != 0;
-        if wanted && !self.controller.clock.is_synchronised() {
-            return Err(AlCode::NoSyncError);
-        }
-        Ok(())
-    }
-
-    fn waits_for_sync(&self) -> bool {
-        self.controller.clock.is_synchronised() && !self.controller.clock.has_synced()
-    }
-
-    fn answer_mail(&mut self) {
-        let mut mail = std::mem::take(&mut self.mail);
-        self.controller.take_mail(0, &mut mail);
-        let mut reply = Vec::new();
-        match parse(&mail) {
-            None => error_reply(&mut reply, INVALID_HEADER),
-            Some(mail) if mail.kind != COE => error_reply(&mut reply, UNSUPPORTED_PROTOCOL),
-            Some(mail) => self.answer_coe(mail.body, &mut reply),
-        }
-        self.mail = mail;
-        if !reply.is_empty() {
-            self.post(reply);
-        }
-    }
-
-    fn answer_coe(&mut self, body: &[u8], reply: &mut Vec<u8>) {
-        let Some((header, request)) = body.split_at_checked(2) else {
-            return error_reply(reply, INVALID_HEADER);
-        };
-        let service = header[1] >> 4;
-        let mailbox = usize::from(self.controller.sync_managers[1].length);
-        let quirks = &self.blueprint.quirks;
-        if service == Service::SdoRequest as u8 {
-            let dictionary = &mut self.dictionary;
-            let mut context = Context { dictionary, state: self.state, quirks, mailbox };
-            if !self.server.answer(request, &mut context, reply) {
-                reply.clear();
-            }
-        } else if service == Service::SdoInformation as u8 && !quirks.no_sdo_information {
-            for mail in inform(request, &self.dictionary, mailbox) {
-                self.post(mail);
-            }
-        } else {
-            error_reply(reply, UNSUPPORTED_PROTOCOL);
-        }
-    }
-
-    fn post(&mut self, mut mail: Vec<u8>) {
-        if self.outbox.len() >= MOST_MAILS || self.blueprint.mailboxes.is_none() {
-            return;
-        }
-        self.counter = self.counter % 7 + 1;
-        crate::coe::finish(&mut mail, self.counter);
-        self.outbox.push_back(mail);
-        self.deliver();
-    }
-
-    /// Puts the next mail into the mailbox, if that is empty.
-    fn deliver(&mut self) {
-        if self.state == AlState::Init || self.blueprint.mailboxes.is_none() {
-            return;
-        }
-        if let Some(mail) = self.outbox.front()
-            && self.controller.put_mail(1, mail)
-            && let Some(mail) = self.outbox.pop_front()
-        {
-            self.last_mail = mail;
         }
     }
 }
