@@ -11,9 +11,9 @@
 //! ```
 //!
 //! A frame is processed on the fly: each device executes each datagram as it passes. Time is what
-//! [`NetworkSegment::pass`] is told, in nanoseconds, so that two runs of the same frames at the same
-//! times are bit-identical. What is known of devices that behave otherwise than the standards have it is
-//! a switch of [`Quirks`].
+//! [`NetworkSegment::pass`] is told, in nanoseconds, so that two runs of the same frames at the
+//! same times are bit-identical. What is known of devices that behave otherwise than the standards
+//! have it is a switch of [`Quirks`].
 //!
 //! Sources: ETG.1000.4 (data link layer), ETG.1000.6 (application layer), ETG.1020 (protocol
 //! enhancements), ETG.2010 (SII), ETG.6010 and IEC 61800-7-201 (CiA 402), the register description

@@ -1,8 +1,8 @@
 //! The time that `ethercrab` reads: what the thread that polls it was told last.
 //!
 //! `ethercrab` asks `embassy-time` how late it is; that asks the one driver of the program, which
-//! is here. Each thread has a time of its own, set from its [`crate::FrameLink`] before it polls: two
-//! masters in two threads, or two tests, do not know of one another.
+//! is here. Each thread has a time of its own, set from its [`crate::FrameLink`] before it polls:
+//! two masters in two threads, or two tests, do not know of one another.
 use core::task::Waker;
 use embassy_time_driver::{Driver, TICK_HZ, time_driver_impl};
 use std::cell::Cell;

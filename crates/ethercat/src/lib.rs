@@ -11,8 +11,8 @@
 //!
 //! Datagrams, EEPROM, mailbox and state requests are `ethercrab`'s; this crate polls it by hand, so
 //! that it needs no executor, no thread and, once started, no memory. Time is what the
-//! [`FrameLink`] says: virtual in tests, the computer's clock on a wire. The bus is the master of time; the
-//! reference clock is read and, after the start, never written.
+//! [`FrameLink`] says: virtual in tests, the computer's clock on a wire. The bus is the master of
+//! time; the reference clock is read and, after the start, never written.
 
 mod bus;
 pub mod cia402;
