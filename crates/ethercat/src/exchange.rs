@@ -182,7 +182,8 @@ impl<'s> Exchange<'s> {
             self.emergency_count += 1;
         }
         let is_taken = self.rx.receive_frame(frame).is_ok();
-        self.losses.malformed += u64::from(!is_taken);
+        // whoever waited for it has given up
+        self.losses.unexpected += u64::from(!is_taken);
         is_taken
     }
 }

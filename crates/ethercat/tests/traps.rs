@@ -109,6 +109,44 @@ fn sync1_is_activated_where_a_drive_needs_it_and_its_refusal_has_a_name_where_no
     assert_eq!(start(&quirks, &network), Ok(()));
 }
 
+/// In the place of an answer, too: it is taken out, and the request sent anew where that is possible.
+#[test]
+fn an_emergency_anywhere_in_the_start_is_survived_or_named() {
+    let network = two_drives_expected();
+    let whole = {
+        let mut wire = Wire::new(two_drives(&Quirks::default()));
+        let storage = Storage::new();
+        let mut master = Master::new(&storage, &network).unwrap();
+        master.start(&network, &mut wire).map(|_| ()).unwrap();
+        wire.frames
+    };
+    let points = test_support::size::of(30, 3_000);
+    let (mut survived, mut named) = (0, 0);
+    for point in 0..points {
+        let mut wire = Wire::new(two_drives(&Quirks::default()));
+        let storage = Storage::new();
+        let mut master = Master::new(&storage, &network).unwrap();
+        let at = whole * point / points;
+        wire.before = Some(Box::new(move |frame, segment, _| {
+            if (at..at + 40).contains(&frame) {
+                let emergency = esc::Emergency { code: 0x8120, register: 0x11, data: [0; 5] };
+                segment.device_mut(1).unwrap().say(emergency);
+            }
+        }));
+        match master.start(&network, &mut wire).map(|_| ()) {
+            Ok(()) => survived += 1,
+            Err(StartError::Emergency { name, code: 0x8120, .. }) if name == "X" => named += 1,
+            Err(other) => panic!("at frame {at} of {whole}: {other}"),
+        }
+        wire.before = None;
+        // what is left in the mailbox is said first
+        let again = (0..3).map(|_| master.start(&network, &mut wire).map(|_| ()));
+        assert!(again.into_iter().any(|result| result.is_ok()), "at frame {at}");
+    }
+    println!("{survived} survived, {named} named");
+    assert!(survived > points / 2, "{survived} of {points}");
+}
+
 #[test]
 fn an_unchanged_source_address_is_named() {
     let mut wire = Wire::new(esc::NetworkSegment::new([esc::drive(&esc::DriveModel {
