@@ -16,6 +16,8 @@ const MOST_TO_OP_NS: u64 = 3_000_000_000;
 /// Cycles between two looks at who refuses.
 const LOOK_EVERY: u64 = 100;
 
+/// Beyond the master's own time the reference clock may leap so far, ns.
+const MOST_LEAP_NS: u64 = 20_000_000;
 /// Status of the sync manager of the mailbox that is read, and its length.
 const MAIL_STATUS: u16 = 0x080D;
 const MAIL_LENGTH: u16 = 0x080A;
@@ -41,7 +43,7 @@ pub enum Reply {
     },
     /// It did not come in time.
     Lost,
-    /// The reference clock did not answer, or its time stands.
+    /// The reference clock did not answer, or its time stands or leaps.
     NoReference,
 }
 
@@ -80,7 +82,8 @@ pub struct Bus<'m, 's> {
     expected: u16,
     cycle_ns: u64,
     pacer: Pacer,
-    last_reference_ns: u64,
+    /// Time of the reference clock, and of the master's own, when it was last believed.
+    last_reference: Option<(u64, u64)>,
     missed: u32,
     in_op: usize,
     counters: Counters,
@@ -111,7 +114,7 @@ impl<'m, 's> Bus<'m, 's> {
             expected,
             cycle_ns: u64::from(network.cycle_ns),
             pacer: Pacer::new(network.cycle_ns, network.lead_ns, start_ns),
-            last_reference_ns: 0,
+            last_reference: None,
             missed: 0,
             in_op: 0,
             counters: Counters::default(),
@@ -163,7 +166,8 @@ impl<'m, 's> Bus<'m, 's> {
             Some(Ok(response)) => {
                 let in_op = |state: &&SubDeviceState| **state == SubDeviceState::Op;
                 self.in_op = response.subdevice_states.iter().filter(in_op).count();
-                self.judge(response.working_counter, response.extra.dc_system_time)
+                let time = response.extra.dc_system_time;
+                self.judge(response.working_counter, time, link.now_ns())
             }
             Some(Err(_)) | None => Reply::Lost,
         };
@@ -174,18 +178,25 @@ impl<'m, 's> Bus<'m, 's> {
         Cycle { reply, missed_in_a_row: self.missed, in_op: self.in_op }
     }
 
-    fn judge(&mut self, counter: u16, reference_ns: u64) -> Reply {
-        if reference_ns <= self.last_reference_ns {
+    fn judge(&mut self, counter: u16, reference_ns: u64, now_ns: u64) -> Reply {
+        if !self.is_plausible(reference_ns, now_ns) {
             self.pacer.missed();
             return Reply::NoReference;
         }
-        self.last_reference_ns = reference_ns;
+        self.last_reference = Some((reference_ns, now_ns));
         let phase_ns = self.pacer.answered(reference_ns);
         if counter == self.expected {
             Reply::Complete { reference_ns, phase_ns }
         } else {
             Reply::Short { counter, expected: self.expected }
         }
+    }
+
+    /// Returns whether the reference clock has gone on as the master's own has.
+    fn is_plausible(&self, reference_ns: u64, now_ns: u64) -> bool {
+        let Some((last_ns, at_ns)) = self.last_reference else { return reference_ns > 0 };
+        let passed = now_ns.saturating_sub(at_ns);
+        reference_ns > last_ns && reference_ns - last_ns <= passed + passed / 100 + MOST_LEAP_NS
     }
 
     fn count(&mut self, reply: Reply) {

@@ -65,6 +65,61 @@ fn lost_late_and_repeated_frames_are_counted_and_targets_do_not_jump() {
     assert!(bus.drives().iter().all(|drive| drive.feedback().is_enabled()));
 }
 
+/// A checksum keeps such frames off on a wire; without it they do not end the master either.
+#[test]
+fn changed_answers_never_panic_and_cycles_go_on() {
+    let cycles = test_support::size::of(20_000, 1_000_000);
+    let is_on: Switch = Rc::default();
+    let (switch, mut random) = (is_on.clone(), Random(1));
+    let fate = move |_| match switch.get() && random.below(3) > 0 {
+        true => Fate::IsChanged(1 + random.below(8)),
+        false => Fate::Comes,
+    };
+    let mut wire = Wire::with_fate(two_drives(&Quirks::default()), fate);
+    let network = two_drives_expected();
+    let storage = Storage::new();
+    let mut master = Master::new(&storage, &network).unwrap();
+    let mut bus = master.start(&network, &mut wire).unwrap();
+    is_on.set(true);
+    for _ in 0..cycles {
+        bus.cycle(&mut wire);
+        bus.poll_mail(&mut wire);
+    }
+    let counters = bus.counters();
+    assert!(counters.complete > 0 && counters.lost + counters.short + counters.no_reference > 0);
+    is_on.set(false);
+    // no time that was read wrongly is believed for ever
+    for _ in 0..20 {
+        bus.cycle(&mut wire);
+    }
+    for _ in 0..20 {
+        assert!(matches!(bus.cycle(&mut wire).reply, Reply::Complete { .. }));
+    }
+}
+
+#[test]
+fn a_start_with_changed_answers_ends_and_the_next_one_succeeds() {
+    for seed in 0..test_support::size::of(40, 4_000) {
+        let is_on: Switch = Rc::default();
+        let (switch, mut random) = (is_on.clone(), Random(seed));
+        let fate = move |_| match switch.get() && random.below(200) == 0 {
+            true => Fate::IsChanged(1 + random.below(8)),
+            false => Fate::Comes,
+        };
+        let mut wire = Wire::with_fate(two_drives(&Quirks::default()), fate);
+        let network = two_drives_expected();
+        let storage = Storage::new();
+        let mut master = Master::new(&storage, &network).unwrap();
+        is_on.set(true);
+        let first = master.start(&network, &mut wire).map(|_| ());
+        is_on.set(false);
+        // an EEPROM or a mapping may have been left as it was read wrongly
+        wire.segment.power_cycle(wire.now_ns);
+        let again = master.start(&network, &mut wire).map(|_| ());
+        assert_eq!(again, Ok(()), "seed {seed}, after {first:?}");
+    }
+}
+
 #[test]
 fn frames_of_others_are_counted_and_skipped() {
     let mut wire = Wire::new(two_drives(&Quirks::default()));

@@ -14,6 +14,8 @@ pub(crate) enum Fate {
     IsLost,
     ComesLate(u64),
     ComesTwice,
+    /// So many bytes after the Ethernet header have other values.
+    IsChanged(u64),
 }
 
 /// What is done to a segment before a frame: its number, the segment, the time.
@@ -68,8 +70,15 @@ impl<F: FnMut(u64) -> Fate> FrameLink for Wire<F> {
         let due = match fate {
             Fate::IsLost => return true,
             Fate::ComesLate(by) => due + by,
-            Fate::Comes | Fate::ComesTwice => due,
+            Fate::Comes | Fate::ComesTwice | Fate::IsChanged(_) => due,
         };
+        if let Fate::IsChanged(bytes) = fate {
+            let mut random = Random(self.frames);
+            for _ in 0..bytes {
+                let at = 14 + random.below(frame.len() as u64 - 14) as usize;
+                buffer[at] = random.next() as u8;
+            }
+        }
         let copies = if fate == Fate::ComesTwice { 2 } else { 1 };
         for _ in 0..copies {
             if self.back.len() < MOST_FRAMES {
