@@ -39,12 +39,12 @@ impl Default for Storage {
 pub struct Master<'s> {
     main: MainDevice<'s>,
     exchange: Exchange<'s>,
-    dc_frames: u32,
+    network: &'s Network,
 }
 
 impl<'s> Master<'s> {
-    /// Makes a master; `None` if the storage is another one's already.
-    pub fn new(storage: &'s Storage, network: &Network) -> Option<Self> {
+    /// Makes a master of a network; `None` if the storage is another one's already.
+    pub fn new(storage: &'s Storage, network: &'s Network) -> Option<Self> {
         let (tx, rx, pdus) = storage.0.try_split().ok()?;
         let timeouts = Timeouts {
             state_transition: Duration::from_secs(2),
@@ -59,24 +59,20 @@ impl<'s> Master<'s> {
             retry_behaviour: RetryBehaviour::Count(3),
         };
         let main = MainDevice::new(pdus, timeouts, config);
-        Some(Self { main, exchange: Exchange::new(tx, rx), dc_frames: network.clock_frames })
+        Some(Self { main, exchange: Exchange::new(tx, rx), network })
     }
 
-    /// Brings a network from whatever state it is in to OP.
+    /// Brings the network from whatever state it is in to OP.
     ///
     /// # Errors
     /// If it is not the network that is expected, or a device refuses what is wanted of it.
-    pub fn start(
-        &mut self,
-        network: &Network,
-        link: &mut impl FrameLink,
-    ) -> Result<Bus<'_, 's>, StartError> {
+    pub fn start(&mut self, link: &mut impl FrameLink) -> Result<Bus<'_, 's>, StartError> {
+        let Self { main, exchange, network } = self;
+        let network: &Network = network;
         let Network { cycle_ns, lead_ns, .. } = *network;
         if !CYCLES_NS.contains(&cycle_ns) || lead_ns >= cycle_ns {
             return Err(StartError::Times { cycle_ns, lead_ns });
         }
-        debug_assert_eq!(self.dc_frames, network.clock_frames);
-        let Self { main, exchange, .. } = self;
         let until_ns = link.now_ns() + MOST_START_NS;
         exchange.mailboxes.clear();
         let (echoes, emergencies) = (exchange.losses.echoes, exchange.emergency_count);

@@ -36,11 +36,11 @@ pub(crate) struct Scanned {
 
 /// Finds the devices, gives them addresses, and compares them with those that are expected.
 pub(crate) async fn scan(main: &MainDevice<'_>, network: &Network) -> Result<Scanned, StartError> {
-    let count: u8 = Command::brd(RegisterAddress::Type.into())
-        .ignore_wkc()
-        .receive(main)
-        .await
-        .map_err(|_| StartError::NoAnswer)?;
+    let count = match Command::brd(RegisterAddress::Type.into()).receive::<u8>(main).await {
+        Ok(_) => 1,
+        Err(ethercrab::error::Error::WorkingCounter { received, .. }) => received,
+        Err(_) => 0,
+    };
     if count == 0 {
         return Err(StartError::NoAnswer);
     }

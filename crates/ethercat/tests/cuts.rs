@@ -9,7 +9,7 @@ fn frames_of_a_start() -> u64 {
     let network = two_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
-    master.start(&network, &mut wire).map(|_| ()).unwrap();
+    master.start(&mut wire).map(|_| ()).unwrap();
     wire.frames
 }
 
@@ -37,13 +37,13 @@ fn after_a_power_cut_anywhere_in_the_start_the_next_start_succeeds() {
                 }
             }
         }));
-        let first = master.start(&network, &mut wire).map(|_| ());
+        let first = master.start(&mut wire).map(|_| ());
         failed += u64::from(first.is_err());
         wire.before = None;
         for target in 0..4 {
             wire.segment.power(target, true, wire.now_ns);
         }
-        let again = master.start(&network, &mut wire).map(|_| ());
+        let again = master.start(&mut wire).map(|_| ());
         assert_eq!(
             again,
             Ok(()),

@@ -18,7 +18,7 @@ fn six_enabled_drives_follow_a_target_count_by_count() {
     let network = six_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
-    let mut bus = master.start(&network, &mut wire).unwrap();
+    let mut bus = master.start(&mut wire).unwrap();
     enable(&mut bus, &mut wire);
     for cycle in 0..2_000 {
         for axis in 0..6 {
@@ -48,7 +48,7 @@ fn clocks_that_differ_by_90_ppm_run_together_and_the_frame_keeps_its_phase() {
     let network = six_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
-    let mut bus = master.start(&network, &mut wire).unwrap();
+    let mut bus = master.start(&mut wire).unwrap();
     let (mut worst_phase, mut worst_clock) = (0, 0);
     for cycle in 0..4_000 {
         let Reply::Complete { phase_ns, .. } = bus.cycle(&mut wire).reply else { panic!() };
@@ -72,7 +72,7 @@ fn digital_inputs_and_outputs_cross() {
     let network = two_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
-    let mut bus = master.start(&network, &mut wire).unwrap();
+    let mut bus = master.start(&mut wire).unwrap();
     assert_eq!(bus.set_outputs(3, &[0xA5]), 1);
     wire.segment.device_mut(3).unwrap().set_digital_inputs(0x3C);
     for _ in 0..4 {
@@ -90,7 +90,7 @@ fn a_network_is_started_anew_from_op_and_drives_that_were_enabled_have_a_fault()
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
     for start in 0..3 {
-        let mut bus = master.start(&network, &mut wire).unwrap_or_else(|error| panic!("{error}"));
+        let mut bus = master.start(&mut wire).unwrap_or_else(|error| panic!("{error}"));
         bus.cycle(&mut wire);
         for axis in 0..2 {
             // 6007 is 1: the loss of the connection is a fault
@@ -112,7 +112,7 @@ fn a_fault_is_reported_and_reset_by_an_order_alone() {
     let network = two_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
-    let mut bus = master.start(&network, &mut wire).unwrap();
+    let mut bus = master.start(&mut wire).unwrap();
     enable(&mut bus, &mut wire);
     wire.segment.device_mut(1).unwrap().fail(0, 0x2310);
     for _ in 0..500 {

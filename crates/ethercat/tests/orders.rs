@@ -11,7 +11,7 @@ fn no_drive_with_a_fault_is_enabled_and_no_target_jumps() {
     let network = two_drives_expected();
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
-    let mut bus = master.start(&network, &mut wire).unwrap();
+    let mut bus = master.start(&mut wire).unwrap();
     let mut random = Random(11);
     let mut wanted = [DriveCommand::default(); 2];
     let (mut enabled, mut resets, mut edges) = (0_u64, 0_u64, 0_u64);

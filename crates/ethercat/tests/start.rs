@@ -10,7 +10,7 @@ fn six_drives_a_coupler_and_inputs_and_outputs_are_in_op_within_two_seconds() {
     let storage = Storage::new();
     let mut master = Master::new(&storage, &network).unwrap();
     let started = wire.now_ns;
-    let bus = master.start(&network, &mut wire);
+    let bus = master.start(&mut wire);
     let bus = bus.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(bus.expected_counter(), 6 * 3 + 3);
     let took_ms = (wire.now_ns - started) / 1_000_000;
