@@ -4,7 +4,7 @@ use crate::support::{
 };
 use esc::{DriveState, Quirks};
 use ethercat::cia402::{PdsState, Wanted};
-use ethercat::{DriveCommand, Master, Reply, Storage};
+use ethercat::{DriveCommand, DriveMode, Master, PdoEntry, Reply, Storage};
 
 /// There and back within two seconds: a turn of the first drive, six of the last.
 fn target(cycle: i32, axis: usize) -> i32 {
@@ -128,4 +128,40 @@ fn a_fault_is_reported_and_reset_by_an_order_alone() {
     bus.cycle(&mut wire);
     assert_eq!(bus.drives()[0].sent_control(), 0x0080);
     enable(&mut bus, &mut wire);
+}
+
+/// Mode, object of the target, its bits, target, and speed of the motor after a second, turns/s.
+#[test]
+fn speeds_and_torques_are_followed_too() {
+    let torque = 0.127 / (std::f64::consts::TAU * 2e-4);
+    let cases = [
+        (DriveMode::Csv, 0x60FF, 32, -131_072, -1.0),
+        (DriveMode::Velocity, 0x6042, 16, 600, 10.0),
+        // 10 % of 1.27 N·m on 2e-4 kg·m², up to 3,000 rpm
+        (DriveMode::Cst, 0x6071, 16, 100, torque.min(50.0)),
+    ];
+    for (mode, object, bits, target, expected) in cases {
+        let mut wire = Wire::new(two_drives(&Quirks::default()));
+        let mut network = two_drives_expected();
+        for device in &mut network.devices[1..3] {
+            device.pdos[0].entries[1] = PdoEntry::of(object, bits);
+            device.slots[0].mode = mode;
+            device.slots[0].most_step = 200_000;
+        }
+        let storage = Storage::new();
+        let mut master = Master::new(&storage, &network).unwrap();
+        let mut bus = master.start(&mut wire).unwrap_or_else(|error| panic!("{error}"));
+        enable(&mut bus, &mut wire);
+        for _ in 0..1_000 {
+            for axis in 0..2 {
+                bus.command(axis, DriveCommand { wanted: Wanted::On, target });
+            }
+            bus.cycle(&mut wire);
+        }
+        assert_eq!(bus.drives()[0].feedback().mode, Some(mode as i8));
+        let spin = wire.segment.device(1).unwrap().motor(0).unwrap().spin.value();
+        assert!((spin - expected).abs() < 0.01, "{}: {spin}, expected {expected}", mode.name());
+        let velocity = bus.drives()[1].feedback().velocity.unwrap();
+        assert!((f64::from(velocity) / 131_072.0 - expected).abs() < 0.02, "{velocity}");
+    }
 }
