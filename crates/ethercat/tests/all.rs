@@ -1,0 +1,10 @@
+//! The master on emulated devices, in process and in virtual time.
+#![allow(clippy::unwrap_used)] // in what tests share
+mod cuts;
+mod cyclic;
+mod losses;
+mod orders;
+mod start;
+mod states;
+mod support;
+mod traps;
