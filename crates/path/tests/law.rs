@@ -417,7 +417,9 @@ proptest! {
         prop_assert!((phases.len() as f64) < most, "{} phases of {most}", phases.len());
         joined(&pieces, &phases);
         let [speed, accel, jerk] = loads(&setpoints(&pieces, &phases), &b);
-        prop_assert!(speed < 1.02 && accel < 1.02 && jerk < 1.1, "{speed} {accel} {jerk}");
+        prop_assert!(speed < 1.001 && accel < 1.01 && jerk < 1.03, "{speed} {accel} {jerk}");
+        let [speed, accel, _] = inside(&pieces, &phases, &b);
+        prop_assert!(speed < 1.001 && accel < 1.02, "{speed} {accel} within a phase");
     }
 
     #[test]

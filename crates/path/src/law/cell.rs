@@ -8,6 +8,8 @@
 //!
 //! A line is one cell, whatever its length: q″ = q‴ = 0, and one acceleration and one jerk hold all
 //! along it. A curve has as many cells as keep q′ and q″ from changing much in any one.
+pub(crate) mod parabola;
+
 use crate::{AXES, Bounds, Derivatives, Entry, Limits, Piece, Shape};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -25,7 +27,7 @@ const LOAD_PER_CELL: f64 = 0.15;
 /// does not within a cell.
 const LOAD_PER_BLEND: f64 = 0.06;
 /// And with one: the law bounds both ends of what it lays there, and measures the motion.
-const LOAD_WITH_JERK: f64 = 0.3;
+const LOAD_WITH_JERK: f64 = 0.2;
 
 /// So many cells are fine enough for one period, as fast as the bend allows: the control does a
 /// number of them at once.
@@ -50,6 +52,21 @@ pub(crate) struct LimitRow {
     pub(crate) j3: f64,
 }
 
+impl LimitRow {
+    /// Of an axis.
+    fn of(d: &Derivatives, k: usize, bounds: &Bounds) -> Self {
+        let (a, j) = (1.0 / bounds.accel[k], 1.0 / bounds.jerk[k]);
+        let (a1, a2) = (d.q1[k] * a, d.q2[k] * a);
+        let (j1, j2, j3) = (d.q1[k] * j, d.q2[k] * j, d.q3[k] * j);
+        Self { a1, a2, j1, j2, j3 }
+    }
+}
+
+/// Which axes move at any of three places.
+fn moving(three: &[Derivatives; 3]) -> [bool; AXES] {
+    core::array::from_fn(|k| three.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0))
+}
+
 /// All moving axes' demands at the three places of a cell: at its beginning, in its middle, at its
 /// end.
 #[derive(Clone, Debug)]
@@ -57,16 +74,10 @@ pub(crate) struct Rows(Box<[LimitRow]>);
 
 impl Rows {
     fn new(three: &[Derivatives; 3], bounds: &Bounds) -> Self {
-        let moves = |k: usize| three.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
-        let axes: [bool; AXES] = core::array::from_fn(moves);
+        let axes = moving(three);
         let mut rows = Vec::with_capacity(3 * axes.iter().filter(|moves| **moves).count());
         for d in three {
-            for k in (0..AXES).filter(|k| axes[*k]) {
-                let (a, j) = (1.0 / bounds.accel[k], 1.0 / bounds.jerk[k]);
-                let (a1, a2) = (d.q1[k] * a, d.q2[k] * a);
-                let (j1, j2, j3) = (d.q1[k] * j, d.q2[k] * j, d.q3[k] * j);
-                rows.push(LimitRow { a1, a2, j1, j2, j3 });
-            }
+            rows.extend((0..AXES).filter(|k| axes[*k]).map(|k| LimitRow::of(d, k, bounds)));
         }
         Self(rows.into_boxed_slice())
     }
@@ -86,8 +97,7 @@ impl Rows {
 /// Z move, it is the way that F counts.
 fn feed(piece: &Piece, d: &Derivatives) -> f64 {
     let [x, y, z, others @ ..] = &d.q1;
-    let blend = matches!(piece.curve, crate::Curve::Polynomial(_));
-    if !blend || others.iter().any(|slope| *slope != 0.0) {
+    if !is_blend(piece) || others.iter().any(|slope| *slope != 0.0) {
         return piece.feed;
     }
     piece.feed / libm::sqrt(x * x + y * y + z * z)
@@ -233,6 +243,10 @@ impl Sampler {
     /// Go on with the next stretch, if there is one.
     fn go_on(&mut self, limits: &Limits) -> bool {
         let Some(mut even) = self.more.pop() else { return false };
+        if is_blend(&self.piece) {
+            (self.even, self.next) = (even, 0);
+            return true;
+        }
         let bounds = (bounds(&self.piece, limits), self.period);
         while even.count > MANY && even.to - even.from >= 2.0 * SHORTEST_STRETCH {
             let [first, second] = even.halves(&self.piece, bounds);
@@ -277,13 +291,39 @@ impl Sampler {
             let end = self.piece.at(at(self.next as f64 + 1.0));
             let three = [self.last, middle, end];
             let cap = |d: &Derivatives| speed_cap(d, bounds, feed(&self.piece, d));
-            let cap = three.iter().map(cap).fold(cap_between(&three, bounds), f64::min);
+            let mut least = three.iter().map(cap).fold(cap_between(&three, bounds), f64::min);
             let rows = Rows::new(&three, bounds);
+            if bounds.has_jerk() && is_blend(&self.piece) {
+                // cells are long there
+                let quarters = [0.25, 0.75].map(|x| self.piece.at(at(self.next as f64 + x)));
+                let [a, b] = quarters;
+                for half in [[self.last, a, middle], [middle, b, end]] {
+                    least = least.min(cap(&half[1])).min(cap_between(&half, bounds));
+                }
+                if step > 2.0 * SHORTEST_STRETCH
+                    && !parabola::fits(&rows, (&three, &quarters), bounds, least)
+                {
+                    self.halve();
+                    return self.next(limits);
+                }
+            }
+            let cap = least;
             self.last = end;
             (Demand::Curve(rows), cap)
         };
         self.next += 1;
         Some(Cell { piece: self.number, from, h: step, cap, start, demand })
+    }
+
+    /// Cut the next cell in two.
+    fn halve(&mut self) {
+        let Even { from, to, count } = self.even;
+        let at = |k: u64| from + (to - from) / count as f64 * k as f64;
+        let (left, right) = (at(self.next), at(self.next + 1));
+        if self.next + 1 < count {
+            self.more.push(Even { from: right, to, count: count - self.next - 1 });
+        }
+        (self.even, self.next) = (Even { from: left, to: right, count: 2 }, 0);
     }
 
     fn is_line(&self) -> bool {
@@ -293,6 +333,11 @@ impl Sampler {
 
 fn is_line(piece: &Piece) -> bool {
     matches!(piece.curve, crate::Curve::Line(_))
+}
+
+/// A blend, or a part of a fitted curve.
+fn is_blend(piece: &Piece) -> bool {
+    matches!(piece.curve, crate::Curve::Polynomial(_))
 }
 
 pub(crate) fn bounds<'a>(piece: &Piece, limits: &'a Limits) -> &'a Bounds {
@@ -367,7 +412,7 @@ fn cells_for_looks<const N: usize>(
         }
     }
     let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
-    let blend = matches!(piece.curve, crate::Curve::Polynomial(_));
+    let blend = is_blend(piece);
     let share = if blend && bounds.has_jerk() { LOAD_WITH_JERK } else { LOAD_PER_CELL };
     let mut count = (turn / TURN_PER_CELL).max(change / share).max(twist / LOAD_PER_CELL);
     if blend && !bounds.has_jerk() {

@@ -1,6 +1,7 @@
 //! A cell of the jerk-limited plan's grid: the motion at both its ends, the phases that join them,
 //! and what jerk it may have.
-use super::cell::{Cell, Demand, LimitRow, Rows};
+use super::cell::parabola::between;
+use super::cell::{Cell, Demand};
 use crate::{Instant, Phase};
 
 /// Share of the limit of jerk that the plan uses; the rest is for what happens between the places
@@ -60,13 +61,13 @@ impl Fine {
                 jerk = jerk.max(phase.j.abs() / j);
             }
             Demand::Curve(rows) => {
-                for share in [0.0, 0.5, 1.0] {
+                for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
                     let Instant { s, v, a } = phase.at(share * phase.duration);
-                    each(rows, (s / cell.h).clamp(0.0, 1.0), |r| {
+                    for r in between(rows, (s / cell.h).clamp(0.0, 1.0)) {
                         let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;
                         jerk = jerk.max(j.abs());
                         accel = accel.max((r.a1 * a + r.a2 * v * v).abs());
-                    });
+                    }
                 }
             }
         });
@@ -156,25 +157,6 @@ pub(super) fn growth_in_steps(cell: &Cell, tau: f64) -> f64 {
         }
     };
     GROWTH * libm::sqrt(jerk.min(accel / tau))
-}
-
-/// The demands at a share of a cell.
-pub(super) fn each(rows: &Rows, x: f64, mut give: impl FnMut(LimitRow)) {
-    let (p, q, f) = if x < 0.5 {
-        (rows.at(0), rows.at(1), 2.0 * x)
-    } else {
-        (rows.at(1), rows.at(2), 2.0 * x - 1.0)
-    };
-    let mix = |a: f64, b: f64| a + (b - a) * f;
-    for (p, q) in p.iter().zip(q) {
-        give(LimitRow {
-            a1: mix(p.a1, q.a1),
-            a2: mix(p.a2, q.a2),
-            j1: mix(p.j1, q.j1),
-            j2: mix(p.j2, q.j2),
-            j3: mix(p.j3, q.j3),
-        });
-    }
 }
 
 #[cfg(test)]

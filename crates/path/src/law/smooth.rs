@@ -49,6 +49,8 @@ const REFINEMENTS: usize = 8;
 const ACCEL_TOLERANCE: f64 = 1.005;
 const TOLERANCE: f64 = 1.01;
 const ENOUGH: f64 = 1.03;
+/// What is over a limit of acceleration counts as so many times as much over that of jerk.
+const STRICTER: f64 = 4.0;
 
 /// Longest cell near rest, as a share of the distance from rest.
 const NEAR_REST: f64 = 0.4;
@@ -163,7 +165,7 @@ impl Smooth {
         let mut all = 0.0_f64;
         for k in 0..self.grid.len() {
             let (accel, jerk) = self.grid[k].loads(cells[self.grid[k].cell]);
-            all = all.max(jerk).max(accel + TOLERANCE - ACCEL_TOLERANCE);
+            all = all.max(jerk).max(TOLERANCE + STRICTER * (accel - ACCEL_TOLERANCE));
             if accel > ACCEL_TOLERANCE {
                 let fine = &mut self.grid[k];
                 fine.accel_share = (fine.accel_share / accel).max(0.05);

@@ -1,15 +1,15 @@
 //! The bounds of acceleration and jerk at the knots of the grid; what no speed could reach is left
 //! out.
 use super::Smooth;
+use crate::law::cell::parabola::between;
 use crate::law::cell::{Cell, Demand, LimitRow, Start};
-use crate::law::fine::each;
 use crate::law::interior::Pair;
 
 /// What differs by such a share is the same.
 const SAME: f64 = 1e-7;
 
 /// What may be of a bound at most, with the largest speeds, where it is left out.
-const NEVER: f64 = 0.5;
+const NEVER: f64 = 0.1;
 
 impl Smooth {
     /// Write all bounds down, and forget the caps of speed that the axes keep anyhow.
@@ -64,7 +64,7 @@ impl Smooth {
         let mut here: &[LimitRow] = &[];
         if let Demand::Curve(rows) = &cells[right.cell].demand {
             let x = right.from / cells[right.cell].h;
-            each(rows, x, |r| add(r.a1 / share, r.a2 / share));
+            between(rows, x).for_each(|r| add(r.a1 / share, r.a2 / share));
             here = rows.at(0);
         }
         if joint
@@ -133,11 +133,11 @@ impl Smooth {
             Demand::Curve(rows) => {
                 let ends = [(fine.from, a0, b0), (fine.from + fine.h, a1, b1)];
                 for (x, a, b) in ends {
-                    each(rows, x / cell.h, |r| {
+                    for r in between(rows, x / cell.h) {
                         if r.j1 != 0.0 || r.j2 != 0.0 || r.j3 != 0.0 {
                             add([r.j1, r.j2, r.j3], a, b);
                         }
-                    });
+                    }
                 }
             }
         }
