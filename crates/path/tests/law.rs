@@ -418,8 +418,11 @@ proptest! {
         joined(&pieces, &phases);
         let [speed, accel, jerk] = loads(&setpoints(&pieces, &phases), &b);
         prop_assert!(speed < 1.001 && accel < 1.01 && jerk < 1.03, "{speed} {accel} {jerk}");
-        let [speed, accel, _] = inside(&pieces, &phases, &b);
-        prop_assert!(speed < 1.001 && accel < 1.02, "{speed} {accel} within a phase");
+        let [speed, accel, jerk] = inside(&pieces, &phases, &b);
+        prop_assert!(
+            speed < 1.001 && accel < 1.02 && jerk < 1.04,
+            "{speed} {accel} {jerk} within a phase"
+        );
     }
 
     #[test]

@@ -68,29 +68,52 @@ fn moving(three: &[Derivatives; 3]) -> [bool; AXES] {
 }
 
 /// All moving axes' demands at the three places of a cell: at its beginning, in its middle, at its
-/// end.
+/// end; with a limit of jerk on blends at both quarters, too.
 #[derive(Clone, Debug)]
-pub(crate) struct Rows(Box<[LimitRow]>);
+pub(crate) struct Rows {
+    three: Box<[LimitRow]>,
+    quarters: Box<[LimitRow]>,
+}
 
 impl Rows {
     fn new(three: &[Derivatives; 3], bounds: &Bounds) -> Self {
-        let axes = moving(three);
-        let mut rows = Vec::with_capacity(3 * axes.iter().filter(|moves| **moves).count());
-        for d in three {
-            rows.extend((0..AXES).filter(|k| axes[*k]).map(|k| LimitRow::of(d, k, bounds)));
-        }
-        Self(rows.into_boxed_slice())
+        Self { three: rows_of(three, moving(three), bounds), quarters: Box::default() }
+    }
+
+    /// With those at both quarters.
+    fn with_quarters(
+        self,
+        quarters: &[Derivatives; 2],
+        axes: [bool; AXES],
+        bounds: &Bounds,
+    ) -> Self {
+        Self { quarters: rows_of(quarters, axes, bounds), ..self }
     }
 
     /// At one of the places, by axis.
     pub(crate) fn at(&self, place: usize) -> &[LimitRow] {
-        let count = self.0.len() / 3;
-        &self.0[place * count..(place + 1) * count]
+        let count = self.three.len() / 3;
+        &self.three[place * count..(place + 1) * count]
+    }
+
+    /// At both quarters, by axis, where they are known.
+    fn quarters(&self) -> Option<[&[LimitRow]; 2]> {
+        let (first, second) = self.quarters.split_at(self.quarters.len() / 2);
+        (!first.is_empty()).then_some([first, second])
     }
 
     pub(crate) fn all(&self) -> &[LimitRow] {
-        &self.0
+        &self.three
     }
+}
+
+/// Demands of these axes, place by place.
+fn rows_of(places: &[Derivatives], axes: [bool; AXES], bounds: &Bounds) -> Box<[LimitRow]> {
+    let mut rows = Vec::with_capacity(places.len() * axes.iter().filter(|moves| **moves).count());
+    for d in places {
+        rows.extend((0..AXES).filter(|k| axes[*k]).map(|k| LimitRow::of(d, k, bounds)));
+    }
+    rows.into_boxed_slice()
 }
 
 /// ṡ at which the feed is reached. A blend's parameter is longer than its way; where only X, Y and
@@ -292,17 +315,21 @@ impl Sampler {
             let three = [self.last, middle, end];
             let cap = |d: &Derivatives| speed_cap(d, bounds, feed(&self.piece, d));
             let mut least = three.iter().map(cap).fold(cap_between(&three, bounds), f64::min);
-            let rows = Rows::new(&three, bounds);
-            if bounds.has_jerk() && is_blend(&self.piece) {
-                // cells are long there
-                let quarters = [0.25, 0.75].map(|x| self.piece.at(at(self.next as f64 + x)));
-                let [a, b] = quarters;
-                for half in [[self.last, a, middle], [middle, b, end]] {
-                    least = least.min(cap(&half[1])).min(cap_between(&half, bounds));
-                }
-                if step > 2.0 * SHORTEST_STRETCH
-                    && !parabola::fits(&rows, (&three, &quarters), bounds, least)
-                {
+            let mut rows = Rows::new(&three, bounds);
+            if is_blend(&self.piece) {
+                let fits = if bounds.has_jerk() {
+                    // cells are long there
+                    let quarters = [0.25, 0.75].map(|x| self.piece.at(at(self.next as f64 + x)));
+                    let [a, b] = quarters;
+                    for half in [[self.last, a, middle], [middle, b, end]] {
+                        least = least.min(cap(&half[1])).min(cap_between(&half, bounds));
+                    }
+                    rows = rows.with_quarters(&quarters, moving(&three), bounds);
+                    parabola::fits(&rows, least)
+                } else {
+                    parabola::keeps_between(&three, bounds)
+                };
+                if !fits && step > 2.0 * SHORTEST_STRETCH {
                     self.halve();
                     return self.next(limits);
                 }

@@ -11,6 +11,9 @@ pub(super) const JERK_SHARE: f64 = 0.99;
 /// Share of the accelerations that the plan uses.
 const ACCEL_SHARE: f64 = 0.995;
 
+/// Where the speed changes by such a share within a phase, it is looked at in more places.
+const UNEVEN: f64 = 0.1;
+
 /// Slowest later than this share of a cell is at its end.
 const NEARLY: f64 = 0.99;
 
@@ -61,7 +64,11 @@ impl Fine {
                 jerk = jerk.max(phase.j.abs() / j);
             }
             Demand::Curve(rows) => {
-                for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                let ends = phase.end();
+                let uneven = (ends.v - phase.v).abs() > UNEVEN * ends.v.max(phase.v);
+                let looks = if uneven { 8 } else { 4 };
+                for n in 0..=looks {
+                    let share = f64::from(n) / f64::from(looks);
                     let Instant { s, v, a } = phase.at(share * phase.duration);
                     for r in between(rows, (s / cell.h).clamp(0.0, 1.0)) {
                         let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;

@@ -1,38 +1,78 @@
-//! What is demanded between the three places of a cell: a parabola through them.
+//! What is demanded between the places of a cell: a polynomial through them.
 //!
 //! Where blends bend sharply in a small part of them (q‴ falls to a tenth within some percent of
-//! the length), a parabola leads past what is demanded there, and the law past its limits: such a
-//! cell is cut in two.
-use super::{LimitRow, Rows, moving};
+//! the length), a parabola through three places leads past what is demanded there, and the law past
+//! its limits: such a cell is cut in two. Where one axis may hardly change its acceleration and
+//! others may, what is demanded is a small difference of large terms: with a limit of jerk, five
+//! places of a blend are known.
+use super::{LimitRow, Rows};
 use crate::{AXES, Bounds, Derivatives};
 
 /// How far what is demanded may lie beside its parabola, as a share of the limit.
 const OFF: f64 = 0.02;
 
-/// The demands at a share of a cell.
+/// The demands at a share of a cell: by the parabola through its three places, or the polynomial of
+/// the fourth degree through all five.
 pub(in crate::law) fn between(rows: &Rows, x: f64) -> impl Iterator<Item = LimitRow> {
-    let [p, q, r] = [(2.0 * x - 1.0) * (x - 1.0), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0)];
     let three = rows.at(0).iter().zip(rows.at(1)).zip(rows.at(2));
-    three.map(move |((a, b), c)| {
-        let mix = |of: fn(&LimitRow) -> f64| p * of(a) + q * of(b) + r * of(c);
-        LimitRow {
-            a1: mix(|row| row.a1),
-            a2: mix(|row| row.a2),
-            j1: mix(|row| row.j1),
-            j2: mix(|row| row.j2),
-            j3: mix(|row| row.j3),
+    let quarters = rows.quarters();
+    let (at_three, at_quarters) =
+        if quarters.is_some() { quartic(x) } else { (parabola(x), [0.0; 2]) };
+    three.enumerate().map(move |(axis, ((a, b), c))| {
+        let [p, q, r] = at_three;
+        let mut mixed = mix([(p, a), (q, b), (r, c)]);
+        if let Some([first, second]) = quarters {
+            let [f, s] = at_quarters;
+            mixed = mix([(1.0, &mixed), (f, &first[axis]), (s, &second[axis])]);
         }
+        mixed
     })
 }
 
-/// Whether the parabolas through three places lead near what is demanded at the two quarters, as
+/// Shares of the three places.
+fn parabola(x: f64) -> [f64; 3] {
+    [(2.0 * x - 1.0) * (x - 1.0), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0)]
+}
+
+/// Shares of the three places and of both quarters: Lagrange's.
+fn quartic(x: f64) -> ([f64; 3], [f64; 2]) {
+    let [a, b, c, d, e] = [4.0 * x, 4.0 * x - 1.0, 4.0 * x - 2.0, 4.0 * x - 3.0, 4.0 * x - 4.0];
+    (
+        [b * c * d * e / 24.0, a * b * d * e / 4.0, a * b * c * d / 24.0],
+        [-a * c * d * e / 6.0, -a * b * c * e / 6.0],
+    )
+}
+
+fn mix(of: [(f64, &LimitRow); 3]) -> LimitRow {
+    let sum = |term: fn(&LimitRow) -> f64| of.iter().map(|(share, row)| share * term(row)).sum();
+    LimitRow {
+        a1: sum(|row| row.a1),
+        a2: sum(|row| row.a2),
+        j1: sum(|row| row.j1),
+        j2: sum(|row| row.j2),
+        j3: sum(|row| row.j3),
+    }
+}
+
+/// How far an axis' acceleration q′·s̈ + q″·ṡ² may be above its limit between places of a cell, as a
+/// share of it, where s̈ is constant.
+const ABOVE: f64 = 0.01;
+
+/// Whether each axis' acceleration stays near the straight lines between three places where s̈ is
+/// constant: as for the whole of a piece (`cells_for_sag`), in a part of it.
+pub(super) fn keeps_between(three: &[Derivatives; 3], bounds: &Bounds) -> bool {
+    let [start, middle, end] = three;
+    let slope = |k: usize| three.iter().fold(0.0, |m: f64, d| m.max(d.q1[k].abs()));
+    let fastest = (0..AXES).map(|k| 2.0 * bounds.accel[k] / slope(k)).fold(f64::MAX, f64::min);
+    (0..AXES).all(|k| {
+        let second = (start.q1[k] - 2.0 * middle.q1[k] + end.q1[k]).abs();
+        second == 0.0 || 5.0 / 8.0 * second * fastest <= ABOVE * bounds.accel[k]
+    })
+}
+
+/// Whether the parabolas through the three places lead near what is demanded at both quarters, as
 /// far as that matters with ṡ² up to a `cap`.
-pub(super) fn fits(
-    rows: &Rows,
-    (three, quarters): (&[Derivatives; 3], &[Derivatives; 2]),
-    bounds: &Bounds,
-    cap: f64,
-) -> bool {
+pub(super) fn fits(rows: &Rows, cap: f64) -> bool {
     let least = |of: fn(&LimitRow) -> f64| {
         rows.all().iter().fold(f64::MAX, |m: f64, row| m.min(1.0 / of(row).abs()))
     };
@@ -40,17 +80,19 @@ pub(super) fn fits(
     let b = cap.min(least(|row| row.a2));
     let (v, a, u) = (libm::sqrt(b), least(|row| row.a1), least(|row| row.j1));
     let (va, v3) = ((v * a).min(least(|row| 3.0 * row.j2)), (v * b).min(least(|row| row.j3)));
-    let axes = moving(three);
-    [0.25, 0.75].into_iter().zip(quarters).all(|(x, d)| {
-        let real = (0..AXES).filter(|k| axes[*k]).map(|k| LimitRow::of(d, k, bounds));
-        between(rows, x).zip(real).all(|(row, real)| {
-            let off = |of: fn(&LimitRow) -> f64| (of(&row) - of(&real)).abs();
+    let near = |(x, real): (f64, &[LimitRow])| {
+        let [p, q, r] = parabola(x);
+        let three = rows.at(0).iter().zip(rows.at(1)).zip(rows.at(2));
+        three.zip(real).all(|(((first, second), third), real)| {
+            let row = mix([(p, first), (q, second), (r, third)]);
+            let off = |of: fn(&LimitRow) -> f64| (of(&row) - of(real)).abs();
             let accel = off(|row| row.a1) * a + off(|row| row.a2) * b;
             let jerk =
                 off(|row| row.j1) * u + 3.0 * off(|row| row.j2) * va + off(|row| row.j3) * v3;
             accel <= OFF && jerk <= OFF
         })
-    })
+    };
+    rows.quarters().is_none_or(|[first, second]| near((0.25, first)) && near((0.75, second)))
 }
 
 #[cfg(test)]
