@@ -3,5 +3,6 @@
 
 mod setpoints;
 
+mod circles;
 mod joining;
 mod law;

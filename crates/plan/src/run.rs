@@ -213,7 +213,7 @@ impl JoinedRun {
         emit: &mut dyn FnMut(Step),
     ) {
         if let Some(first) = &self.first {
-            let has_profile = !matches!(first.path, Path::Spline { .. });
+            let has_profile = matches!(first.path, Path::Line { .. });
             if has_profile && self.settings.share == 1.0 {
                 emit(first.step());
                 self.first = None;

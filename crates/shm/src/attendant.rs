@@ -120,9 +120,9 @@ impl Desk {
                 keeps * 1e6
             ));
         }
-        for index in 0..AXES {
-            if set_up.config.axes[index].is_some() && !self.has.axes[index] {
-                let letter = LETTERS[index];
+        let axes = set_up.config.axes.iter().zip(self.has.axes).zip(LETTERS);
+        for ((asked, has), letter) in axes {
+            if asked.is_some() && !has {
                 return Err(format!(
                     "the machine has an axis {letter}, and {}{letter}",
                     self.has.axis_missing

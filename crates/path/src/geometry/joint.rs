@@ -109,6 +109,11 @@ pub(crate) fn joint(before: &Waiting, segment: &Segment, start: &Derivatives, be
     if tolerance <= 0.0 {
         return joint;
     }
+    if let (Entry::Smooth, Curve::Arc(_), Curve::Arc(_)) =
+        (entry, &before.segment.curve, &segment.curve)
+    {
+        return joint; // one circle or helix, however it is cut
+    }
     if entry == Entry::Smooth {
         // nothing to blend, but on a chopped curve two slopes may be the same by rounding
         let [reach, narrow] = [f64::INFINITY; 2];

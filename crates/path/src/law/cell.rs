@@ -20,6 +20,10 @@ pub(crate) const TOP_SPEED: f64 = 1e7;
 
 /// How far the tangent may turn within a cell, as a share of its length.
 const TURN_PER_CELL: f64 = 0.12;
+/// The same on arcs, whose cells last half a servo period at least: an arc takes longer than it
+/// must by about an eighth of it. With a limit of jerk twice as far.
+const TURN_PER_CELL_OF_ARC: f64 = 0.0125;
+const ARC_CELLS_PER_PERIOD: f64 = 2.0;
 
 /// How far the share of the acceleration that the bend takes may change within a cell.
 const LOAD_PER_CELL: f64 = 0.15;
@@ -442,9 +446,12 @@ fn cells_for_looks<const N: usize>(
     let blend = is_blend(piece);
     let share = if blend && bounds.has_jerk() { LOAD_WITH_JERK } else { LOAD_PER_CELL };
     let mut count = (turn / TURN_PER_CELL).max(change / share).max(twist / LOAD_PER_CELL);
+    let periods = (length - from) / (libm::sqrt(slowest) * period);
     if blend && !bounds.has_jerk() {
-        let periods = (length - from) / (libm::sqrt(slowest) * period);
         count = count.max((change / LOAD_PER_BLEND).min(periods * CELLS_PER_PERIOD));
+    } else if matches!(piece.curve, crate::Curve::Arc(_)) {
+        let per_cell = TURN_PER_CELL_OF_ARC * if bounds.has_jerk() { 2.0 } else { 1.0 };
+        count = count.max((turn / per_cell).min(periods * ARC_CELLS_PER_PERIOD));
     }
     libm::ceil(count.max(cells_for_sag(&all, bounds))).clamp(least, 1e15) as u64
 }

@@ -54,8 +54,8 @@ fn mix(of: [(f64, &LimitRow); 3]) -> LimitRow {
     }
 }
 
-/// How far an axis' acceleration q′·s̈ + q″·ṡ² may be above its limit between places of a cell, as a
-/// share of it, where s̈ is constant.
+/// How far an axis' acceleration q′·s̈ + q″·ṡ² may be above its limit between places of a cell, as
+/// a share of it, where s̈ is constant.
 const ABOVE: f64 = 0.01;
 
 /// Whether each axis' acceleration stays near the straight lines between three places where s̈ is
