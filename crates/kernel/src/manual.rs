@@ -103,7 +103,8 @@ impl Manual {
         self.turning = [None; SPINDLES];
     }
 
-    /// The next axis that a limit switch has stopped, once while it is sent onto it again and again.
+    /// The next axis that a limit switch has stopped, once while it is sent onto it again and
+    /// again.
     pub(crate) fn take_stopped(&mut self) -> Option<Axis> {
         self.stops.take()
     }

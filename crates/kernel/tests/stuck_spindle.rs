@@ -124,16 +124,17 @@ fn a_spindle_that_is_held_or_stands_stays_where_it_is_while_its_encoder_reads_th
     }
 }
 
-/// At rest before the thread, and at any moment in it.
+/// At rest before the thread, and at any moment in it. A thread may hold its tap by a quarter of the
+/// drive's torque: from rest it comes further than a spindle that turns alone.
 #[test]
-fn a_tap_whose_spindle_reads_the_same_is_stopped_within_ten_degrees() {
+fn a_tap_whose_spindle_reads_the_same_is_stopped_within_fifteen_degrees() {
     let tap = tapping(&TapOrder { rpm: 600.0, ..M6 });
     for config in machines() {
         for from in [0.2, 0.6, 0.9, 1.2, 1.5, 2.0, 2.5, 3.0, 3.31, 3.5, 4.0, 4.5] {
             let came = with_stuck(&config, &tap, Time::s(from), 40_000);
             let kind = came.alarm.map(|(kind, _)| kind);
             assert_eq!(kind, Some(FaultKind::ReadingImplausible), "{from}: {came:?}");
-            assert!(came.turned.abs() < 10.0 && came.rpm < 620.0, "{from}: {came:?}");
+            assert!(came.turned.abs() < 15.0 && came.rpm < 620.0, "{from}: {came:?}");
         }
     }
 }

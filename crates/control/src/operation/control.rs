@@ -87,8 +87,6 @@ pub struct Control {
     pub(super) told_faults: usize,
     /// A feed hold was asked for, and not a resume since.
     pub(super) is_hold_asked: bool,
-    /// The program under way was given up by a stop.
-    pub(super) is_stop_asked: bool,
     /// Everything comes to rest before the kernel forgets what it did.
     pub(super) is_resetting: bool,
     /// A recovery is on its way.
@@ -187,7 +185,6 @@ impl Control {
             events: Events::default(),
             told_faults: 0,
             is_hold_asked: false,
-            is_stop_asked: false,
             is_resetting: false,
             is_recovering: false,
             in_work: None,

@@ -51,7 +51,7 @@ impl Control {
 
     /// The program under way was given up by a stop, and what moves comes to rest.
     pub(super) fn is_being_stopped(&self) -> bool {
-        let is_asked = self.is_stop_asked || self.executor.kernel.operator().wants_abort();
-        self.under_way.is_some() && is_asked
+        let is_aborted = self.executor.kernel.operator().wants_abort();
+        self.under_way.as_ref().is_some_and(|under_way| under_way.is_given_up || is_aborted)
     }
 }

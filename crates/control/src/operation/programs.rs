@@ -218,8 +218,9 @@ impl Control {
             executed,
             first,
             restart,
+            is_given_up: false,
         });
-        (self.is_hold_asked, self.is_stop_asked, self.message) = (false, false, None);
+        (self.is_hold_asked, self.message) = (false, None);
         self.enter(mode);
         self.execution_after(ExecutionEvent::Start);
         Ok(())
@@ -259,7 +260,10 @@ impl Control {
     }
 
     pub(super) fn give_up(&mut self) -> Result<Accepted, Refusal> {
-        (self.is_hold_asked, self.is_stop_asked) = (true, true);
+        self.is_hold_asked = true;
+        if let Some(under_way) = &mut self.under_way {
+            under_way.is_given_up = true;
+        }
         self.order(Order::Abort)
     }
 
@@ -338,7 +342,7 @@ impl Control {
         if !is_stopped_by_alarm {
             self.executor.kernel.clear();
         }
-        (self.is_hold_asked, self.is_stop_asked) = (false, false);
+        self.is_hold_asked = false;
         let event = if has_ended { ExecutionEvent::End } else { ExecutionEvent::GiveUp };
         self.execution_after(event);
         if !has_ended && !is_stopped_by_alarm {

@@ -70,6 +70,8 @@ pub(super) struct UnderWay {
     /// Number of its first operation, and how many of its own were left out before it.
     pub(super) first: u32,
     pub(super) restart: Option<Restart>,
+    /// A stop has given it up, and what moves comes to rest.
+    pub(super) is_given_up: bool,
 }
 
 impl UnderWay {

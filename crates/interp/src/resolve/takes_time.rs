@@ -1,6 +1,7 @@
 //! Operations by which the machine moves or waits, whatever came before them.
 //!
-//! Moves come here only where the axes stand elsewhere. M1 waits only where the operator has set it.
+//! Moves come here only where the axes stand elsewhere. M1 waits only where the operator has set
+//! it.
 use canon::{Await, OpKind, SpindleOrder};
 
 pub(super) fn takes_time(kind: &OpKind) -> bool {

@@ -20,7 +20,8 @@ use crate::wire::{
 use crate::{guard, metrics, mtconnect};
 use Access::{Anyone, Operator, Viewer};
 use axum::Router;
-use axum::http::StatusCode;
+use axum::extract::MatchedPath;
+use axum::http::{Method, StatusCode};
 use axum::routing::{MethodRouter, get, post, put};
 use control::operation::Status;
 use openapi::Shape;
@@ -317,9 +318,20 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
             && (app.watching.metering.is_some() || !path.starts_with(metrics::ROOT))
     };
     let served = all().into_iter().filter(|(path, _)| is_served(path));
-    served.fold(Router::new(), |router, (path, route)| {
+    let router = served.fold(Router::new(), |router, (path, route)| {
         let (app, admission) = (Arc::clone(app), route.admission);
         let admit = move |request, next| guard::admit(Arc::clone(&app), admission, request, next);
         router.route(&path, route.handler.layer(axum::middleware::from_fn(admit)))
-    })
+    });
+    router.method_not_allowed_fallback(wrong_method)
+}
+
+/// A method that an address does not take.
+async fn wrong_method(method: Method, address: MatchedPath) -> ApiError {
+    let rows = all().into_iter().filter(|(path, _)| path == address.as_str());
+    let mut taken: Vec<String> = rows.map(|(_, row)| row.method.to_uppercase()).collect();
+    if taken.iter().any(|method| method == "GET") {
+        taken.push("HEAD".to_owned());
+    }
+    ApiError::wrong_method(&method, &taken.join(","))
 }
