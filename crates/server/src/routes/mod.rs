@@ -20,7 +20,6 @@ use crate::wire::{
 use crate::{guard, metrics, mtconnect};
 use Access::{Anyone, Operator, Viewer};
 use axum::Router;
-use axum::extract::MatchedPath;
 use axum::http::{Method, StatusCode};
 use axum::routing::{MethodRouter, get, post, put};
 use control::operation::Status;
@@ -311,27 +310,45 @@ pub fn addresses() -> Vec<Address> {
     all().into_iter().map(address).collect()
 }
 
+/// An address that is served, with all of its methods.
+struct Served {
+    path: String,
+    methods: Vec<&'static str>,
+    handlers: MethodRouter<Arc<App>>,
+}
+
 /// The router of all addresses that are served: nobody comes to a handler unless he is admitted.
 pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
     let is_served = |path: &str| {
         (app.watching.monitoring.is_some() || !path.starts_with(mtconnect::ROOT))
             && (app.watching.metering.is_some() || !path.starts_with(metrics::ROOT))
     };
-    let served = all().into_iter().filter(|(path, _)| is_served(path));
-    let router = served.fold(Router::new(), |router, (path, route)| {
+    let mut served: Vec<Served> = Vec::new();
+    for (path, route) in all().into_iter().filter(|(path, _)| is_served(path)) {
         let (app, admission) = (Arc::clone(app), route.admission);
         let admit = move |request, next| guard::admit(Arc::clone(&app), admission, request, next);
-        router.route(&path, route.handler.layer(axum::middleware::from_fn(admit)))
-    });
-    router.method_not_allowed_fallback(wrong_method)
+        let handler = route.handler.layer(axum::middleware::from_fn(admit));
+        match served.last_mut().filter(|before| before.path == path) {
+            Some(before) => {
+                before.methods.push(route.method);
+                before.handlers = std::mem::take(&mut before.handlers).merge(handler);
+            }
+            None => served.push(Served { path, methods: vec![route.method], handlers: handler }),
+        }
+    }
+    served.into_iter().fold(Router::new(), |router, Served { path, methods, handlers }| {
+        // one that takes any method says itself which it answers
+        let is_any = methods.contains(&"any");
+        let others = move |method: Method| async move { wrong_method(&method, &methods) };
+        router.route(&path, if is_any { handlers } else { handlers.fallback(others) })
+    })
 }
 
 /// A method that an address does not take.
-async fn wrong_method(method: Method, address: MatchedPath) -> ApiError {
-    let rows = all().into_iter().filter(|(path, _)| path == address.as_str());
-    let mut taken: Vec<String> = rows.map(|(_, row)| row.method.to_uppercase()).collect();
-    if taken.iter().any(|method| method == "GET") {
+fn wrong_method(method: &Method, methods: &[&str]) -> ApiError {
+    let mut taken: Vec<String> = methods.iter().map(|method| method.to_uppercase()).collect();
+    if methods.contains(&"get") {
         taken.push("HEAD".to_owned());
     }
-    ApiError::wrong_method(&method, &taken.join(","))
+    ApiError::wrong_method(method, &taken.join(","))
 }
