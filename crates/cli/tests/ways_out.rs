@@ -201,7 +201,7 @@ fn what_is_wrong_with_faults_and_orders_is_said_at_once_and_what_was_not_trigger
     let output = leadscrew(&[&run[..], &orders].concat());
     let text = said(&output);
     assert!(text.contains("emergency-stop at") && text.contains("THE TAP IS OUT"), "{text}");
-    assert!(text.contains("order not triggered: resume at 900s"), "{text}");
+    assert!(text.contains("order not reached: resume at 900s: the run ended before it"), "{text}");
 }
 
 #[test]

@@ -8,8 +8,8 @@
 //!                                          pins ─► Feedback ─► kernel::tick ─► Command ─► pins   in it
 //! ```
 //!
-//! HAL's servo thread calls [`ServoProcess::update`] once a period: it reads the pins, lets the kernel
-//! tick, and writes the pins. It takes no memory, no lock and calls no system. Who leads the kernel
+//! HAL's servo thread calls [`ServoProcess::update`] once a period: it reads the pins, lets the
+//! kernel tick, and writes the pins. It takes no memory, no lock and calls no system. Who leads the kernel
 //! is another process, which may end at any moment: the kernel then stops the machine, coupled axes
 //! on their coupling, and holds it.
 #![allow(unsafe_code)] // this crate is called by HAL and calls it: the reason stands beside each

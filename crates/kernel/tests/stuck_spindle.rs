@@ -124,8 +124,8 @@ fn a_spindle_that_is_held_or_stands_stays_where_it_is_while_its_encoder_reads_th
     }
 }
 
-/// At rest before the thread, and at any moment in it. A thread may hold its tap by a quarter of the
-/// drive's torque: from rest it comes further than a spindle that turns alone.
+/// At rest before the thread, and at any moment in it. A thread may hold its tap by a quarter of
+/// the drive's torque: from rest it comes further than a spindle that turns alone.
 #[test]
 fn a_tap_whose_spindle_reads_the_same_is_stopped_within_fifteen_degrees() {
     let tap = tapping(&TapOrder { rpm: 600.0, ..M6 });

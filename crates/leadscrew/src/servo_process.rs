@@ -1,5 +1,5 @@
-//! `leadscrew drives`: kernel and servo thread in a process of their own, for a control that leads them over shared memory and may
-//! end at any moment.
+//! `leadscrew drives`: kernel and servo thread in a process of their own, for a control that leads
+//! them over shared memory and may end at any moment.
 //!
 //! ```text
 //!   control ═ shared memory ═ ServoProcess, a period by the clock: Fieldbus ─► kernel ─► Fieldbus
@@ -80,7 +80,9 @@ impl DrivesProcess {
     /// what the operating system has refused of what real time needs goes to `refused`, in
     /// sentences.
     pub fn run(mut self, stop: &AtomicBool, refused: impl Fn(&str)) {
-        run_by_deadline(self.priority).iter().for_each(|sentence| refused(sentence));
+        for sentence in run_by_deadline(self.priority) {
+            refused(&sentence);
+        }
         let period_ns = u64::try_from(self.period.as_nanos()).unwrap_or(u64::MAX);
         let mut clock = PeriodClock::new(self.period);
         loop {

@@ -17,7 +17,7 @@ use units::Time;
 
 const MACHINE: &str = "vfd-mill";
 
-/// The simulated machine in the place of a fieldbus; where Z is, mm, and whether a control leads it.
+/// The simulated machine in the place of a fieldbus, watched.
 struct Watched {
     machine: SimulatedMachine,
     seen: Arc<Seen>,

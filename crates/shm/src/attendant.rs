@@ -1,6 +1,6 @@
 //! The thread beside the servo thread: it makes the kernels that controls ask for, because that
 //! takes memory, and releases them.
-use crate::servo_process::{ControlSession, ServoProcessOptions};
+use crate::session::{ControlSession, ServoProcessOptions};
 use crate::{Made, ServoSide, SetUps};
 use bus::AXES;
 use kernel::Kernel;

@@ -18,11 +18,13 @@ mod retained;
 mod ring;
 mod servo_process;
 mod servo_side;
+mod session;
 
 pub use control_side::{ControlSide, Error};
 pub use layout::{STEPS_BEFORE, STEPS_USUAL, memory_name};
 pub use mapping::Mapping;
 pub use retained::{RetainedMemory, RetainedState, TiedPeriod};
 pub use ring::{Damaged, Place, RingReader, RingWriter};
-pub use servo_process::{Fieldbus, ServoProcess, ServoProcessOptions, WriteTo};
+pub use servo_process::{Fieldbus, ServoProcess, WriteTo};
 pub use servo_side::{Made, ServoSide, SetUps, make};
+pub use session::ServoProcessOptions;

@@ -6,10 +6,11 @@
 //!                                               └─► record, events ─► shared memory
 //! ```
 //!
-//! LinuxCNC's HAL has one of these, whose fieldbus are pins; `leadscrew drives` is another. A period
-//! takes no memory, no lock and calls no system, as far as its fieldbus does not.
+//! LinuxCNC's HAL has one of these, whose fieldbus are pins; `leadscrew drives` is another. A
+//! period takes no memory, no lock and calls no system, as far as its fieldbus does not.
 use crate::attendant::{Attendant, Desk};
-use crate::{Made, ServoSide, TiedPeriod};
+use crate::session::{ControlSession, ServoProcessOptions};
+use crate::{Made, TiedPeriod};
 use bus::{AXES, Command, Feedback, Report, RunDownKind, SPINDLES, STANDSTILL};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -45,21 +46,6 @@ pub struct WriteTo {
     pub marks: [bool; SPINDLES],
 }
 
-/// What a process leads, and what is said of it.
-#[derive(Clone, Debug)]
-pub struct ServoProcessOptions {
-    /// Name by which a control finds it.
-    pub name: String,
-    /// Which axes it has.
-    pub axes: [bool; AXES],
-    /// Number of its spindles.
-    pub spindles: usize,
-    /// Said where no period has come yet.
-    pub not_called: &'static str,
-    /// How the process gets an axis that it lacks; its letter follows.
-    pub axis_missing: &'static str,
-}
-
 /// Time constant of the speeds that are taken from counts, s.
 const SMOOTHED_S: f64 = 0.02;
 
@@ -69,15 +55,6 @@ const STANDS_NS: u64 = 100_000_000;
 
 /// Sessions on their way.
 const SESSIONS: usize = 4;
-
-/// A control that leads the machine, and the kernel that it leads.
-pub(crate) struct ControlSession {
-    pub(crate) seat: Seat<ServoSide>,
-    /// Drives obey so much later than they are told.
-    pub(crate) obeys_after: ([Time; AXES], [Time; SPINDLES]),
-    /// For so long its control may show no sign of life, ns.
-    pub(crate) most_silent_ns: i64,
-}
 
 /// See the module's header.
 pub struct ServoProcess<F> {
@@ -243,20 +220,6 @@ impl<F: Fieldbus> ServoProcess<F> {
         {
             session.seat.rings.begin();
             self.session = Some(session);
-        }
-    }
-}
-
-impl ControlSession {
-    /// Its control is gone, or not to be believed.
-    fn is_lost(&mut self, now_ns: i64, period_ns: u64) -> Option<FaultKind> {
-        let silent = self.seat.rings.silence(now_ns, period_ns);
-        if self.seat.rings.is_damaged() {
-            Some(FaultKind::ControlSenseless)
-        } else if silent > self.most_silent_ns || self.seat.rings.is_ended() {
-            Some(FaultKind::ControlSilent)
-        } else {
-            None
         }
     }
 }

@@ -14,7 +14,7 @@ pub(crate) struct DrivesArgs {
     /// (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
-    /// Priority of the servo thread under SCHED_FIFO, 1 to 99
+    /// Priority of the servo thread under `SCHED_FIFO`, 1 to 99
     #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u8).range(1..=99))]
     pub(crate) priority: u8,
 }

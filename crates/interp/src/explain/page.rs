@@ -6,8 +6,8 @@ use std::fmt::Write;
 
 /// Before the list of findings.
 const HEAD: &str = "# What can be wrong with a program\n\n\
-    `leadscrew check FILE` or `leadscrew check FOLDER` says all findings of a program at once; `--format json` and `--format sarif` \
-    say them to other programs. A program that does not end by itself is meant with `M2` behind it. T1 is an end mill of 10 mm, T2 a \
+    `leadscrew check FILE` or `leadscrew check FOLDER` says all findings of a program at once, to other programs as JSON or SARIF. A \
+    program that does not end by itself is meant with `M2` behind it. T1 is an end mill of 10 mm, T2 a \
     tap M6.\n\n\
     *error*: the program is refused. *warning*: legal, and likely to hurt. *note*: worth knowing.\n";
 

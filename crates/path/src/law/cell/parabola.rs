@@ -13,7 +13,7 @@ const OFF: f64 = 0.02;
 
 /// The demands at a share of a cell: by the parabola through its three places, or the polynomial of
 /// the fourth degree through all five.
-pub(in crate::law) fn between(rows: &Rows, x: f64) -> impl Iterator<Item = LimitRow> {
+pub(crate) fn between(rows: &Rows, x: f64) -> impl Iterator<Item = LimitRow> {
     let three = rows.at(0).iter().zip(rows.at(1)).zip(rows.at(2));
     let quarters = rows.quarters();
     let (at_three, at_quarters) =
