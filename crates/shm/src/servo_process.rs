@@ -14,7 +14,7 @@ use crate::{Made, TiedPeriod};
 use bus::{AXES, Command, Feedback, Report, RunDownKind, SPINDLES, STANDSTILL};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
-use servo::{PeriodAnswer, Record, Seat};
+use servo::{PeriodAnswer, Record};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Release};
 use units::{Angle, Spin, Time};
