@@ -9,9 +9,9 @@
 //! ```
 //!
 //! HAL's servo thread calls [`ServoProcess::update`] once a period: it reads the pins, lets the
-//! kernel tick, and writes the pins. It takes no memory, no lock and calls no system. Who leads the kernel
-//! is another process, which may end at any moment: the kernel then stops the machine, coupled axes
-//! on their coupling, and holds it.
+//! kernel tick, and writes the pins. It takes no memory, no lock and calls no system. Who leads
+//! the kernel is another process, which may end at any moment: the kernel then stops the machine,
+//! coupled axes on their coupling, and holds it.
 #![allow(unsafe_code)] // this crate is called by HAL and calls it: the reason stands beside each
 #[cfg(test)]
 mod fake;
