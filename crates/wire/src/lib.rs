@@ -21,9 +21,9 @@
 //! | … | the message, as postcard writes it |
 //! | 4 | CRC-32 of all before it |
 //!
-//! Each command says which tool the control has in the work. The machine keeps that ([`Evidence`]):
-//! when a control dies, the next one is told of the tool whatever has become of its files, and may
-//! move nothing before it has stated it.
+//! Each command says which tool the control has in the work. The machine keeps that
+//! ([`bus::EngagementEvidence`]): when a control dies, the next one is told of the tool whatever
+//! has become of its files, and may move nothing before it has stated it.
 //!
 //! A frame that is not whole, not this version's, or not in sequence ends the connection: what a
 //! drive is told is certain, or it is not told. Neither is a command with a number that is none, or
