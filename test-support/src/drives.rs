@@ -106,11 +106,7 @@ fn jog(control: &mut Control, to_mm: f64) {
     ask(control, &Request::Jog(Axis::Z, Jog::To(Coordinate::linear(Length::mm(to_mm)))));
 }
 
-/// See [`conforms`].
-///
-/// # Panics
-/// As there.
-pub fn obeys(bench: &mut dyn DrivesBench) {
+fn obeys(bench: &mut dyn DrivesBench) {
     let mut control = homed(bench);
     let from = z_setpoint(&control);
     let most = FASTEST * (bench.delay() + control.period_time()).value() + 0.1;
@@ -133,11 +129,7 @@ pub fn obeys(bench: &mut dyn DrivesBench) {
     bench.without_control();
 }
 
-/// See [`conforms`].
-///
-/// # Panics
-/// As there.
-pub fn one_control_at_a_time(bench: &mut dyn DrivesBench) {
+fn one_control_at_a_time(bench: &mut dyn DrivesBench) {
     if !bench.outlives_control() {
         return; // each control has a machine of its own
     }
@@ -150,21 +142,13 @@ pub fn one_control_at_a_time(bench: &mut dyn DrivesBench) {
     bench.without_control();
 }
 
-/// See [`conforms`].
-///
-/// # Panics
-/// As there.
-pub fn another_machine_is_refused(bench: &mut dyn DrivesBench) {
+fn another_machine_is_refused(bench: &mut dyn DrivesBench) {
     let Some(options) = bench.of_another_machine() else { return };
     assert!(Control::new(options).is_err(), "a control of another machine leads this one");
     bench.without_control();
 }
 
-/// See [`conforms`].
-///
-/// # Panics
-/// As there.
-pub fn silence_brings_it_to_rest(bench: &mut dyn DrivesBench) {
+fn silence_brings_it_to_rest(bench: &mut dyn DrivesBench) {
     let mut control = homed(bench);
     let from = z_setpoint(&control);
     jog(&mut control, from - 60.0);
@@ -183,11 +167,7 @@ pub fn silence_brings_it_to_rest(bench: &mut dyn DrivesBench) {
     bench.without_control();
 }
 
-/// See [`conforms`].
-///
-/// # Panics
-/// As there.
-pub fn engaged_tool_is_known_to_the_next_control(bench: &mut dyn DrivesBench) {
+fn engaged_tool_is_known_to_the_next_control(bench: &mut dyn DrivesBench) {
     let mut control = homed(bench);
     let from = z_setpoint(&control);
     ask(&mut control, &Request::ManualDataInput(TAP.into()));
@@ -212,11 +192,7 @@ pub fn engaged_tool_is_known_to_the_next_control(bench: &mut dyn DrivesBench) {
     bench.without_control();
 }
 
-/// See [`conforms`].
-///
-/// # Panics
-/// As there.
-pub fn a_loss_is_said(bench: &mut dyn DrivesBench) {
+fn a_loss_is_said(bench: &mut dyn DrivesBench) {
     let mut control = homed(bench);
     ask(&mut control, &Request::ManualDataInput("G91 G1 F600 Z-20\nZ20\nZ-20\nZ20".into()));
     let from = z_setpoint(&control);

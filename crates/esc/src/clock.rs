@@ -10,7 +10,7 @@
 
 /// Largest trim of the control loop, parts per billion.
 const MOST_TRIM_PPB: i64 = 200_000;
-/// Parts of one.
+/// Parts per billion of the whole.
 const BILLION: i64 = 1_000_000_000;
 
 /// The clock of a device.
@@ -125,7 +125,7 @@ impl LocalClock {
         }
     }
 
-    /// Leaves out the pulses that nobody can have executed: returns how many.
+    /// Skips the pulses that came too early to be executed; returns their number.
     pub(crate) fn skip_syncs(&mut self, system_ns: u64, period_ns: u32, most: u64) -> u64 {
         let Some(next) = self.next_sync_ns else { return 0 };
         if period_ns == 0 || next > system_ns {

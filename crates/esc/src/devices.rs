@@ -7,7 +7,7 @@ use crate::profile::{EmulatedAxis, Motor, axis_objects, default_pdos, supported_
 use crate::quirks::Quirks;
 use crate::sii::{Contents, Identity, SiiPdo, SiiSyncManager, words};
 
-/// Vendor of all emulated devices: a number that the EtherCAT Technology Group has given to nobody.
+/// Vendor of all emulated devices: a number that the EtherCAT Technology Group has not assigned.
 const VENDOR: u32 = 0x0000_0E5C;
 /// Mailboxes of devices that have them: start and length, out and in.
 const MAILBOXES: [(u16, u16); 2] = [(0x1000, 0x80), (0x1080, 0x80)];

@@ -27,7 +27,7 @@ pub(crate) struct Overlap {
     pub(crate) offset: usize,
     /// First byte within the device.
     pub(crate) physical: u16,
-    /// Bytes.
+    /// Length, bytes.
     pub(crate) length: usize,
 }
 

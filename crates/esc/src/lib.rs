@@ -10,8 +10,8 @@
 //!            application    object dictionary (CoE), CiA 402 drive, digital I/O, encoder
 //! ```
 //!
-//! A frame is processed on the fly: each device executes each datagram as it passes. Time is what
-//! [`NetworkSegment::pass`] is told, in nanoseconds, so that two runs of the same frames at the
+//! A frame is processed on the fly: each device executes each datagram as it passes. Time is an
+//! argument of [`NetworkSegment::pass`], in nanoseconds, so that two runs of the same frames at the
 //! same times are bit-identical. What is known of devices that behave otherwise than the standards
 //! have it is a switch of [`Quirks`].
 //!

@@ -14,7 +14,7 @@ pub struct Quirks {
     pub fixed_mapping: bool,
     /// The assignment objects are read-only (abort `0601_0002`).
     pub fixed_assignment: bool,
-    /// A single TxPDO can be assigned, with at most so many entries.
+    /// A single TxPDO can be assigned, with at most this number of entries.
     pub one_tx_pdo_of: Option<u8>,
     /// Cyclic synchronous velocity is not supported.
     pub no_csv: bool,

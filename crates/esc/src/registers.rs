@@ -64,7 +64,7 @@ pub(crate) const TIME_DELAY: u16 = 0x0928;
 pub(crate) const TIME_DIFFERENCE: u16 = 0x092C;
 /// Start of the speed counter; a write resets the control loop.
 pub(crate) const SPEED_COUNTER: u16 = 0x0930;
-/// Cyclic unit control.
+/// Which side controls the cyclic unit.
 pub(crate) const CYCLIC_UNIT: u16 = 0x0980;
 /// Activation of SYNC0 and SYNC1.
 pub(crate) const SYNC_ACTIVATION: u16 = 0x0981;

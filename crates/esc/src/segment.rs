@@ -14,7 +14,7 @@ const HOP_NS: u64 = 600;
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passed {
-    /// It came back after so many nanoseconds.
+    /// It came back; its time on the wire, ns.
     Back(u64),
     /// No device is there: nothing comes back.
     Nowhere,

@@ -7,7 +7,7 @@
 //!
 //! An access has to begin at the first byte; a buffer changes hands at its last one.
 
-/// Side that writes.
+/// Direction of a buffer between application and wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum BufferDirection {
     /// The application writes, the wire reads.

@@ -1,4 +1,4 @@
-//! Frames that nobody would send: nothing panics, and what was in order works afterwards.
+//! Malformed frames: nothing panics, and what was in order works afterwards.
 use crate::support::{Bench, frame};
 use esc::{AlState, DatagramCommand, DriveModel, Quirks, coupler, digital_io, drive, encoder};
 use proptest::prelude::*;

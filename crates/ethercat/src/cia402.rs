@@ -13,7 +13,7 @@
 /// State of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PdsState {
-    /// It initialises itself.
+    /// Start of its electronics.
     NotReadyToSwitchOn,
     /// It waits for the order to get ready.
     SwitchOnDisabled,

@@ -1,4 +1,4 @@
-//! The time that `ethercrab` reads: what the thread that polls it was told last.
+//! The time that `ethercrab` reads: the one that was set last in the thread that polls it.
 //!
 //! `ethercrab` asks `embassy-time` how late it is; that asks the one driver of the program, which
 //! is here. Each thread has a time of its own, set from its [`crate::FrameLink`] before it polls:

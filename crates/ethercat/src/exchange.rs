@@ -36,14 +36,14 @@ pub struct Emergency {
     pub register: u8,
 }
 
-/// Frames that were lost, or that nobody had asked for.
+/// Frames that were lost, or that came without a request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Frames of another protocol.
     pub foreign: u64,
     /// Own frames with an unchanged source address.
     pub echoes: u64,
-    /// Frames that came twice, or after nobody waited for them any more.
+    /// Frames that came twice, or too late to be waited for.
     pub unexpected: u64,
     /// Frames that are malformed.
     pub malformed: u64,

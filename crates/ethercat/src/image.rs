@@ -6,7 +6,7 @@ use crate::network::PdoEntry;
 pub struct ImagePlace {
     /// First byte of the device's outputs or inputs.
     pub byte: usize,
-    /// Bytes.
+    /// Its length.
     pub bytes: usize,
 }
 

@@ -63,7 +63,7 @@ pub enum Sync {
     Free,
     /// By SYNC0 (`AssignActivate` 0300).
     Sync0,
-    /// By SYNC0, with SYNC1 after so many nanoseconds (`AssignActivate` 0700).
+    /// By SYNC0 and SYNC1 (`AssignActivate` 0700).
     Sync01 {
         /// From SYNC0 to SYNC1, ns.
         after_ns: u32,

@@ -8,7 +8,7 @@
 //!
 //! The reference clock is never moved: the bus is the master of time.
 
-/// The loop.
+/// Phase-locked loop on the reference clock.
 #[derive(Clone, Debug)]
 pub struct Pacer {
     cycle_ns: i64,

@@ -79,10 +79,11 @@ fn load() -> Result<(), String> {
         pins,
         ServoProcessOptions {
             name: parameters.name,
+            machine: None,
             axes: parameters.axes,
             spindles: parameters.spindles,
             not_called: "no thread calls leadscrew.update: addf leadscrew.update servo-thread, and start",
-            axis_missing: "the component was loaded without it: axes=…",
+            axis_missing: |letter| format!("the component was loaded without it: axes=…{letter}"),
         },
     )?;
     let component = Component { process, hal: hal.member() };

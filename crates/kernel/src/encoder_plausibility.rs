@@ -32,7 +32,7 @@
 //! An axis that nothing ties is stuck as well if its reading stays for 10 ms while its drive pushes
 //! by more than friction takes, though the setpoint stands.
 //! A spindle is stuck, or blocked, if its reading stays while its drive pushes by what would have
-//! turned it ([`SpindleLoop::is_stuck`]). The model may be off by a·(n·h)²/8 + 8·q.
+//! turned it ([`SpindleLoop::notes_stuck`]). The model may be off by a·(n·h)²/8 + 8·q.
 mod untied;
 mod watched;
 
@@ -131,7 +131,7 @@ impl EncoderPlausibility {
             let reading = taken.spindles[spindle].angle.value();
             let watched = self.spindle.get_or_insert(Watched::new(reading - turns, turns));
             let expected = expected_of_spindle(loop_, watched, period_s);
-            let is_stuck = !frame_lost && loop_.is_stuck(reading, true);
+            let is_stuck = !frame_lost && loop_.notes_stuck(reading, true);
             let bounds = Bounds { is_stuck, frame_lost, ..spindle_bounds(loop_, period_s) };
             let (angle, change) = watched.judge(reading, expected, bounds);
             taken.spindles[spindle].angle = units::Angle::rev(angle);

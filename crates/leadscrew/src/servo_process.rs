@@ -50,17 +50,18 @@ impl DrivesProcess {
         let file = &session.machine;
         let seed = options.seed.unwrap_or(u64::from(file.simulation.seed));
         let (material, zero) = (file.setup.stock.material, session.work_zero());
-        let mut simulated = config::simulator(file, &session.tools, material, seed, &zero);
-        simulated.power_on = sim::PowerOn::Unknown;
-        let drives = SimulatedDrives { machine: simulated::build(file, simulated)?, began: now() };
+        let simulated = config::simulator(file, &session.tools, material, seed, &zero);
+        let machine = simulated::build(file, simulated::switched_on(simulated))?;
+        let drives = SimulatedDrives { machine, began: now() };
         let process = ServoProcess::new(
             drives,
             ServoProcessOptions {
                 name: options.name,
+                machine: Some(file.name.clone()),
                 axes: std::array::from_fn(|index| file.axes[index].is_some()),
                 spindles: file.spindles.len(),
                 not_called: "the servo thread has not begun",
-                axis_missing: "leadscrew drives leads none: start it with this machine, for ",
+                axis_missing: |_| "leadscrew drives leads none".into(),
             },
         );
         Ok(Self {

@@ -73,17 +73,17 @@ impl InAnotherProcess {
         let session = Session::load(&ProgramOptions::on(MACHINE), Path::new("-"), b"").unwrap();
         let file = &session.machine;
         let (material, zero) = (file.setup.stock.material, session.work_zero());
-        let mut simulated = config::simulator(file, &session.tools, material, 1, &zero);
-        simulated.power_on = sim::PowerOn::Unknown;
-        let machine = simulated::build(file, simulated).unwrap();
+        let simulated = config::simulator(file, &session.tools, material, 1, &zero);
+        let machine = simulated::build(file, simulated::switched_on(simulated)).unwrap();
         let seen = Arc::<Seen>::default();
         let watched = Watched { machine, seen: Arc::clone(&seen) };
         let options = ServoProcessOptions {
             name: name.clone(),
+            machine: Some(file.name.clone()),
             axes: std::array::from_fn(|index| file.axes[index].is_some()),
             spindles: file.spindles.len(),
             not_called: "not called",
-            axis_missing: "there is no ",
+            axis_missing: |_| "there is none".into(),
         };
         let mut process = ServoProcess::new(watched, options).unwrap();
         let period_ns = (file.control.period.value() * 1e9).round() as u64;
@@ -108,10 +108,13 @@ impl DrivesBench for InAnotherProcess {
         }
     }
 
-    /// It knows axes and spindles, not machines: one with an axis that it lacks is refused.
     fn of_another_machine(&self) -> Option<ControlOptions> {
         let state = Some(self.folder.path().join("of-another"));
-        Some(ControlOptions { program: ProgramOptions::on("mill-5-axis"), state, ..self.options() })
+        Some(ControlOptions {
+            program: ProgramOptions::on("tapping-center"),
+            state,
+            ..self.options()
+        })
     }
 
     fn z_mm(&self) -> f64 {

@@ -123,10 +123,8 @@ impl Desk {
         let axes = set_up.config.axes.iter().zip(self.has.axes).zip(LETTERS);
         for ((asked, has), letter) in axes {
             if asked.is_some() && !has {
-                return Err(format!(
-                    "the machine has an axis {letter}, and {}{letter}",
-                    self.has.axis_missing
-                ));
+                let missing = (self.has.axis_missing)(letter);
+                return Err(format!("the machine has an axis {letter}, and {missing}"));
             }
         }
         let spindles = set_up.config.spindles.iter().flatten().count();

@@ -96,6 +96,12 @@ impl ControlSide {
         RetainedMemory::new(&self.memory)
     }
 
+    /// False where the process knows which machine it leads, and that is another one.
+    pub fn may_lead(&self, machine: &str) -> bool {
+        let key = self.word(head::MACHINE).load(Relaxed);
+        key == 0 || key == layout::machine_key(machine)
+    }
+
     /// A bit for each axis that it has.
     pub fn axes(&self) -> u16 {
         self.word(head::HAS).load(Relaxed) as u16

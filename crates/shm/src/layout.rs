@@ -12,7 +12,7 @@ use crate::ring::{Place, WORD};
 /// First word: `LEADSCRW`.
 pub(crate) const MAGIC: u64 = u64::from_be_bytes(*b"LEADSCRW");
 /// Of this layout and of the messages in it. Both ends come from one build; another one is refused.
-pub(crate) const VERSION: u64 = 6;
+pub(crate) const VERSION: u64 = 7;
 
 /// Words of the header.
 pub(crate) mod head {
@@ -28,6 +28,8 @@ pub(crate) mod head {
     pub(crate) const PERIOD: usize = 4;
     /// Number of this loading of the component.
     pub(crate) const LOADED: usize = 5;
+    /// Key of the machine's name ([`super::machine_key`]); 0: the process does not know it.
+    pub(crate) const MACHINE: usize = 6;
     /// Servo periods since the component was loaded: its sign of life.
     pub(crate) const PERIODS: usize = 8;
     /// Records that found no room.
@@ -92,7 +94,6 @@ pub(crate) const SIZE: usize = RECORDS.at + RECORDS.size();
 
 /// What two builds must have in common.
 pub(crate) fn build() -> u64 {
-    let mut sum: u64 = 0xcbf2_9ce4_8422_2325; // FNV-1a
     let sizes = [
         size_of::<servo::Record>(),
         size_of::<servo::Replied>(),
@@ -103,10 +104,18 @@ pub(crate) fn build() -> u64 {
         SIZE,
     ];
     let numbers = sizes.iter().flat_map(|size| size.to_le_bytes());
-    for byte in env!("CARGO_PKG_VERSION").bytes().chain(numbers) {
-        sum = (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-    }
-    sum
+    fnv1a(env!("CARGO_PKG_VERSION").bytes().chain(numbers))
+}
+
+/// Key of a machine's name, by which a control knows whether it is led here; never 0.
+pub(crate) fn machine_key(name: &str) -> u64 {
+    fnv1a(name.bytes()).max(1)
+}
+
+fn fnv1a(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
+        (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
 }
 
 /// The name of the shared memory of a component. A HAL session ends at its IPC namespace, and so

@@ -86,8 +86,9 @@ impl<F: Fieldbus> ServoProcess<F> {
     pub fn new(fieldbus: F, options: ServoProcessOptions) -> Result<Self, String> {
         let axes =
             (0..).zip(options.axes).fold(0, |mask, (index, has)| mask | u16::from(has) << index);
-        let made = crate::make(&options.name, axes, options.spindles as u8)
-            .map_err(|why| format!("no shared memory can be made: {why}"))?;
+        let made =
+            crate::make(&options.name, axes, options.spindles as u8, options.machine.as_deref())
+                .map_err(|why| format!("no shared memory can be made: {why}"))?;
         let (made, period) = (Arc::new(made), Arc::new(AtomicU64::new(0)));
         let (to_servo, begin) = RingBuffer::new(SESSIONS);
         let (over, from_servo) = RingBuffer::new(2 * SESSIONS);

@@ -17,17 +17,19 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 #[derive(Debug)]
 pub struct Made(Arc<Mapping>);
 
-/// Memory of this name for a component that has these axes (a bit each) and so many spindles.
+/// Memory of this name for a process that has these axes (a bit each) and this number of spindles,
+/// and leads the machine of this name, where it knows that.
 ///
 /// # Errors
 /// The operating system's.
-pub fn make(name: &str, axes: u16, spindles: u8) -> Result<Made, Errno> {
+pub fn make(name: &str, axes: u16, spindles: u8, machine: Option<&str>) -> Result<Made, Errno> {
     let memory = Mapping::create(&layout::memory_name(name), layout::SIZE)?;
     let words = memory.words();
     words[head::VERSION].store(layout::VERSION, Relaxed);
     words[head::BUILD].store(layout::build(), Relaxed);
     words[head::LOADED].store(RandomState::new().build_hasher().finish(), Relaxed);
     words[head::HAS].store(u64::from(axes) | u64::from(spindles) << 16, Relaxed);
+    words[head::MACHINE].store(machine.map_or(0, layout::machine_key), Relaxed);
     words[head::MAGIC].store(layout::MAGIC, Release);
     Ok(Made(Arc::new(memory)))
 }

@@ -10,22 +10,24 @@ use units::Time;
 pub struct ServoProcessOptions {
     /// Name by which a control finds it.
     pub name: String,
+    /// Name of the machine that it leads; `None`: it does not know, as HAL does not.
+    pub machine: Option<String>,
     /// Which axes it has.
     pub axes: [bool; AXES],
     /// Number of its spindles.
     pub spindles: usize,
     /// Said where no period has come yet.
     pub not_called: &'static str,
-    /// How the process gets an axis that it lacks; its letter follows.
-    pub axis_missing: &'static str,
+    /// What is said of an axis, by its letter, that it lacks.
+    pub axis_missing: fn(char) -> String,
 }
 
 /// A control that leads the machine, and the kernel that it leads.
 pub(crate) struct ControlSession {
     pub(crate) seat: Seat<ServoSide>,
-    /// Drives obey so much later than they are told.
+    /// Time after which axes and spindles are where their drives were commanded to be.
     pub(crate) obeys_after: ([Time; AXES], [Time; SPINDLES]),
-    /// For so long its control may show no sign of life, ns.
+    /// Longest silence of its control, ns.
     pub(crate) most_silent_ns: i64,
 }
 

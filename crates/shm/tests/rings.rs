@@ -116,7 +116,7 @@ proptest! {
 fn a_control_that_asks_for_a_session_is_no_sign_of_life_of_the_one_before_it() {
     const ALIVE: usize = 24; // of the layout: session in the upper half, a count in the lower one
     let name = format!("test-alive-{}", std::process::id());
-    let made = shm::make(&name, 7, 1).unwrap();
+    let made = shm::make(&name, 7, 1, None).unwrap();
     // a file in memory: as large as the component has made it
     let path = shm::memory_name(&name);
     let words = std::fs::metadata(format!("/dev/shm{path}")).unwrap().len() as usize / 8;
@@ -136,7 +136,7 @@ fn a_control_that_asks_for_a_session_is_no_sign_of_life_of_the_one_before_it() {
 fn a_computer_that_stood_still_makes_no_control_silent() {
     const PERIOD: i64 = 1_000_000;
     let name = format!("test-still-{}", std::process::id());
-    let made = shm::make(&name, 7, 1).unwrap();
+    let made = shm::make(&name, 7, 1, None).unwrap();
     let mut side = shm::ServoSide::new(&made, 1);
     let mut look = |now_ns: i64| side.silence(now_ns, PERIOD as u64);
     assert_eq!(look(PERIOD), 0);

@@ -154,8 +154,8 @@ Examples:
     /// Lead drives in a process of its own, for a control that may end at any moment
     #[command(
         after_help = "The kernel runs here, in a servo thread by the clock, and a control leads it over shared memory. When the \
-control ends, axes and spindles come to rest, coupled ones on their coupling, and the next control is told of a tool that was left \
-in the work. So far the drives are simulated. Ctrl-C brings them to rest and ends it.
+control ends, axes and spindles come to rest, coupled ones on their coupling, and the next control knows a tool that was left in \
+the work. So far the drives are simulated. Ctrl-C brings them to rest and ends it.
 
 Examples:
   leadscrew drives --machine tapping-center &   then: leadscrew serve --machine tapping-center --drives process:default

@@ -23,8 +23,7 @@ pub use seat::{SeatText, SharedSeat};
 pub use simulated::Simulation;
 
 use crate::Refused;
-use bus::EngagedTool;
-use bus::Machine;
+use bus::{EngagedTool, Machine};
 use canon::{Position, ToolLibrary};
 use sim::Fault;
 use std::path::{Path, PathBuf};

@@ -21,6 +21,12 @@ fn open(opening: &Opening<'_>) -> Result<Opened, Refused> {
     let name =
         name.ok_or_else(|| Refused::because("expected the name that leadscrew drives has"))?;
     let side = shm::ControlSide::find(name).map_err(|why| Refused::because(why.to_string()))?;
+    let machine = &opening.machine.name;
+    if !side.may_lead(machine) {
+        return Err(Refused::because(format!(
+            "leadscrew drives, as {name}, leads another machine than {machine}: start both with the same --machine"
+        )));
+    }
     let times = (opening.machine.control.period, SILENT_AFTER, Time::ZERO);
     Ok(Opened { drives: Box::new(SharedSeat::new(side, times, TEXT)), welcome: None })
 }

@@ -1,8 +1,7 @@
 //! A kernel in the servo thread of another process: the control leads it over shared memory, and
 //! drives obey that kernel alone.
 use super::Drives;
-use bus::EngagedTool;
-use bus::{Command, Feedback, Machine};
+use bus::{Command, EngagedTool, Feedback, Machine};
 use units::Time;
 
 /// The place of a kernel in another process.

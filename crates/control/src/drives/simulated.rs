@@ -14,11 +14,15 @@ pub const DOOR: Door = Door { name: "simulated", address: None, open };
 /// A simulated machine that has just been switched on: where its axes stand is not known.
 fn open(opening: &Opening<'_>) -> Result<Opened, Refused> {
     let Opening { machine, tools, material, seed, zero, .. } = *opening;
-    let mut simulated = config::simulator(machine, tools, material, seed, zero);
-    simulated.power_on = sim::PowerOn::Unknown;
+    let simulated = switched_on(config::simulator(machine, tools, material, seed, zero));
     let alone = config::left_alone(machine, &simulated);
     let simulated = Faulty::new(build(machine, simulated)?, &[], seed).left_alone(alone);
     Ok(Opened { drives: Box::new(simulated), welcome: None })
+}
+
+/// A machine of this configuration whose axes have just got power: where they stand is not known.
+pub fn switched_on(config: sim::Config) -> sim::Config {
+    sim::Config { power_on: sim::PowerOn::Unknown, ..config }
 }
 
 /// A machine in which nothing fails unless it is struck; the seed is that of faults which scatter.

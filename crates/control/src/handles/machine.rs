@@ -1,8 +1,7 @@
 //! The machine as the control holds it: here, or in the servo thread.
 use crate::real_time::MachineLink;
 use crate::{Drives, Refused};
-use bus::EngagedTool;
-use bus::{Feedback, Truth};
+use bus::{EngagedTool, Feedback, Truth};
 use servo::Record;
 use sim::Fault;
 use units::Time;

@@ -12,8 +12,7 @@
 use super::kept::{Kept, LockedFolder};
 use crate::drives::remote::identity;
 use crate::recovery::{self, LeftTool};
-use bus::EngagedTool;
-use bus::Feedback;
+use bus::{EngagedTool, Feedback};
 use shm::RetainedState;
 use std::path::Path;
 use store::machine::MachineFile;

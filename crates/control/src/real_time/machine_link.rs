@@ -4,8 +4,7 @@
 //! find that full: a busy computer lets the control look at many periods at once. So what finds no
 //! room waits here for the next look. The engaged tool is no message but a state: only when it
 //! differs from what was sent last is it sent, and of several states the last.
-use bus::EngagedTool;
-use bus::{Feedback, Sample, Truth};
+use bus::{EngagedTool, Feedback, Sample, Truth};
 use rtrb::Producer;
 use servo::{LaneStop, Record, StopLane};
 use shm::RetainedState;

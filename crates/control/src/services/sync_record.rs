@@ -10,8 +10,7 @@
 //! whenever the disk is done before. In real time it comes when it comes.
 use crate::Refused;
 use crate::{KernelHandle, MachineHandle};
-use bus::EngagedTool;
-use bus::{Feedback, State};
+use bus::{EngagedTool, Feedback, State};
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
 use kernel::{RecordRequest, WorkRecord};
 use motion::TiedCut;

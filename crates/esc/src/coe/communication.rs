@@ -24,7 +24,7 @@ pub(crate) struct DeviceProfile {
     pub(crate) least_cycle_ns: u32,
 }
 
-/// Makes the objects.
+/// Returns the objects of the communication area, 1000 to 1FFF.
 pub(crate) fn communication_objects(profile: &DeviceProfile, quirks: &Quirks) -> Vec<Object> {
     use DataType::{U8, U32};
     let Identity { vendor, product, revision, serial } = profile.identity;

@@ -132,7 +132,7 @@ pub enum ObjectValue {
 /// An entry of an object.
 #[derive(Clone, Debug)]
 pub struct ObjectEntry {
-    /// Subindex.
+    /// Its subindex within the object.
     pub sub: u8,
     /// Name, for SDO information.
     pub name: &'static str,

@@ -136,7 +136,7 @@ fn check_entry(
     if allowed && fits { Ok((Some(handle), usize::from(bits))) } else { Err(Abort::NotMappable) }
 }
 
-/// The first so many entries of a mapping.
+/// Returns the first `count` entries of a mapping.
 fn mapped(
     dictionary: &Dictionary,
     index: u16,

@@ -13,7 +13,7 @@ pub(crate) fn supported_modes(quirks: &Quirks) -> &'static [i64] {
     MODES[usize::from(quirks.no_csv) + 2 * usize::from(quirks.no_cst)]
 }
 
-/// Makes the objects of an axis, from index 6000 + `offset` on.
+/// Returns the objects of an axis, from index 6000 + `offset` on.
 #[allow(clippy::too_many_lines)] // a table
 pub(crate) fn axis_objects(offset: u16, motor: &Motor, quirks: &Quirks) -> Vec<Object> {
     use DataType::{I8, I16, I32, U8, U16, U32};

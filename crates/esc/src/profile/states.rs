@@ -12,7 +12,7 @@
 /// State of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DriveState {
-    /// It initialises itself.
+    /// Start of its electronics.
     #[default]
     NotReadyToSwitchOn,
     /// High voltage may not be applied.

@@ -117,7 +117,7 @@ impl EncoderPlausibility {
                 continue;
             };
             let expected = expected_of_spindle(loop_, watched, period_s);
-            let is_stuck = !frame_lost && loop_.is_stuck(reading, false);
+            let is_stuck = !frame_lost && loop_.notes_stuck(reading, false);
             let bounds = Bounds { is_stuck, frame_lost, ..spindle_bounds(loop_, period_s) };
             let (angle, change) = watched.judge(reading, expected, bounds);
             said.angle = Angle::rev(angle);

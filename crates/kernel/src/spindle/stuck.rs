@@ -169,8 +169,8 @@ impl SpindleLoop {
     }
 
     /// Takes note of a reading of this period; returns true if its encoder is stuck. `is_tied`: a
-    /// tap or a thread ties an axis to it.
-    pub(crate) fn is_stuck(&mut self, reading: f64, is_tied: bool) -> bool {
+    /// tap or a thread ties an axis to the spindle.
+    pub(crate) fn notes_stuck(&mut self, reading: f64, is_tied: bool) -> bool {
         let control = &self.control;
         let by_torque = control.own_ramps.is_none() && !control.closes_position;
         let is_off = self.error().abs() > control.windows.oriented.value();

@@ -3,8 +3,7 @@
 use super::SimulatorOptions;
 use super::command_monitor::CommandMonitor;
 use super::retained::Retained;
-use bus::{Command, DriveReaction, Feedback, Machine, SPINDLES, Truth};
-use bus::{EngagedTool, RunDownKind};
+use bus::{Command, DriveReaction, EngagedTool, Feedback, Machine, RunDownKind, SPINDLES, Truth};
 use control::Refused;
 use control::config;
 use control::job::Session;
