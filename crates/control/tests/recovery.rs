@@ -198,3 +198,42 @@ fn a_recovery_is_never_refused_for_a_false_reason_however_often_others_were_stop
     println!("{recovered} recovered, {stopped} recoveries stopped, {torn} torn");
     assert!(recovered > 0 && stopped > 0);
 }
+
+/// The button is released while the stop is under way, and the tool is asked out as soon as that is
+/// accepted, wherever in a tap: no tap breaks of it.
+#[test]
+fn an_emergency_stop_that_is_released_at_once_leaves_the_tap_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut left = 0;
+    let mut torn = Vec::new();
+    for case in 0..test_support::size::of(16, 400) {
+        let depth = -4.0 + 18.0 * f64::from(case % 16) / 16.0 + 0.037 * f64::from(case / 16);
+        let Some(mut control) = stopped_with(folder.path(), 3, depth, case % 5 != 4) else {
+            continue;
+        };
+        asked(&mut control, &Request::EmergencyStop(true));
+        for _ in 0..[1, 2, 9, 40, 300][case as usize % 5] {
+            control.period();
+        }
+        asked(&mut control, &Request::EmergencyStop(false));
+        until(&mut control, "all stands", |control| {
+            assert_ne!(control.execution(), Execution::ProgramCompleted, "{:?}", control.status());
+            control.execution() == Execution::Stopped
+        });
+        if control.status().is_tool_in_work {
+            left += 1;
+            for _ in 0..COMES {
+                if control.request(&Request::Recover).is_ok() {
+                    break;
+                }
+                control.period();
+            }
+            until(&mut control, "out", |control| !control.status().is_tool_in_work);
+        }
+        if control.broken_tool().is_some() {
+            torn.push(format!("case {case}, {depth:.3} mm"));
+        }
+    }
+    assert!(left > 4, "{left} were left in the work");
+    assert!(torn.is_empty(), "{torn:#?}");
+}

@@ -108,10 +108,8 @@ fn a_run_with_a_hold_an_alarm_and_a_recovery_is_observed_event_by_event() {
     };
     assert_eq!(named(), cut);
     served.accepted(json!({ "request": "reset" }));
-    served.until("it begins again", |_| {
-        served.request(&json!({ "request": "power", "on": true }));
-        served.request(&json!({ "request": "start" })).0 == 200
-    });
+    served.until_accepted(json!({ "request": "power", "on": true }));
+    served.until_accepted(json!({ "request": "start" }));
     served.until("the end", |status| status["execution"] == "PROGRAM_COMPLETED");
     served.until("the agent has seen it", |_| {
         of_item(&get(&served, "current").1, "path_execution") == ["PROGRAM_COMPLETED"]
@@ -183,10 +181,10 @@ fn a_tap_that_was_stopped_before_the_material_is_not_said_to_be_of_no_class() {
     served.accepted(json!({ "request": "emergency_stop", "on": false }));
     served.until("it may leave", |status| status["emergency_stop"] == "ARMED");
     if served.status()["is_tool_in_work"] == true {
-        served.until("it leaves", |_| served.request(&json!({ "request": "recover" })).0 == 200);
+        served.until_accepted(json!({ "request": "recover" }));
         served.until("it is out", |status| status["is_tool_in_work"] == false);
     }
-    served.until("it is over", |_| served.request(&json!({ "request": "reset" })).0 == 200);
+    served.until_accepted(json!({ "request": "reset" }));
     served.until("its verdict", |_| {
         of_item(&get(&served, "current").1, "path_verdict") == ["FAILED"]
     });

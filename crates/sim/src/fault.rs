@@ -153,6 +153,9 @@ pub struct Faulty<M> {
     /// The drives on their own; and since when they are not commanded.
     run_down: Option<RunDown>,
     silent: Time,
+    /// The emergency stop chain has opened, and the stop that the drives began then goes on: also
+    /// when the chain is closed meanwhile.
+    is_chain_stop: bool,
     switched_off: SwitchedOff,
     pending: Vec<Pending>,
     last: Command,
@@ -181,6 +184,7 @@ impl<M: Machine> Faulty<M> {
             alone: None,
             run_down: None,
             silent: Time::ZERO,
+            is_chain_stop: false,
             switched_off: SwitchedOff::default(),
             pending,
             last: Command::default(),
@@ -237,18 +241,35 @@ impl<M: Machine> Faulty<M> {
     /// stay.
     pub fn mend(&mut self) {
         self.pending.retain(|pending| pending.came.is_none());
-        (self.run_down, self.silent) = (None, Time::ZERO);
+        self.obey_again();
         self.switched_off = SwitchedOff::default();
         self.said = *self.machine.feedback();
     }
 
-    /// A fault of this kind is over: a button is released, a drive is repaired.
+    /// A fault of this kind is over: a button is released, a drive is repaired. That the chain is
+    /// closed is said with the next period, so that who opened it for a single one has been heard.
     pub fn repair(&mut self, fault: Fault) {
         self.pending.retain(|pending| pending.came.is_none() || pending.planned.fault != fault);
-        if !(self.is_abandoned() || self.has(|fault| matches!(fault, Fault::EmergencyStop))) {
-            (self.run_down, self.silent) = (None, Time::ZERO);
-            self.said.emergency_stop = self.machine.feedback().emergency_stop;
+        if !self.is_stopping_alone() {
+            self.obey_again();
         }
+    }
+
+    /// The drives stop by themselves, whatever the control says: it is gone, or the chain was
+    /// opened and not everything stands.
+    fn is_stopping_alone(&self) -> bool {
+        let is_open = self.has(|fault| matches!(fault, Fault::EmergencyStop));
+        let rests = self.run_down.as_ref().is_some_and(RunDown::is_over);
+        self.is_abandoned() || is_open || self.is_chain_stop && self.alone.is_some() && !rests
+    }
+
+    /// The drives do what they are told from now on.
+    fn obey_again(&mut self) {
+        if self.is_chain_stop {
+            // they are off: what they were told before is of no meaning any more
+            self.last = Command { tool: self.last.tool, ..Command::default() };
+        }
+        (self.run_down, self.silent, self.is_chain_stop) = (None, Time::ZERO, false);
     }
 
     /// A period without a controller.
@@ -398,16 +419,19 @@ impl<M: Machine> Machine for Faulty<M> {
             .alone
             .as_ref()
             .and_then(|alone| self.switched_off.command(alone, (&self.last, command), &now));
-        if self.pending.is_empty() && own.is_none() {
+        if self.pending.is_empty() && own.is_none() && !self.is_chain_stop {
             // nothing can happen to it: command and feedback pass as they are
             self.last = *command;
             self.said = *self.machine.exchange(command);
             return &self.said;
         }
         self.trip();
-        // a chain that opens has the drives stop by themselves, whatever the control says
-        if self.is_abandoned() || self.has(|fault| matches!(fault, Fault::EmergencyStop)) {
+        self.is_chain_stop |= self.has(|fault| matches!(fault, Fault::EmergencyStop));
+        if self.is_stopping_alone() {
             return self.wait();
+        }
+        if self.is_chain_stop {
+            self.obey_again();
         }
         let order = self.order(&own.unwrap_or(*command));
         self.last = *command;

@@ -2,7 +2,7 @@
 use crate::fixtures::tapping_center;
 use bus::{Command, Coupled, DriveReaction, Feedback, Machine};
 use core::f64::consts::TAU;
-use sim::{Bus, RunDown, SimulatedMachine};
+use sim::{Bus, Fault, Faulty, LeftAlone, RunDown, SimulatedMachine};
 use units::{CoordinateSpeed, Force, Lead, Spin, Time, Torque};
 
 /// Spindle at 1000 rpm and Z at 1.25 mm per turn, driven there by hand; in the air.
@@ -111,4 +111,46 @@ fn drives_that_are_off_already_stay_off() {
     let mut drives =
         RunDown::new(&config, DriveReaction::QuickStop, None, &nothing, machine.feedback());
     assert_eq!(drives.command(machine.feedback()), nothing);
+}
+
+/// A tap's axis on its line, the chain opened for so many periods, and then what the control says:
+/// nothing, or what it said before. How far off the line at the worst, mm; whether the opened chain
+/// was heard.
+fn chain_opened_for(periods: u32, says: &Command) -> (f64, bool) {
+    let (machine, command, begin) = moving();
+    let alone = LeftAlone {
+        config: tapping_center(),
+        watchdog: Time::s(5e-3),
+        on_silence: DriveReaction::CoupledStop,
+        on_power_loss: DriveReaction::Off,
+        bus: None,
+    };
+    let mut machine = Faulty::new(machine, &[], 1).left_alone(alone);
+    machine.exchange(&command);
+    machine.strike(Fault::EmergencyStop);
+    let (mut worst, mut is_heard, mut turned_before) = (0.0_f64, false, 0.0);
+    for period in 0..8000 {
+        if period == periods {
+            machine.repair(Fault::EmergencyStop);
+        }
+        is_heard |= machine.feedback().emergency_stop;
+        let now = *machine.exchange(if period < periods { &command } else { says });
+        let turned = (now.spindles[0].angle - begin.spindles[0].angle).value();
+        let off = (now.axes[2].position - begin.axes[2].position).value() + 1.25 * turned;
+        worst = worst.max(off.abs());
+        if period == 7999 {
+            assert!((turned - turned_before).abs() < 1e-6, "{periods}: it turns on");
+        }
+        turned_before = turned;
+    }
+    (worst, is_heard)
+}
+
+#[test]
+fn a_chain_that_is_closed_again_is_heard_and_the_stop_goes_on_together() {
+    for periods in [1, 2, 9, 20, 21, 60, 120, 400] {
+        let (worst, is_heard) = chain_opened_for(periods, &Command::default());
+        assert!(is_heard, "{periods} periods");
+        assert!(worst < 0.030, "{worst} mm after {periods} periods");
+    }
 }

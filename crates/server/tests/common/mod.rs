@@ -244,6 +244,19 @@ impl Served {
         }
     }
 
+    /// Asks until it is accepted; what hinders it for too long is in the message.
+    pub fn until_accepted(&self, body: Value) -> Value {
+        let start = control::clock::now();
+        loop {
+            let (status, answer) = self.request(&body);
+            if status == 200 {
+                return answer;
+            }
+            assert!(control::clock::now() - start < COMES, "{body}: {answer}: {}", self.status());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
     /// A program of the folder, from the start to the end.
     pub fn execute(&self, program: &str) {
         self.accepted(json!({ "request": "load", "program": program }));
