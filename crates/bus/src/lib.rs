@@ -47,6 +47,8 @@ pub struct AxisFeedback {
     /// Position, by the encoder that `position` is read from, at which its index mark passed, if it
     /// did during the last period.
     pub index: Option<Coordinate>,
+    /// Force of the drive as it measures it, positive along the axis; `None` where it does not.
+    pub force: Option<Force>,
 }
 
 /// What a machine says of one spindle.
@@ -66,6 +68,9 @@ pub struct SpindleFeedback {
     pub oriented: bool,
     /// A drive that orients the spindle by itself cannot: its fault code; 0 is none.
     pub orient_fault: i32,
+    /// Torque of the drive as it measures it, with the sign of the speed that it drives to; `None`
+    /// where it does not.
+    pub torque: Option<Torque>,
 }
 
 /// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66),

@@ -4,11 +4,8 @@ use crate::tables::table;
 use canon::ToolLibrary;
 use control::config;
 use sim::AxisModel;
-use store::machine::MachineFile;
+use store::machine::{MachineFile, RAD_PER_M};
 use units::{Angle, AxisKind, Coordinate, Distribution, Per, Spread};
-
-/// Radians of the 1000° that stand for a metre on a rotary axis.
-const RAD_PER_M: f64 = 1000.0 * std::f64::consts::PI / 180.0;
 
 /// One row: of what, what, as believed, its range, as drawn.
 type ScatterRow = [String; 5];

@@ -5,6 +5,7 @@ mod absolute_encoders;
 mod axis_kinds;
 mod broken_tools;
 mod drives;
+mod loads;
 mod notices;
 mod proving;
 mod real_time;

@@ -80,6 +80,8 @@ pub(crate) struct AxisPlaces {
     pub(crate) machine: usize,
     pub(crate) work: usize,
     pub(crate) homed: usize,
+    /// Of a drive that measures it.
+    pub(crate) load: Option<usize>,
 }
 
 /// Of a spindle.
@@ -88,6 +90,7 @@ pub(crate) struct SpindlePlaces {
     pub(crate) ordered: usize,
     pub(crate) measured: usize,
     pub(crate) load: usize,
+    pub(crate) torque: usize,
     pub(crate) speed_override: usize,
 }
 
@@ -233,6 +236,10 @@ fn axes(parts: &mut Parts, device: usize, machine: &MachineFile, at: &mut Places
             machine: parts.item(component, "machine", position.of("MACHINE")),
             work: parts.item(component, "work", position.of("WORK")),
             homed: parts.item(component, "homed", ItemKind::event("leadscrew:HOMED")),
+            load: axis
+                .drive
+                .measured_torque
+                .map(|_| parts.item(component, "load", ItemKind::sample("LOAD", "PERCENT", 0))),
         });
     }
     for number in 1..=machine.spindles.len() {
@@ -247,6 +254,7 @@ fn axes(parts: &mut Parts, device: usize, machine: &MachineFile, at: &mut Places
             ordered: parts.item(component, "ordered", speed.sub("COMMANDED")),
             measured: parts.item(component, "measured", speed.sub("ACTUAL")),
             load: parts.item(component, "load", ItemKind::sample("LOAD", "PERCENT", 0)),
+            torque: parts.item(component, "torque", ItemKind::sample("TORQUE", "NEWTON_METER", 2)),
             speed_override: parts.item(component, "override", percent),
         });
     }

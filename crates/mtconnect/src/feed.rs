@@ -292,11 +292,15 @@ fn samples(status: &Status, now: u64, device: &Device, buffer: &mut Buffer) {
     for (axis, at) in status.axes.iter().zip(&at.axes) {
         observe(at.machine, axis.machine);
         observe(at.work, axis.work);
+        if let Some(load) = at.load {
+            observe(load, axis.load_percent.unwrap_or(f64::NAN));
+        }
     }
     for (spindle, at) in status.spindles.iter().zip(&at.spindles) {
         observe(at.ordered, spindle.ordered_rpm);
         observe(at.measured, spindle.measured_rpm);
         observe(at.load, spindle.load_percent.unwrap_or(f64::NAN));
+        observe(at.torque, spindle.torque_n_m.unwrap_or(f64::NAN));
     }
 }
 

@@ -205,6 +205,7 @@ impl Spindle {
             saturated: self.saturated,
             oriented: self.relay.as_ref().is_some_and(Relay::is_oriented),
             orient_fault: 0,
+            torque: None, // read beside it
         }
     }
 

@@ -5,7 +5,7 @@
 use bus::{Sample, State, Truth};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::{f64::consts::TAU, hint::black_box};
-use store::trace::{Columns, GROUP_ROWS, Writer};
+use store::trace::{Columns, GROUP_ROWS, MeasuredDrives, Writer};
 use units::{Angle, Coordinate, Force, Length, Spin, Time, Torque};
 
 const ROWS: usize = 4 * GROUP_ROWS;
@@ -55,6 +55,7 @@ fn write(c: &mut Criterion) {
     let columns = Columns {
         axes: vec![(0, "x".into()), (1, "y".into()), (2, "z".into())],
         spindles: vec!["spindle".into()],
+        measured: MeasuredDrives::default(),
     };
     let mut group = c.benchmark_group("trace");
     group.throughput(Throughput::Elements(ROWS as u64)).sample_size(10);

@@ -3,12 +3,16 @@
 use bus::{Sample, State, Truth};
 use proptest::prelude::*;
 use std::path::Path;
-use store::trace::{Columns, GROUP_ROWS, Group, Reader, Writer};
+use store::trace::{Columns, GROUP_ROWS, Group, MeasuredDrives, Reader, Writer};
 use test_support::size;
 use units::{Angle, Coordinate, Force, Length, Spin, Time, Torque};
 
 fn columns() -> Columns {
-    Columns { axes: vec![(0, "x".into()), (2, "z".into())], spindles: vec!["spindle".into()] }
+    Columns {
+        axes: vec![(0, "x".into()), (2, "z".into())],
+        spindles: vec!["spindle".into()],
+        measured: MeasuredDrives { axes: vec![2], spindles: vec![0] },
+    }
 }
 
 fn sample(n: u32) -> Sample {
@@ -16,6 +20,8 @@ fn sample(n: u32) -> Sample {
     let mut sample = Sample::default();
     sample.feedback.time = Time::s(n * 250e-6);
     sample.feedback.axes[2].position = Coordinate::new(-0.001 * n);
+    sample.feedback.axes[2].force = Some(Force::n(-812.5));
+    sample.feedback.spindles[0].torque = Some(Torque::n_m(2.75));
     sample.feedback.spindles[0].angle = Angle::rev(0.025 * n);
     sample.command.axes[0].position = Coordinate::new(1.5);
     sample.command.axes[0].force = Force::n(-20.0);
@@ -58,6 +64,8 @@ fn the_columns_are_those_that_other_programs_rely_on() {
         "spindle_encoder_rev",
         "spindle_rpm",
         "spindle_drive_torque_n_m",
+        "z_measured_force_n",
+        "spindle_measured_torque_n_m",
         "control_sync_error_um",
     ];
     assert_eq!(names, expected);
@@ -88,6 +96,8 @@ fn without_a_simulator_the_truth_is_no_number_and_drives_give_what_they_are_orde
     assert!((at("spindle_encoder_rev", 1) - 0.025).abs() < 1e-6);
     assert_eq!((at("x_control_setpoint_mm", 0), at("x_drive_force_n", 0)), (1.5, -20.0));
     assert_eq!(at("spindle_drive_torque_n_m", 0), 3.25);
+    let measured = (at("z_measured_force_n", 0), at("spindle_measured_torque_n_m", 0));
+    assert_eq!(measured, (-812.5, 2.75));
     // 0.025 rev in 250 µs are 100 rev/s
     assert!((at("spindle_rpm", 1) - 6000.0).abs() < 1e-3);
     assert_eq!(at("spindle_rpm", 0), 0.0);

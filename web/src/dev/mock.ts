@@ -54,10 +54,10 @@ export function mock(): void {
   setInterval(() => {
     const s = (performance.now() - begun) / 1000;
     const z = -4.25 - 8 * Math.sin(s * 3);
-    const axis = (letter: string, work: number) => ({ letter, unit: 'mm' as const, machine: work - 250, work, is_homed: true, following_error: 0, to_go: letter === 'Z' ? -20 - z : 0 });
+    const axis = (letter: string, work: number) => ({ letter, unit: 'mm' as const, machine: work - 250, work, is_homed: true, following_error: 0, load_percent: letter === 'Z' ? 62 : 8, thermal_percent: letter === 'Z' ? 31 : 2, to_go: letter === 'Z' ? -20 - z : 0 });
     const status: Status = {
       time_s: s, emergency_stop: 'ARMED', power: 'ON', is_ready: true, mode: 'AUTOMATIC', execution: 'ACTIVE', activity: 'tapping',
-      waiting_for: null, axes: [axis('X', 76), axis('Y', 40), axis('Z', z)], spindles: [{ ordered_rpm: 6000, angle_deg: (s * 1000) % 360, measured_rpm: 5998, load_percent: 23 }],
+      waiting_for: null, axes: [axis('X', 76), axis('Y', 40), axis('Z', z)], spindles: [{ ordered_rpm: 6000, angle_deg: (s * 1000) % 360, measured_rpm: 5998, torque_n_m: 4.6, load_percent: 23, thermal_percent: 9 }],
       tool: 3, work_offset: 'G54', codes: ['G0', 'G17', 'G21', 'G90', 'G94', 'G54', 'G43', 'G80', 'M3', 'M8'],
       overrides: { feed_percent: 100, rapid_percent: 50, spindle_percent: 100, is_locked: true },
       program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s, left_s: Math.max(0, 62 - s), ahead_s: 0.5 }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,

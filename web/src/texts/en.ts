@@ -67,6 +67,7 @@ export const t = {
   ordered: 'ordered',
   angle: 'angle',
   load: 'Load',
+  loadOf: (name: string, load: string, warm: string) => `${name}: ${load} % of what its drive can hold for ever; warm to ${warm} %`,
   notKnown: 'not known',
   syncError: 'Sync error',
   now: 'now',

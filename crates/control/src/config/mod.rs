@@ -6,6 +6,7 @@
 //!                      ├─► homing      kernel::HomingOrder  how its axes find out where they are
 //!   store::MachineFile ┼─► control     kernel::Config       the loops
 //!   canon::ToolLibrary ┼─► planner     plan::MachineLimits  what may be asked of the machine
+//!                      ├─► ratings     Ratings              what drives can hold for ever
 //!                      └─► judge       verify::Config       what was asked of the work
 //! ```
 mod control;
@@ -13,6 +14,7 @@ mod homing;
 mod judge;
 pub mod machine_file;
 mod planner;
+mod ratings;
 mod scatter;
 mod simulator;
 
@@ -20,7 +22,8 @@ pub use control::{control, encoder};
 pub use homing::{AxisHoming, homing};
 pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};
+pub use ratings::{AxisRating, Ratings, SpindleRating, ratings};
 pub use scatter::{alignment, judged_tools, real_tools};
 pub use simulator::{
-    bar, inputs, left_alone, plain_drive, simulator, simulator_of_part, start, touched,
+    bar, inputs, left_alone, measured_torques, plain_drive, simulator, simulator_of_part, start, touched,
 };

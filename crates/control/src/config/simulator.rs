@@ -251,6 +251,24 @@ pub fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
     })
 }
 
+/// The drives that measure what they give.
+pub fn measured_torques(machine: &MachineFile) -> sim::MeasuredTorques {
+    let sensor = |file: store::machine::MeasuredTorque| sim::MeasuredTorque {
+        resolution_share: file.resolution_share,
+        noise_share: file.noise_share,
+        delay: file.delay,
+        constant: machine.scatter.torque_constant,
+    };
+    let mut measured = sim::MeasuredTorques::default();
+    for (sensed, axis) in measured.axes.iter_mut().zip(&machine.axes) {
+        *sensed = axis.as_ref().and_then(|axis| axis.drive.measured_torque).map(sensor);
+    }
+    for (sensed, spindle) in measured.spindles.iter_mut().zip(&machine.spindles) {
+        *sensed = spindle.measured_torque.map(sensor);
+    }
+    measured
+}
+
 fn tool(tool: &Tool, seat: &TapSeat, material: StockMaterial) -> sim::Tool {
     let kind = match &tool.kind {
         ToolKind::Drill { point_angle } | ToolKind::SpotDrill { point_angle } => {

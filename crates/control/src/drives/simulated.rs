@@ -43,6 +43,7 @@ pub fn build(file: &MachineFile, config: sim::Config) -> Result<SimulatedMachine
     })?;
     let simulator =
         simulator.with_inputs(config::inputs(&file.simulation.inputs)).with_touched(bosses, setter);
+    let simulator = simulator.with_measured_torque(&config::measured_torques(file));
     let simulator = match bar {
         Some(bar) => simulator.with_bar(bar),
         None => simulator,

@@ -194,7 +194,7 @@ impl Control {
             kept,
             state_changes: Vec::new(),
             outside,
-            meters: Meters::default(),
+            meters: Meters::new(config::ratings(&base.machine)),
             runs: None,
             ended: None,
             message: None,

@@ -9,8 +9,10 @@ enum Source {
     Setpoint(Axis),
     Position(Axis),
     FollowingError(Axis),
+    MeasuredForce(Axis),
     OrderedSpeed(usize),
     SpindleAngle(usize),
+    MeasuredTorque(usize),
     SyncError,
 }
 
@@ -25,7 +27,8 @@ impl Signals {
     /// Of a control.
     pub fn of(control: &Control) -> Self {
         let mut all = Vec::new();
-        for axis in control.machine().axes.iter().flatten().map(|axis| axis.letter) {
+        for file in control.machine().axes.iter().flatten() {
+            let axis = file.letter;
             let (letter, unit) = (axis.letter(), axis.kind().unit_name());
             let error = match axis.kind() {
                 AxisKind::Linear => "um",
@@ -34,10 +37,21 @@ impl Signals {
             all.push((format!("{letter}.setpoint_{unit}"), Source::Setpoint(axis)));
             all.push((format!("{letter}.position_{unit}"), Source::Position(axis)));
             all.push((format!("{letter}.following_error_{error}"), Source::FollowingError(axis)));
+            if file.drive.measured_torque.is_some() {
+                let what = match axis.kind() {
+                    AxisKind::Linear => "force_n",
+                    AxisKind::Rotary => "torque_n_m",
+                };
+                all.push((format!("{letter}.measured_{what}"), Source::MeasuredForce(axis)));
+            }
         }
-        for spindle in 0..control.machine().spindles.len() {
+        for (spindle, file) in control.machine().spindles.iter().enumerate() {
             all.push((format!("spindle{spindle}.ordered_rpm"), Source::OrderedSpeed(spindle)));
             all.push((format!("spindle{spindle}.angle_deg"), Source::SpindleAngle(spindle)));
+            if file.measured_torque.is_some() {
+                let name = format!("spindle{spindle}.measured_torque_n_m");
+                all.push((name, Source::MeasuredTorque(spindle)));
+            }
         }
         all.push(("sync_error_um".to_owned(), Source::SyncError));
         let (names, sources) = all.into_iter().unzip();
@@ -66,6 +80,18 @@ impl Signals {
                     .spindles
                     .get(spindle)
                     .map_or(f32::NAN, |s| (s.angle.value().rem_euclid(1.0) * 360.0) as f32),
+                Source::MeasuredForce(axis) => {
+                    let unit = match axis.kind() {
+                        AxisKind::Linear => 1.0,
+                        AxisKind::Rotary => store::machine::RAD_PER_M,
+                    };
+                    let force = feedback.axes[axis.index()].force;
+                    force.map_or(f32::NAN, |force| (force.value() / unit) as f32)
+                }
+                Source::MeasuredTorque(spindle) => {
+                    let torque = feedback.spindles.get(spindle).and_then(|said| said.torque);
+                    torque.map_or(f32::NAN, |torque| torque.value() as f32)
+                }
                 Source::SyncError => {
                     kernel.report().sync_error.map_or(f32::NAN, |e| e.in_um() as f32)
                 }

@@ -26,6 +26,11 @@ pub struct AxisStatus {
     pub is_homed: bool,
     /// Setpoint less position by its encoder.
     pub following_error: f64,
+    /// Force that its drive measures, in percent of what it can hold for ever, over 20 ms; `None`:
+    /// it does not measure it, or the machine's file does not say what it can hold.
+    pub load_percent: Option<f64>,
+    /// How warm its drive is by its load, in percent of what it bears for ever.
+    pub thermal_percent: Option<f64>,
 }
 
 /// A spindle.
@@ -36,9 +41,13 @@ pub struct SpindleStatus {
     pub ordered_rpm: f64,
     /// Speed by its encoder, rev/min, over 20 ms; positive is M3.
     pub measured_rpm: f64,
-    /// Torque that its drive is ordered to make, in percent of what it can hold for ever at this
-    /// speed, over 20 ms; `None`: its drive is told a speed, and does not say its torque.
+    /// Torque that its drive measures, or else is told to make, N·m without its sign, over 20 ms;
+    /// `None`: its drive is told a speed, and does not say its torque.
+    pub torque_n_m: Option<f64>,
+    /// The same in percent of what the drive can hold for ever at this speed.
     pub load_percent: Option<f64>,
+    /// How warm its drive is by its load, in percent of what it bears for ever.
+    pub thermal_percent: Option<f64>,
     /// Angle within its turn, degrees.
     pub angle_deg: f64,
 }
@@ -310,6 +319,8 @@ impl Control {
                 to_go: goal.map(|goal| (goal.along(letter) - machine).value()),
                 is_homed: self.is_homed(letter),
                 following_error: (machine - read).value(),
+                load_percent: self.meters.axis(letter).map(|drive| percent(drive.load)),
+                thermal_percent: self.meters.axis(letter).map(|drive| percent(drive.thermal)),
             }
         };
         self.base.machine.axes.iter().flatten().map(status).collect()
@@ -323,7 +334,9 @@ impl Control {
         let status = |(index, (_, feedback)): (usize, (_, &bus::SpindleFeedback))| SpindleStatus {
             ordered_rpm: ordered(index).in_rpm(),
             measured_rpm: self.meters.speed(index).in_rpm(),
-            load_percent: self.meters.load(&self.base.machine, index).map(percent),
+            torque_n_m: self.meters.spindle(index).map(|drive| drive.effort),
+            load_percent: self.meters.spindle(index).map(|drive| percent(drive.load)),
+            thermal_percent: self.meters.spindle(index).map(|drive| percent(drive.thermal)),
             angle_deg: feedback.angle.value().rem_euclid(1.0) * 360.0,
         };
         spindles.map(status).collect()

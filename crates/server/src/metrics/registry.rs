@@ -88,6 +88,9 @@ struct MotionMetrics {
     feed_override: Level,
     spindle_speed: Family<Labels, Level>,
     spindle_load: Family<Labels, Level>,
+    spindle_thermal: Family<Labels, Level>,
+    axis_load: Family<Labels, Level>,
+    axis_thermal: Family<Labels, Level>,
 }
 
 impl MotionMetrics {
@@ -110,7 +113,22 @@ impl MotionMetrics {
             ),
             spindle_load: add.of(
                 ("spindle_load", Unit::Ratios),
-                "Torque ordered, of what the drive can hold for ever at this speed",
+                "Torque measured, or else ordered, of what the drive can hold for ever at this speed",
+                Family::default(),
+            ),
+            spindle_thermal: add.of(
+                ("spindle_thermal_load", Unit::Ratios),
+                "How warm the drive is by its load, of what it bears for ever",
+                Family::default(),
+            ),
+            axis_load: add.of(
+                ("axis_load", Unit::Ratios),
+                "Force or torque measured, of what the drive can hold for ever",
+                Family::default(),
+            ),
+            axis_thermal: add.of(
+                ("axis_thermal_load", Unit::Ratios),
+                "How warm the drive is by its load, of what it bears for ever",
                 Family::default(),
             ),
         }
@@ -123,10 +141,21 @@ impl MotionMetrics {
         for (number, spindle) in status.spindles.iter().enumerate() {
             let of = label("spindle", &number.to_string());
             self.spindle_speed.get_or_create(&of).set(spindle.measured_rpm / 60.0);
-            if let Some(percent) = spindle.load_percent {
-                self.spindle_load.get_or_create(&of).set(percent / 100.0);
-            }
+            set_percent(&self.spindle_load, &of, spindle.load_percent);
+            set_percent(&self.spindle_thermal, &of, spindle.thermal_percent);
         }
+        for axis in &status.axes {
+            let of = label("axis", &axis.letter.to_string());
+            set_percent(&self.axis_load, &of, axis.load_percent);
+            set_percent(&self.axis_thermal, &of, axis.thermal_percent);
+        }
+    }
+}
+
+/// Sets a ratio that is stated in percent; one that is not known is left out.
+fn set_percent(of_all: &Family<Labels, Level>, of: &Labels, percent: Option<f64>) {
+    if let Some(percent) = percent {
+        of_all.get_or_create(of).set(percent / 100.0);
     }
 }
 

@@ -12,6 +12,7 @@
 //! Fc)·exp(−(v/vs)²); Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40
 //! (1995) 419–425.
 use super::homing::{Ends, Homing, Of};
+use super::measured_torque::MeasuredTorque;
 use super::plant::AxisErrors;
 use super::setup::percent;
 use crate::keys::Keys;
@@ -96,6 +97,12 @@ pub struct Drive {
     pub force_lag: Time,
     /// A brake clamps the motor while the drive is off.
     pub brake: bool,
+    /// Force that it can hold for ever, where the file states it.
+    pub continuous_force: Option<Force>,
+    /// Time in which drive and winding warm.
+    pub thermal_time: Time,
+    /// How it measures what it gives, if it does.
+    pub measured_torque: Option<MeasuredTorque>,
 }
 
 /// Kinds of motor.
@@ -308,6 +315,9 @@ impl Drive {
             motor,
             force_lag: Time::s(keys.number("force_lag_ms", 0.0..=100.0) * 1e-3),
             brake: keys.flag("brake"),
+            continuous_force: motor.continuous_force(keys),
+            thermal_time: thermal_time(keys),
+            measured_torque: MeasuredTorque::read(keys),
         }
     }
 
@@ -331,6 +341,29 @@ impl Drive {
             Motor::Linear { motor_mass, .. } => motor_mass,
         }
     }
+}
+
+impl Motor {
+    /// Reads what it can hold for ever, as a force along the axis.
+    pub(super) fn continuous_force(&self, keys: &mut Keys<'_>) -> Option<Force> {
+        let (key, most, newtons) = match self {
+            Self::BallScrew { lead, peak_torque, .. } => {
+                let per_m = std::f64::consts::TAU / (lead.value() * 1e-3);
+                ("continuous_torque_n_m", peak_torque.value(), per_m)
+            }
+            Self::Linear { peak_force, .. } => ("continuous_force_n", peak_force.value(), 1.0),
+        };
+        let stated = keys.optional(key, 1e-4..=1e7)?;
+        if stated > most {
+            keys.conflict(key, format!("`{key}` is above the peak: expected {most} at most"));
+        }
+        Some(Force::n(stated * newtons))
+    }
+}
+
+/// Reads the time in which a drive and its winding warm; a minute where it is not stated.
+pub(super) fn thermal_time(keys: &mut Keys<'_>) -> Time {
+    Time::s(keys.optional("thermal_time_s", 0.1..=36_000.0).unwrap_or(60.0))
 }
 
 impl Structure {

@@ -42,6 +42,7 @@ mod drives;
 mod grinding;
 mod hal;
 mod homing;
+mod measured_torque;
 mod plant;
 pub(crate) mod rotary;
 mod scatter;
@@ -64,7 +65,9 @@ pub use drives::{DcBus, Drives};
 pub use grinding::{Grinding, Wheel};
 pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
+pub use measured_torque::MeasuredTorque;
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
+pub use rotary::RAD_PER_M;
 pub use scatter::Scatter;
 pub use setup::{
     Clamp, Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapSeat, TapWear,

@@ -14,9 +14,10 @@
 //! | kt, ct | torsional stiffness, damping | N·m/rad, N·m·s/rad |
 use super::axis::{
     Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
-    at_least,
+    at_least, thermal_time,
 };
 use super::homing::{Ends, Homing};
+use super::measured_torque::MeasuredTorque;
 use super::plant::AxisErrors;
 use crate::keys::Keys;
 use units::{
@@ -27,7 +28,7 @@ use units::{
 /// Farthest from zero that a rotary axis may turn, °: a thousand turns.
 const FARTHEST_DEG: f64 = 360_000.0;
 /// Radians of 1000°, which stand for a metre.
-pub(crate) const RAD_PER_M: f64 = 1000.0 * std::f64::consts::PI / 180.0;
+pub const RAD_PER_M: f64 = 1000.0 * std::f64::consts::PI / 180.0;
 /// Seconds of arc in a degree.
 const ARCSEC: f64 = 3600.0;
 
@@ -84,12 +85,16 @@ fn travel(keys: &mut Keys<'_>) -> Travel {
 }
 
 fn drive(keys: &mut Keys<'_>) -> Drive {
+    let motor = Motor::BallScrew {
+        lead: Lead::mm_per_rev(keys.number("gear_deg_per_rev", 0.01..=360.0)),
+        rotating_inertia: Inertia::kg_m2(keys.number("rotating_inertia_kg_m2", 1e-9..=100.0)),
+        peak_torque: Torque::n_m(keys.number("peak_torque_n_m", 1e-4..=1e5)),
+    };
     Drive {
-        motor: Motor::BallScrew {
-            lead: Lead::mm_per_rev(keys.number("gear_deg_per_rev", 0.01..=360.0)),
-            rotating_inertia: Inertia::kg_m2(keys.number("rotating_inertia_kg_m2", 1e-9..=100.0)),
-            peak_torque: Torque::n_m(keys.number("peak_torque_n_m", 1e-4..=1e5)),
-        },
+        motor,
+        continuous_force: motor.continuous_force(keys),
+        thermal_time: thermal_time(keys),
+        measured_torque: MeasuredTorque::read(keys),
         force_lag: Time::s(keys.number("torque_lag_ms", 0.0..=100.0) * 1e-3),
         brake: keys.flag("brake"),
     }

@@ -19,6 +19,7 @@
 //! | `encoder_eccentricity` | um | machine | a graduation off its centre by e reads 2·e/diameter rad wrong, once per revolution |
 //! | `scale_error` | um_per_m | machine | error of a linear scale, growing with the length |
 //! | `screw_growth` | percent | machine, part | of `[simulation.screw_growth]` |
+//! | `torque_constant` | percent | machine | of each motor whose drive measures its torque |
 //! | `cutting_force` | percent | machine, part, hole | of drills and taps; of bars and blanks as a whole |
 //! | `material_strength` | percent | machine, part | factor on all forces of the cut |
 //! | `tool_diameter` | um | machine, part | of drills, and of the pitch diameter of taps |
@@ -55,6 +56,8 @@ pub struct Scatter {
     pub scale_error: Spread,
     /// Growth of warm screws, as a share.
     pub screw_growth: Spread,
+    /// Torque constant of motors, by which drives measure torque, as a share.
+    pub torque_constant: Spread,
     /// Force of the cut, as a share.
     pub cutting_force: Spread,
     /// Strength of the material, as a share.
@@ -168,6 +171,7 @@ impl Scatter {
         encoder_eccentricity: Spread::uniform(3e-3),
         scale_error: Spread::uniform(3e-6),
         screw_growth: none(Per::Machine),
+        torque_constant: Spread::uniform(0.03),
         cutting_force: Spread { by: 0.05, distribution: Distribution::Uniform, per: Per::Hole },
         material_strength: none(Per::Part),
         tool_diameter: none(Per::Part),
@@ -249,6 +253,8 @@ impl Scatter {
             .before(before.scale_error)
             .read(keys),
             screw_growth: Value::share("screw_growth", PART, usual.screw_growth).read(keys),
+            torque_constant: Value::share("torque_constant", MACHINE, usual.torque_constant)
+                .read(keys),
             cutting_force: Value::force("cutting_force", HOLE, usual.cutting_force)
                 .before(before.cutting_force)
                 .read(keys),

@@ -8,7 +8,8 @@
 //!     └──────────┴──────────► ω
 //!              base speed Ppeak/Mpeak
 //! ```
-use super::{axis::Loops, plant::SpindleErrors, setup::percent};
+use super::axis::{Loops, thermal_time};
+use super::{measured_torque::MeasuredTorque, plant::SpindleErrors, setup::percent};
 use crate::keys::Keys;
 use units::{Angle, Inertia, Length, Power, Spin, SpinAccel, Time, Torque};
 
@@ -25,6 +26,8 @@ pub struct Spindle {
     pub continuous_torque: Torque,
     /// Time in which drive and winding warm: the mean of the torque's square is taken over it.
     pub thermal_time: Time,
+    /// How its drive measures what it gives, if it does.
+    pub measured_torque: Option<MeasuredTorque>,
     /// Peak power.
     pub peak_power: Power,
     /// Fastest speed.
@@ -135,7 +138,8 @@ impl Spindle {
             inertia: Inertia::kg_m2(keys.number("inertia_kg_m2", 1e-6..=1e4)),
             peak_torque: Torque::n_m(keys.number("peak_torque_n_m", 1e-3..=1e6)),
             continuous_torque: Torque::n_m(keys.number("continuous_torque_n_m", 1e-3..=1e6)),
-            thermal_time: Time::s(keys.optional("thermal_time_s", 0.1..=36_000.0).unwrap_or(60.0)),
+            thermal_time: thermal_time(keys),
+            measured_torque: MeasuredTorque::read(keys),
             peak_power: Power::w(keys.number("peak_power_w", 1.0..=1e7)),
             max: Spin::rpm(keys.number("max_rpm", 1.0..=500_000.0)),
             tapping_max: Spin::rpm(keys.number("tapping_max_rpm", 1.0..=500_000.0)),

@@ -13,6 +13,7 @@
 //! | `<spindle>_encoder_rev` | f64 | control's view: angle by the encoder | 2⁻²⁴ rev |
 //! | `<spindle>_rpm` | f64 | ground truth: real speed; without a simulator from the last two angles of the encoder | 2⁻¹⁰ rpm |
 //! | `<spindle>_drive_torque_n_m` | f64 | of the drive: what it gives, without a simulator what it is ordered | 2⁻¹⁴ N·m |
+//! | `<axis>_measured_force_n`, of a rotary axis `_measured_torque_n_m`; `<spindle>_measured_torque_n_m` | f64 | of a drive that measures what it gives: what it says; no number where it is silent | 2⁻⁷ N, 2⁻¹⁴ N·m |
 //! | `control_sync_error_um` | f64, null outside the material | control's view: the kernel's monitor, from encoders; the certificate has the judge's, from the truth | 2⁻¹⁰ µm |
 //! | `line` | i32 | program line at work, 0 for none | 1 |
 //! | `state` | text | what the kernel was doing | — |
@@ -73,6 +74,17 @@ pub struct Columns {
     pub axes: Vec<(usize, String)>,
     /// By index in `bus`.
     pub spindles: Vec<String>,
+    /// Drives that measure what they give.
+    pub measured: MeasuredDrives,
+}
+
+/// Drives that measure what they give, by their index in `bus`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MeasuredDrives {
+    /// Of axes.
+    pub axes: Vec<usize>,
+    /// Of spindles.
+    pub spindles: Vec<usize>,
 }
 
 impl Columns {
@@ -84,11 +96,12 @@ impl Columns {
                 .map(|a| (a.letter.index(), a.letter.letter().to_ascii_lowercase().to_string()))
                 .collect(),
             spindles: machine.spindles.iter().map(|s| s.name.clone()).collect(),
+            measured: MeasuredDrives::of(machine),
         }
     }
 
     /// Names of the columns between `time_s` and `control_sync_error_um`: four to an axis, then
-    /// five to a spindle.
+    /// five to a spindle, then one to a drive that measures what it gives.
     pub fn names(&self) -> Vec<String> {
         let linear = ["control_setpoint_mm", "truth_mm", "encoder_mm", "drive_force_n"];
         let rotary = ["control_setpoint_deg", "truth_deg", "encoder_deg", "drive_torque_n_m"];
@@ -100,6 +113,32 @@ impl Columns {
         let axes = self.axes.iter().flat_map(|(index, axis)| {
             of(axis, if rows::is_rotary(*index) { &rotary } else { &linear })
         });
-        axes.chain(self.spindles.iter().flat_map(|name| of(name, &spindle))).collect()
+        let spindles = self.spindles.iter().flat_map(|name| of(name, &spindle));
+        axes.chain(spindles).chain(self.measured_names()).collect()
+    }
+
+    fn measured_names(&self) -> impl Iterator<Item = String> {
+        let axes = self.axes.iter().filter(|(index, _)| self.measured.axes.contains(index));
+        let axes = axes.map(|(index, name)| {
+            let what = if rows::is_rotary(*index) { "torque_n_m" } else { "force_n" };
+            format!("{name}_measured_{what}")
+        });
+        let spindles = self.measured.spindles.iter().filter_map(|index| self.spindles.get(*index));
+        axes.chain(spindles.map(|name| format!("{name}_measured_torque_n_m")))
+    }
+}
+
+impl MeasuredDrives {
+    fn of(machine: &MachineFile) -> Self {
+        let axes = machine.axes.iter().enumerate();
+        let axes = axes.filter(|(_, axis)| {
+            axis.as_ref().is_some_and(|axis| axis.drive.measured_torque.is_some())
+        });
+        let spindles = machine.spindles.iter().enumerate();
+        let spindles = spindles.filter(|(_, spindle)| spindle.measured_torque.is_some());
+        Self {
+            axes: axes.map(|(index, _)| index).collect(),
+            spindles: spindles.map(|(index, _)| index).collect(),
+        }
     }
 }

@@ -2,14 +2,15 @@
 use super::{Columns, GROUP_ROWS};
 use crate::machine::rotary::RAD_PER_M;
 use bus::{Sample, State};
-use units::{Angle, AxisKind, Time};
+use units::{Angle, AxisKind, Force, Time, Torque};
 
 /// Rows in the making, column by column, in the order of [`Columns::names`].
 pub struct Rows {
     columns: Columns,
     /// Since the machine was started, s.
     pub time_s: Vec<f64>,
-    /// Four to an axis, then five to a spindle, as the table of the module has them.
+    /// Four to an axis, then five to a spindle, then one to a drive that measures what it gives, as
+    /// the table of the module has them.
     pub numbers: Vec<Vec<f64>>,
     /// The kernel's monitor, µm, in the rows in which it has a value.
     pub sync_error_um: Vec<f64>,
@@ -98,6 +99,18 @@ impl Rows {
             put(ANGLE.snap(sample.feedback.spindles[index].angle.value()));
             put(SPEED.snap(rpm(sample, index, self.before.as_ref())));
             put(TORQUE.snap(torque.value()));
+        }
+        for index in &self.columns.measured.axes {
+            let force = sample.feedback.axes[*index].force.map_or(f64::NAN, Force::value);
+            if is_rotary(*index) {
+                put(TORQUE.snap(force / RAD_PER_M));
+            } else {
+                put(FORCE.snap(force));
+            }
+        }
+        for index in &self.columns.measured.spindles {
+            let torque = sample.feedback.spindles[*index].torque.map_or(f64::NAN, Torque::value);
+            put(TORQUE.snap(torque));
         }
         self.before = Some((sample.feedback.time, sample.feedback.spindles.map(|s| s.angle)));
         self.push_report(sample);

@@ -1,0 +1,128 @@
+//! What a drive says of its own torque, or of its force along the axis.
+//!
+//! ```text
+//!   given ──► × (1 + s) ──► delay ──► + noise ──► whole steps ──► said
+//! ```
+//!
+//! s is the error of the motor's torque constant: the drive measures current. A share is one of the
+//! drive's peak, so that one description serves motors and linear motors alike.
+use crate::rng::Rng;
+use bus::{AXES, SPINDLES};
+use units::{Spread, Time};
+
+/// The stream of what drives measure is another one than that of the plant.
+const OF_MEASURED: u64 = 0x544F_5251_5545_0000;
+/// Longest delay, in periods.
+const MOST_DELAY_PERIODS: usize = 1024;
+
+/// How a drive measures the torque, or the force, that it gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredTorque {
+    /// One step of the reading, as a share of the drive's peak; 0 for none.
+    pub resolution_share: f64,
+    /// Standard deviation of its noise, as a share of the drive's peak.
+    pub noise_share: f64,
+    /// From what is given to what is said.
+    pub delay: Time,
+    /// Error of the torque constant, as a share.
+    pub constant: Spread,
+}
+
+/// The drives that measure what they give: axes by their index on the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeasuredTorques {
+    /// By axis.
+    pub axes: [Option<MeasuredTorque>; AXES],
+    /// By spindle.
+    pub spindles: [Option<MeasuredTorque>; SPINDLES],
+}
+
+/// One of them at work, in N or N·m.
+#[derive(Clone, Debug)]
+pub(crate) struct TorqueSensor {
+    scale: f64,
+    step: f64,
+    noise: f64,
+    rng: Rng,
+    /// What was given in the last periods, the oldest at `next`; empty without delay.
+    underway: Vec<f64>,
+    next: usize,
+}
+
+impl TorqueSensor {
+    /// `place` is 0 for X and so on, then that of spindles: each has draws of its own.
+    pub(crate) fn new(
+        model: &MeasuredTorque,
+        peak: f64,
+        period: Time,
+        seed: u64,
+        place: usize,
+    ) -> Self {
+        let mut rng = Rng::new(seed ^ OF_MEASURED ^ place as u64).branch();
+        let constant = crate::scatter::drawn(&model.constant, seed ^ OF_MEASURED, place as u64, 1);
+        let periods = (model.delay.value() / period.value()).round() as usize;
+        Self {
+            scale: 1.0 + constant,
+            step: model.resolution_share * peak,
+            noise: model.noise_share * peak,
+            rng: rng.branch(),
+            underway: vec![0.0; periods.min(MOST_DELAY_PERIODS)],
+            next: 0,
+        }
+    }
+
+    /// A period is over, in which the drive gave this at last.
+    pub(crate) fn read(&mut self, given: f64) -> f64 {
+        let late = match self.underway.get_mut(self.next) {
+            Some(oldest) => core::mem::replace(oldest, given),
+            None => given,
+        };
+        self.next = (self.next + 1) % self.underway.len().max(1);
+        let noise = if self.noise > 0.0 { self.noise * self.rng.normal() } else { 0.0 };
+        let seen = late * self.scale + noise;
+        if self.step > 0.0 { (seen / self.step).round() * self.step } else { seen }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const IDEAL: MeasuredTorque = MeasuredTorque {
+        resolution_share: 0.0,
+        noise_share: 0.0,
+        delay: Time::ZERO,
+        constant: Spread::NONE,
+    };
+
+    fn sensor(model: MeasuredTorque, seed: u64) -> TorqueSensor {
+        TorqueSensor::new(&model, 50.0, Time::s(0.25e-3), seed, 2)
+    }
+
+    #[test]
+    fn what_is_given_is_said_after_the_delay_and_in_whole_steps() {
+        let model = MeasuredTorque { resolution_share: 1e-3, delay: Time::s(1e-3), ..IDEAL };
+        let mut late = sensor(model, 1);
+        let said: Vec<f64> = (1..=8).map(|i| late.read(1.01 * f64::from(i))).collect();
+        assert_eq!(said[..4], [0.0; 4], "four periods");
+        for (i, said) in said.iter().skip(4).enumerate() {
+            let given = 1.01 * (i + 1) as f64;
+            assert!((said - given).abs() <= 0.025 + 1e-12, "{said} of {given}");
+            assert!((said / 0.05 - (said / 0.05).round()).abs() < 1e-9, "{said}");
+        }
+    }
+
+    #[test]
+    fn noise_has_its_deviation_and_the_constant_its_spread() {
+        let mut noisy = sensor(MeasuredTorque { noise_share: 0.02, ..IDEAL }, 3);
+        let said: Vec<f64> = (0..20_000).map(|_| noisy.read(10.0)).collect();
+        let mean = said.iter().sum::<f64>() / said.len() as f64;
+        let square = said.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / said.len() as f64;
+        assert!((mean - 10.0).abs() < 0.03, "{mean}");
+        assert!((square.sqrt() - 1.0).abs() < 0.03, "{}", square.sqrt());
+        let scattered = MeasuredTorque { constant: Spread::uniform(0.05), ..IDEAL };
+        let said: Vec<f64> = (1..200).map(|seed| sensor(scattered, seed).read(10.0)).collect();
+        assert!(said.iter().all(|x| (9.5..=10.5).contains(x)));
+        assert!(said.iter().any(|x| *x < 9.6) && said.iter().any(|x| *x > 10.4));
+    }
+}
