@@ -116,6 +116,7 @@ pub(crate) fn lines(file: &MachineFile, seed: Option<u64>, part: u32) -> String 
             arcsec(drawn.encoder.eccentricity),
         ));
     }
+    measured_rows(file, drawn_by, &mut rows);
     cut_rows(file, &config, &mut rows);
     let as_drawn = match part {
         1 => format!("seed {drawn_by}"),
@@ -138,6 +139,25 @@ pub(crate) fn lines(file: &MachineFile, seed: Option<u64>, part: u32) -> String 
 /// In another unit.
 fn in_unit(scatter: &Spread, scale: f64) -> Spread {
     Spread { by: scatter.by * scale, ..*scatter }
+}
+
+/// Torque constants of the drives that measure what they give.
+fn measured_rows(file: &MachineFile, seed: u64, rows: &mut Vec<ScatterRow>) {
+    let measured = config::measured_torques(file, seed);
+    let axes = canon::Axis::ALL.iter().map(|axis| axis.letter().to_string()).zip(measured.axes);
+    let spindles = file.spindles.iter().map(|spindle| spindle.name.clone());
+    for (of, sensor) in axes.chain(spindles.zip(measured.spindles)) {
+        if let Some(sensor) = sensor {
+            let what = Around {
+                what: "torque constant",
+                unit: "%",
+                believed: 100.0,
+                scatter: share(&file.scatter.torque_constant, 100.0),
+                drawn: 100.0 * (1.0 + sensor.constant_error),
+            };
+            rows.push(what.row(&of));
+        }
+    }
 }
 
 /// What is cut, with what, and how it is clamped.

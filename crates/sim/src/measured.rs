@@ -8,7 +8,7 @@
 //! drive's peak, so that one description serves motors and linear motors alike.
 use crate::rng::Rng;
 use bus::{AXES, SPINDLES};
-use units::{Spread, Time};
+use units::Time;
 
 /// The stream of what drives measure is another one than that of the plant.
 const OF_MEASURED: u64 = 0x544F_5251_5545_0000;
@@ -24,8 +24,8 @@ pub struct MeasuredTorque {
     pub noise_share: f64,
     /// From what is given to what is said.
     pub delay: Time,
-    /// Error of the torque constant, as a share.
-    pub constant: Spread,
+    /// Error of the motor's torque constant, as a share.
+    pub constant_error: f64,
 }
 
 /// The drives that measure what they give: axes by their index on the bus.
@@ -58,14 +58,12 @@ impl TorqueSensor {
         seed: u64,
         place: usize,
     ) -> Self {
-        let mut rng = Rng::new(seed ^ OF_MEASURED ^ place as u64).branch();
-        let constant = crate::scatter::drawn(&model.constant, seed ^ OF_MEASURED, place as u64, 1);
         let periods = (model.delay.value() / period.value()).round() as usize;
         Self {
-            scale: 1.0 + constant,
+            scale: 1.0 + model.constant_error,
             step: model.resolution_share * peak,
             noise: model.noise_share * peak,
-            rng: rng.branch(),
+            rng: Rng::new(seed ^ OF_MEASURED ^ place as u64).branch(),
             underway: vec![0.0; periods.min(MOST_DELAY_PERIODS)],
             next: 0,
         }
@@ -92,7 +90,7 @@ mod tests {
         resolution_share: 0.0,
         noise_share: 0.0,
         delay: Time::ZERO,
-        constant: Spread::NONE,
+        constant_error: 0.0,
     };
 
     fn sensor(model: MeasuredTorque, seed: u64) -> TorqueSensor {
@@ -113,16 +111,14 @@ mod tests {
     }
 
     #[test]
-    fn noise_has_its_deviation_and_the_constant_its_spread() {
+    fn noise_has_its_deviation_and_the_constant_its_error() {
         let mut noisy = sensor(MeasuredTorque { noise_share: 0.02, ..IDEAL }, 3);
         let said: Vec<f64> = (0..20_000).map(|_| noisy.read(10.0)).collect();
         let mean = said.iter().sum::<f64>() / said.len() as f64;
         let square = said.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / said.len() as f64;
         assert!((mean - 10.0).abs() < 0.03, "{mean}");
         assert!((square.sqrt() - 1.0).abs() < 0.03, "{}", square.sqrt());
-        let scattered = MeasuredTorque { constant: Spread::uniform(0.05), ..IDEAL };
-        let said: Vec<f64> = (1..200).map(|seed| sensor(scattered, seed).read(10.0)).collect();
-        assert!(said.iter().all(|x| (9.5..=10.5).contains(x)));
-        assert!(said.iter().any(|x| *x < 9.6) && said.iter().any(|x| *x > 10.4));
+        let mut strong = sensor(MeasuredTorque { constant_error: 0.05, ..IDEAL }, 3);
+        assert_eq!(strong.read(10.0), 10.5);
     }
 }

@@ -180,7 +180,16 @@ is_homed: boolean,
 /**
  * Setpoint less position by its encoder.
  */
-following_error: number, };
+following_error: number, 
+/**
+ * Force that its drive measures, in percent of what it can hold for ever, over 20 ms; `None`:
+ * it does not measure it, or the machine's file does not say what it can hold.
+ */
+load_percent: number | null, 
+/**
+ * How warm its drive is by its load, in percent of what it bears for ever.
+ */
+thermal_percent: number | null, };
 
 export type SpindleStatus = { 
 /**
@@ -192,10 +201,18 @@ ordered_rpm: number,
  */
 measured_rpm: number, 
 /**
- * Torque that its drive is ordered to make, in percent of what it can hold for ever at this
- * speed, over 20 ms; `None`: its drive is told a speed, and does not say its torque.
+ * Torque that its drive measures, or else is told to make, N·m without its sign, over 20 ms;
+ * `None`: its drive is told a speed, and does not say its torque.
+ */
+torque_n_m: number | null, 
+/**
+ * The same in percent of what the drive can hold for ever at this speed.
  */
 load_percent: number | null, 
+/**
+ * How warm its drive is by its load, in percent of what it bears for ever.
+ */
+thermal_percent: number | null, 
 /**
  * Angle within its turn, degrees.
  */

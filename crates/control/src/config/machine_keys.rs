@@ -133,7 +133,7 @@ fn wired(machine: &MachineFile) -> u64 {
     note(format!("{:?}", config::homing(machine)));
     note(format!("{:?}", config::left_alone(machine, &config)));
     note(format!("{:?}", config::plain_drive(machine)));
-    note(format!("{:?} {:?}", config::measured_torques(machine), config::ratings(machine)));
+    note(format!("{:?} {:?}", config::measured_torques(machine, seed), config::ratings(machine)));
     note(format!("{:?}", config::judge(machine, &tools, material, &zero)));
     hash.finish()
 }

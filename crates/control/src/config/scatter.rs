@@ -11,6 +11,7 @@ use units::{Length, Spread};
 /// Streams of their own: a tool keeps its errors when another one is added.
 const OF_DIAMETER: u64 = 0x4449_414D_4554_4552;
 const OF_LEAD: u64 = 0x4C45_4144_4F46_5441;
+const OF_TORQUE: u64 = 0x544F_5251_5545_4F46;
 const OF_ALIGNMENT: u64 = 0x414C_4947_4E4D_454E;
 /// From the stream of one to that of the next.
 const NEXT: u64 = 0x9E37_79B9_7F4A_7C15;
@@ -41,6 +42,12 @@ pub fn judged_tools(
 ) -> ToolLibrary {
     let real = |tool| with_diameter(tool, machine, (seed, part));
     ToolLibrary::new(tools.iter().cloned().map(real))
+}
+
+/// By how much the torque constant of a motor is off, as a share; `place` is that of its axis or,
+/// after all of these, of its spindle.
+pub(super) fn torque_constant(spread: &Spread, seed: u64, place: usize) -> f64 {
+    drawn(spread, (seed, 1), OF_TORQUE, place as u32)
 }
 
 /// What is really known of tools: of a stand-in nothing, whatever it is planned as.

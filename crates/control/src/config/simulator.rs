@@ -1,5 +1,5 @@
 //! The simulated machine: axes, spindles, magazine and workpiece for the simulator.
-use super::scatter::{alignment, real_tools};
+use super::scatter::{alignment, real_tools, torque_constant};
 use canon::{Flute, Holder, Material, PolygonCutter, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
     Axis, InputModel, InputSource, MachineFile, Motor, PositionFrom, Round, Spindle, StockMaterial,
@@ -251,20 +251,22 @@ pub fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
     })
 }
 
-/// The drives that measure what they give.
-pub fn measured_torques(machine: &MachineFile) -> sim::MeasuredTorques {
-    let sensor = |file: store::machine::MeasuredTorque| sim::MeasuredTorque {
+/// The drives that measure what they give, their torque constants as the seed has them.
+pub fn measured_torques(machine: &MachineFile, seed: u64) -> sim::MeasuredTorques {
+    let sensor = |file: store::machine::MeasuredTorque, place: usize| sim::MeasuredTorque {
         resolution_share: file.resolution_share,
         noise_share: file.noise_share,
         delay: file.delay,
-        constant: machine.scatter.torque_constant,
+        constant_error: torque_constant(&machine.scatter.torque_constant, seed, place),
     };
     let mut measured = sim::MeasuredTorques::default();
-    for (sensed, axis) in measured.axes.iter_mut().zip(&machine.axes) {
-        *sensed = axis.as_ref().and_then(|axis| axis.drive.measured_torque).map(sensor);
+    for (index, axis) in machine.axes.iter().enumerate() {
+        let file = axis.as_ref().and_then(|axis| axis.drive.measured_torque);
+        measured.axes[index] = file.map(|file| sensor(file, index));
     }
-    for (sensed, spindle) in measured.spindles.iter_mut().zip(&machine.spindles) {
-        *sensed = spindle.measured_torque.map(sensor);
+    for (index, spindle) in machine.spindles.iter().enumerate().take(bus::SPINDLES) {
+        let file = spindle.measured_torque;
+        measured.spindles[index] = file.map(|file| sensor(file, bus::AXES + index));
     }
     measured
 }

@@ -36,6 +36,7 @@ pub fn drives(machine: SimulatedMachine, seed: u64) -> Box<dyn Drives> {
 /// It has numbers that no machine can have.
 pub fn build(file: &MachineFile, config: sim::Config) -> Result<SimulatedMachine, Refused> {
     let bar = config::bar(file, &config);
+    let measured = config::measured_torques(file, config.seed);
     let (bosses, setter) = config::touched(file, &config);
     let simulator = SimulatedMachine::new(config).map_err(|problems| {
         let problems = problems.join("; ");
@@ -43,7 +44,7 @@ pub fn build(file: &MachineFile, config: sim::Config) -> Result<SimulatedMachine
     })?;
     let simulator =
         simulator.with_inputs(config::inputs(&file.simulation.inputs)).with_touched(bosses, setter);
-    let simulator = simulator.with_measured_torque(&config::measured_torques(file));
+    let simulator = simulator.with_measured_torque(&measured);
     let simulator = match bar {
         Some(bar) => simulator.with_bar(bar),
         None => simulator,
