@@ -8,7 +8,7 @@
 //!     └──────────┴──────────► ω
 //!              base speed Ppeak/Mpeak
 //! ```
-use super::{axis::Loops, plant::SpindleErrors, setup::percent};
+use super::{axis::Loops, ethercat::DriveSlot, plant::SpindleErrors, setup::percent};
 use crate::keys::Keys;
 use units::{Angle, Inertia, Length, Power, Spin, SpinAccel, Time, Torque};
 
@@ -61,6 +61,8 @@ pub struct Spindle {
     pub windows: SpindleWindows,
     /// What is wrong with it that its control is not told.
     pub errors: SpindleErrors,
+    /// Its drive on an EtherCAT network; `None`: it is on none.
+    pub ethercat: Option<DriveSlot>,
 }
 
 /// A drive that is only told a speed: `[spindles.drive]` of the kind "speed".
@@ -157,6 +159,7 @@ impl Spindle {
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", SpindleWindows::read),
             errors: keys.optional_section("errors", SpindleErrors::read).unwrap_or_default(),
+            ethercat: keys.optional_section("ethercat", DriveSlot::read),
         };
         spindle.refuse_contradictions(keys);
         spindle
