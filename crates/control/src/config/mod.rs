@@ -22,5 +22,6 @@ pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};
 pub use scatter::{alignment, judged_tools, real_tools};
 pub use simulator::{
-    bar, inputs, left_alone, plain_drive, simulator, simulator_of_part, start, touched,
+    bar, inputs, left_alone, plain_drive, position_drives, simulator, simulator_of_part, start,
+    touched,
 };
