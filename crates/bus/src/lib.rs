@@ -47,6 +47,8 @@ pub struct AxisFeedback {
     /// Position, by the encoder that `position` is read from, at which its index mark passed, if it
     /// did during the last period.
     pub index: Option<Coordinate>,
+    /// Error code of a drive that has found a fault; 0: none, or not known.
+    pub fault_code: u16,
 }
 
 /// What a machine says of one spindle.
@@ -66,6 +68,8 @@ pub struct SpindleFeedback {
     pub oriented: bool,
     /// A drive that orients the spindle by itself cannot: its fault code; 0 is none.
     pub orient_fault: i32,
+    /// Error code of a drive that has found a fault; 0: none, or not known.
+    pub fault_code: u16,
 }
 
 /// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66),

@@ -3,7 +3,7 @@ use crate::Error;
 use crate::message::Message;
 
 /// The layout that is written and read.
-pub const VERSION: u8 = 11;
+pub const VERSION: u8 = 12;
 /// Longest payload.
 pub const LONGEST: usize = 16_384;
 

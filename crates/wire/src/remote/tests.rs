@@ -53,6 +53,7 @@ fn observed(time: f64) -> Observed {
         home_switch: true,
         limit_switches: [false, true],
         index: Some(Coordinate::new(-152.0)),
+        fault_code: 0x2310,
     };
     observed.feedback.probe = true;
     observed.feedback.probe_age = Some(Time::s(0.000_1));
@@ -65,6 +66,7 @@ fn observed(time: f64) -> Observed {
         saturated: true,
         oriented: true,
         orient_fault: -3,
+        fault_code: 0x8611,
     };
     observed.feedback.tool = Some(11);
     let mut truth = Truth::default();
