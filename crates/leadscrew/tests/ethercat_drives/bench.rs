@@ -28,10 +28,36 @@ pub(crate) fn mill() -> MachineSource {
     MachineSource { name: "mill.toml".into(), text: Some(text) }
 }
 
+/// The same, homed without motion: it begins from the same places each time.
+pub(crate) fn encoders_are_absolute() -> MachineSource {
+    let text = mill().text.unwrap();
+    let text = text.replace("method = \"switch\"", "method = \"absolute\"");
+    let text = text.replace("reference_mm = -7", "reference_mm = 0");
+    MachineSource { name: "mill.toml".into(), text: Some(text) }
+}
+
+/// The same with a frame a millisecond, as most networks of drives have it.
+pub(crate) fn of_a_millisecond() -> MachineSource {
+    let mut text = mill().text.unwrap();
+    let loops = "position_gain_per_s = 40\nvelocity_bandwidth_hz = 90";
+    let changes = [
+        ("[control]\n", "[control]\nperiod_us = 1000\n".to_owned()),
+        ("cycle_us = 250", "cycle_us = 1000".into()),
+        ("follows = \"command\"", "follows = \"command\"\nobserver_bandwidth_hz = 90".into()),
+        ("[spindles.drive]", format!("[spindles.loops]\n{loops}\n[spindles.drive]")),
+    ];
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, &to, 1);
+    }
+    MachineSource { name: "mill.toml".into(), text: Some(text) }
+}
+
 /// The bench.
 pub(crate) struct OnWire {
     folder: TempDir,
     name: String,
+    source: MachineSource,
     pub(crate) shared: Arc<Shared>,
     pub(crate) said: Arc<Mutex<Vec<String>>>,
     thread: Option<JoinHandle<()>>,
@@ -39,10 +65,14 @@ pub(crate) struct OnWire {
 
 impl OnWire {
     pub(crate) fn start() -> Self {
+        Self::of(mill())
+    }
+
+    pub(crate) fn of(source: MachineSource) -> Self {
         static BENCHES: AtomicUsize = AtomicUsize::new(0);
         let number = BENCHES.fetch_add(1, Relaxed);
         let name = format!("ethercat-{}-{number}", std::process::id());
-        let session = Session::load(&ProgramOptions::on(mill()), Path::new("-"), b"").unwrap();
+        let session = Session::load(&ProgramOptions::on(&source), Path::new("-"), b"").unwrap();
         let file = session.machine.clone();
         let (material, zero) = (file.setup.stock.material, session.work_zero());
         let simulated = config::simulator(&file, &session.tools, material, 1, &zero);
@@ -82,7 +112,7 @@ impl OnWire {
             led.run(&mut master, is_to_end, say).unwrap();
         });
         let folder = tempfile::tempdir().unwrap();
-        let bench = Self { folder, name, shared, said, thread: Some(thread.unwrap()) };
+        let bench = Self { folder, name, source, shared, said, thread: Some(thread.unwrap()) };
         bench.wait_for("all devices are in OP", |bench| bench.said.lock().unwrap().len() == 1);
         bench
     }
@@ -130,7 +160,7 @@ impl DrivesBench for OnWire {
         ControlOptions {
             drives: format!("process:{}", self.name).parse::<DrivesChoice>().unwrap(),
             state: Some(self.folder.path().join("state")),
-            ..ControlOptions::simulated(ProgramOptions::on(mill()))
+            ..ControlOptions::simulated(ProgramOptions::on(&self.source))
         }
     }
 

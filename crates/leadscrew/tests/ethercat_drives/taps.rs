@@ -1,5 +1,7 @@
 //! A tap through the wire, beside the same tap of the simulated machine in the servo process.
-use crate::ethercat_drives::bench::{OnWire, ask, home, homed, mill, until};
+use crate::ethercat_drives::bench::{
+    OnWire, ask, encoders_are_absolute, home, homed, of_a_millisecond, until,
+};
 use crate::ethercat_drives::wire::Moment;
 use bus::{Command, Feedback, Machine as _, Report};
 use control::drives::simulated;
@@ -20,6 +22,8 @@ const TAP: &str =
     "T3 M6\nG54 G90 G43 H3 G0 X12 Y12 Z30\nS3000 M3\nG99 G84 X12 Y12 Z-12 R5 F3000\nG80\nM5";
 /// What a count is at the tool, mm.
 const COUNT_MM: f64 = 16.0 / 8_388_608.0;
+/// Where Z is in the thread, mm in machine coordinates.
+const THREAD_MM: std::ops::Range<f64> = -207.0..-195.0;
 /// Speed from which setpoints tell that axis and spindle are coupled, mm a period.
 const MOVES_MM: f64 = 1e-3;
 
@@ -32,24 +36,28 @@ fn tap(control: &mut Control) {
     assert!(control.stopped_by().is_none(), "{:?}", control.status().alarms);
 }
 
-/// Setpoints of Z in the thread, and how far the tool was from its helix at most, mm.
+/// Setpoints of Z in the thread, and how far from one another the helices are that the tool was on,
+/// mm.
 fn of_thread(moments: &[Moment]) -> (Vec<f64>, f64) {
     let coupled = moments.windows(2).filter_map(|pair| {
         let [before, now] = pair else { return None };
         let (dz, turned) =
             (now.z_setpoint - before.z_setpoint, now.turn_setpoint - before.turn_setpoint);
-        (dz.abs() > MOVES_MM && (dz + turned).abs() < 1e-5).then_some(now)
+        let is_tied = dz.abs() > MOVES_MM && (dz + turned).abs() < 1e-5;
+        (is_tied && THREAD_MM.contains(&now.z)).then_some(now)
     });
     let coupled: Vec<_> = coupled.collect();
     assert!(coupled.len() > 500, "{} periods of {} are coupled", coupled.len(), moments.len());
-    let helix = coupled[0].z_setpoint + coupled[0].turn_setpoint;
-    let away = coupled.iter().map(|m| (m.z + m.turn - helix).abs()).fold(0.0, f64::max);
-    (coupled.iter().map(|m| m.z_setpoint).collect(), away)
+    let places = coupled.iter().map(|m| m.z + m.turn);
+    let (least, most) = places.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+    (coupled.iter().map(|m| m.z_setpoint).collect(), most - least)
 }
 
 /// The simulated machine in the place of a fieldbus, recorded.
 struct Recorded {
     machine: SimulatedMachine,
+    /// Setpoints of Z and of the spindle that are on their way, the oldest first.
+    under_way: [(f64, f64); 2],
     moments: Arc<Mutex<Vec<Moment>>>,
 }
 
@@ -62,13 +70,16 @@ impl Fieldbus for Recorded {
         self.machine.exchange(command);
         let truth = self.machine.truth().copied().unwrap_or_default();
         let (z, spindle) = (&command.axes[2], &command.spindles[0]);
+        let z_setpoint = z.position.value() + z.speed.value() * to.obeys_after[2].value();
+        let turn_setpoint = (spindle.angle + spindle.spin * to.spindles_obey_after[0]).value();
+        let [taken, next] = self.under_way;
+        self.under_way = [next, (z_setpoint, turn_setpoint)];
         self.moments.lock().unwrap().push(Moment {
             enabled: z.enable,
-            z_setpoint: (z.position.value()) + z.speed.value() * to.obeys_after[2].value(),
-            turn_setpoint: (spindle.angle + spindle.spin * to.spindles_obey_after[0]).value(),
+            z_setpoint: taken.0,
+            turn_setpoint: taken.1,
             z: truth.axes[2].value(),
             turn: truth.spindles[0].value(),
-            tip: 0.0,
         });
     }
 
@@ -84,7 +95,8 @@ impl Fieldbus for Recorded {
 
 /// The same tap without a wire.
 fn simulated_tap() -> Vec<Moment> {
-    let session = Session::load(&ProgramOptions::on(mill()), Path::new("-"), b"").unwrap();
+    let session =
+        Session::load(&ProgramOptions::on(encoders_are_absolute()), Path::new("-"), b"").unwrap();
     let file = session.machine.clone();
     let (material, zero) = (file.setup.stock.material, session.work_zero());
     let simulated = config::simulator(&file, &session.tools, material, 1, &zero);
@@ -99,7 +111,7 @@ fn simulated_tap() -> Vec<Moment> {
         not_called: "not called",
         axis_missing: |_| "there is none".into(),
     };
-    let recorded = Recorded { machine, moments: Arc::clone(&moments) };
+    let recorded = Recorded { machine, under_way: [(0.0, 0.0); 2], moments: Arc::clone(&moments) };
     let mut process = ServoProcess::new(recorded, options).unwrap();
     let stop = Arc::<AtomicBool>::default();
     let told = Arc::clone(&stop);
@@ -113,7 +125,7 @@ fn simulated_tap() -> Vec<Moment> {
     let mut control = Control::new(control::ControlOptions {
         drives: format!("process:{name}").parse().unwrap(),
         state: Some(folder.path().join("state")),
-        ..control::ControlOptions::simulated(ProgramOptions::on(mill()))
+        ..control::ControlOptions::simulated(ProgramOptions::on(encoders_are_absolute()))
     })
     .unwrap();
     home(&mut control);
@@ -128,7 +140,7 @@ fn simulated_tap() -> Vec<Moment> {
 
 #[test]
 fn a_tap_over_the_wire_is_that_of_the_simulated_machine_but_for_the_counts() {
-    let bench = OnWire::start();
+    let bench = OnWire::of(encoders_are_absolute());
     let mut control = homed(&bench);
     bench.moments();
     tap(&mut control);
@@ -136,7 +148,7 @@ fn a_tap_over_the_wire_is_that_of_the_simulated_machine_but_for_the_counts() {
     let (expected, simulated_away) = of_thread(&simulated_tap());
     let farthest = setpoints.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     eprintln!(
-        "{} and {} periods; setpoints differ by {:.4} µm; the tool leaves its helix by {:.3} µm and {:.3} µm",
+        "{} and {} periods; setpoints differ by {:.4} µm; helices by {:.3} µm and {:.3} µm",
         setpoints.len(),
         expected.len(),
         farthest * 1e3,
@@ -148,7 +160,14 @@ fn a_tap_over_the_wire_is_that_of_the_simulated_machine_but_for_the_counts() {
     assert!(away < simulated_away + 5.0 * COUNT_MM, "{away} mm, simulated {simulated_away} mm");
 }
 
-/// How far the tool leaves the helix where frames are lost in the thread.
+#[test]
+fn a_machine_with_a_frame_a_millisecond_is_homed_and_taps() {
+    let bench = OnWire::of(of_a_millisecond());
+    let mut control = homed(&bench);
+    tap(&mut control);
+}
+
+/// How far helices are apart where frames are lost in the thread.
 fn away_with_lost(before_devices: bool, frames: usize) -> f64 {
     let bench = OnWire::start();
     let mut control = homed(&bench);

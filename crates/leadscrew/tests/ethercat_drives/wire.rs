@@ -21,7 +21,6 @@ pub(crate) struct Moment {
     pub(crate) turn_setpoint: f64,
     pub(crate) z: f64,
     pub(crate) turn: f64,
-    pub(crate) tip: f64,
 }
 
 /// What a test and the thread of the wire share.
@@ -94,7 +93,8 @@ impl Wire {
         let (z, turn) = (command.axes[2].position.value(), command.spindles[0].angle.value());
         let (dz, turned) = (z - self.before.0, turn - self.before.1);
         self.before = (z, turn);
-        if frames > 0 && z < DEEP_MM && dz < -0.01 && (dz + turned).abs() < 1e-5 {
+        let depth = self.emulated.truth().axes[2].value();
+        if frames > 0 && depth < DEEP_MM && dz < -0.01 && (dz + turned).abs() < 1e-5 {
             let Shared { lose, lose_before, loses_before, .. } = &*self.shared;
             let lost = if loses_before.load(Relaxed) { lose_before } else { lose };
             lost.store(frames, Relaxed);
@@ -127,7 +127,6 @@ impl Wire {
                 turn_setpoint: command.spindles[0].angle.value(),
                 z,
                 turn: truth.spindles[0].value(),
-                tip: truth.tool_deflection.value(),
             };
             shared.moments.lock().unwrap().push(moment);
         }
