@@ -49,6 +49,8 @@ pub struct AxisFeedback {
     pub index: Option<Coordinate>,
     /// Force of the drive as it measures it, positive along the axis; `None` where it does not.
     pub force: Option<Force>,
+    /// Error code of a drive that has found a fault; 0: none, or not known.
+    pub fault_code: u16,
 }
 
 /// What a machine says of one spindle.
@@ -71,6 +73,8 @@ pub struct SpindleFeedback {
     /// Torque of the drive as it measures it, with the sign of the speed that it drives to; `None`
     /// where it does not.
     pub torque: Option<Torque>,
+    /// Error code of a drive that has found a fault; 0: none, or not known.
+    pub fault_code: u16,
 }
 
 /// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66),

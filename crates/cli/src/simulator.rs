@@ -1,8 +1,10 @@
 //! `leadscrew simulator`: the machine simulator as a process of its own, and orders to one that
 //! listens.
 use crate::args::SimulatorArgs;
-use crate::say;
+use crate::{interrupt, say};
 use control::Refused;
+#[cfg(target_os = "linux")]
+use leadscrew::ethercat::{EmulatedDrivesOptions, emulate_drives};
 use leadscrew::simulator::{SimulatorOptions, SimulatorProcess, order};
 use units::Time;
 use wire::Order;
@@ -19,6 +21,9 @@ pub(crate) fn command(args: &SimulatorArgs) -> Result<(), Refused> {
             return say::out(&format!("{}\n", order(path, what)?));
         }
     }
+    if let Some(interface) = &args.ethercat {
+        return emulate(args, interface);
+    }
     let Some(path) = &args.listen else {
         return Err(Refused::because("leadscrew simulator: expected --listen PATH"));
     };
@@ -26,6 +31,29 @@ pub(crate) fn command(args: &SimulatorArgs) -> Result<(), Refused> {
     say::out(&format!("listening at {}: {}\n", path.display(), listening.name()))?;
     listening.serve(|why| say::err(&format!("a control is gone: {why}\n")));
     Ok(())
+}
+
+/// Answer frames on a network interface until Ctrl-C.
+#[cfg(target_os = "linux")]
+fn emulate(args: &SimulatorArgs, interface: &str) -> Result<(), Refused> {
+    interrupt::watch()?;
+    let options = EmulatedDrivesOptions {
+        source: args.source.on_a_machine(),
+        seed: args.seed,
+        interface: interface.to_owned(),
+        priority: args.priority,
+    };
+    let mut unsaid = Ok(());
+    emulate_drives(&options, interrupt::flag(), |machine, refused| {
+        refused.iter().for_each(|sentence| say::err(&format!("{sentence}\n")));
+        unsaid = say::out(&format!("answers on {interface} as the drives of {machine}\n"));
+    })?;
+    unsaid
+}
+
+#[cfg(not(target_os = "linux"))]
+fn emulate(_: &SimulatorArgs, _: &str) -> Result<(), Refused> {
+    Err(Refused::because("drives on a network are emulated on Linux alone"))
 }
 
 fn options(args: &SimulatorArgs) -> SimulatorOptions {

@@ -44,7 +44,7 @@ pub use coe::{
 pub use device::{Device, Latency};
 pub use devices::{DriveModel, coupler, digital_io, drive, encoder};
 pub use frame::{Datagram, DatagramCommand, EMPTY_FRAME, datagrams, has_ethercat_type};
-pub use profile::{DriveState, HomingSwitches, Motor, next_state, status_word};
+pub use profile::{DriveState, HomingSwitches, Motor, MotorOrder, next_state, status_word};
 pub use quirks::Quirks;
 pub use segment::{NetworkSegment, Passed};
 pub use sii::Identity;

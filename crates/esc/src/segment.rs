@@ -47,6 +47,11 @@ impl NetworkSegment {
         self.devices.get(at).map(|(device, _)| device)
     }
 
+    /// A device has power.
+    pub fn is_on(&self, at: usize) -> bool {
+        self.devices.get(at).is_some_and(|(_, power)| *power)
+    }
+
     /// A device, to be handled.
     pub fn device_mut(&mut self, at: usize) -> Option<&mut Device> {
         self.devices.get_mut(at).map(|(device, _)| device)
@@ -67,6 +72,13 @@ impl NetworkSegment {
         for (device, power) in &mut self.devices {
             device.power_cycle(now_ns);
             *power = true;
+        }
+    }
+
+    /// Lets time pass without a frame, up to a time that never goes back.
+    pub fn advance(&mut self, now_ns: u64) {
+        for (device, _) in self.devices.iter_mut().filter(|(_, power)| *power) {
+            device.advance(now_ns);
         }
     }
 

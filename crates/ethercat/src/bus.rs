@@ -73,6 +73,14 @@ pub struct Counters {
     pub losses: Losses,
 }
 
+impl Counters {
+    /// None yet.
+    pub const fn new() -> Self {
+        let losses = Losses { foreign: 0, echoes: 0, unexpected: 0, malformed: 0, not_sent: 0 };
+        Self { complete: 0, short: 0, lost: 0, no_reference: 0, losses }
+    }
+}
+
 /// A network that exchanges process data.
 pub struct Bus<'m, 's> {
     main: &'m MainDevice<'s>,

@@ -32,6 +32,8 @@ pub struct DriveFeedback {
     pub mode: Option<i8>,
     /// Digital inputs, 60FD; `None` where they are not exchanged.
     pub inputs: Option<u32>,
+    /// Error code, 603F; `None` where it is not exchanged.
+    pub error: Option<u16>,
 }
 
 impl DriveFeedback {
@@ -61,6 +63,7 @@ pub struct DriveAxis {
     torque: Option<ImagePlace>,
     mode_in: Option<ImagePlace>,
     inputs: Option<ImagePlace>,
+    error: Option<ImagePlace>,
     command: DriveCommand,
     reset_cycles: u16,
     feedback: DriveFeedback,
@@ -88,6 +91,7 @@ impl DriveAxis {
             torque: into(0x6077),
             mode_in: into(0x6061),
             inputs: into(0x60FD),
+            error: into(0x603F),
             command: DriveCommand::default(),
             reset_cycles: 0,
             feedback: DriveFeedback::default(),
@@ -146,6 +150,7 @@ impl DriveAxis {
             torque: self.torque.map(|place| place.read(from) as i16),
             mode: self.mode_in.map(|place| place.read(from) as i8),
             inputs: self.inputs.map(|place| place.read(from) as u32),
+            error: self.error.map(|place| place.read(from) as u16),
         };
         if self.feedback.state() != Some(PdsState::Fault) {
             self.reset_cycles = 0;

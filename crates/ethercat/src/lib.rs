@@ -7,6 +7,7 @@
 //!                     ▼
 //!   DriveAxis       status word ─► control word, one transition a cycle; the target is the actual
 //!                   position until the drive is enabled
+//!   MachineDrives   feedback and commands of a machine: counts ─► mm, power, terminals
 //! ```
 //!
 //! Datagrams, EEPROM, mailbox and state requests are `ethercrab`'s; this crate polls it by hand, so
@@ -22,18 +23,20 @@ mod error;
 mod exchange;
 mod image;
 mod link;
+mod machine;
 mod master;
 mod network;
 mod pace;
 mod pdo;
 mod scan;
 
-pub use bus::{Bus, Counters, Cycle, Reply};
+pub use self::bus::{Bus, Counters, Cycle, Reply};
 pub use drive::{DriveAxis, DriveCommand, DriveFeedback};
 pub use error::StartError;
 pub use exchange::{Emergency, Losses};
 pub use image::{Image, ImagePlace};
 pub use link::FrameLink;
+pub use machine::{Ahead, AxisInputs, CountScale, DriveFault, LedDrive, MachineDrives, Terminal};
 pub use master::{Master, Storage};
 pub use network::{AxisSlot, Device, DeviceIdentity, DriveMode, Network, Pdo, PdoEntry, Sdo, Sync};
 pub use pace::Pacer;

@@ -145,6 +145,32 @@ impl Device {
         Self { name: name.to_owned(), ..Self::default() }
     }
 
+    /// A CiA 402 drive with these axes, on SYNC0: control word, target and mode to each; status word,
+    /// position, mode, inputs and error code from each.
+    pub fn drive(name: &str, slots: &[AxisSlot]) -> Self {
+        let entries = |objects: &[(u16, u8)], offset: u16| -> Vec<PdoEntry> {
+            objects.iter().map(|(index, bits)| PdoEntry::of(index + offset, *bits)).collect()
+        };
+        let pdos = slots.iter().flat_map(|slot| {
+            let number = u16::from(slot.number);
+            let bits = if slot.mode == DriveMode::Velocity { 16 } else { 32 };
+            let rx = [(0x6040, 16), (slot.mode.target(), bits), (0x6060, 8)];
+            let tx = [(0x6041, 16), (0x6064, 32), (0x6061, 8), (0x60FD, 32), (0x603F, 16)];
+            let offset = 0x800 * number;
+            [
+                Pdo { index: 0x1600 + 0x10 * number, entries: entries(&rx, offset) },
+                Pdo { index: 0x1A00 + 0x10 * number, entries: entries(&tx, offset) },
+            ]
+        });
+        Self {
+            name: name.to_owned(),
+            pdos: pdos.collect(),
+            sync: Sync::Sync0,
+            slots: slots.to_vec(),
+            ..Self::default()
+        }
+    }
+
     /// A CiA 402 drive with one axis in CSP, on SYNC0: control word, target and mode to it; status
     /// word, position, speed, torque, mode and inputs from it.
     pub fn csp(name: &str, most_step: u32) -> Self {

@@ -3,6 +3,7 @@
 mod cuts;
 mod cyclic;
 mod losses;
+mod machine;
 mod orders;
 mod start;
 mod states;

@@ -7,8 +7,12 @@ mod support;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use esc::Quirks;
 use ethercat::cia402::Wanted;
-use ethercat::{DriveCommand, Master, Reply, Storage};
+use ethercat::{
+    Ahead, AxisInputs, CountScale, DriveCommand, DriveMode, LedDrive, MachineDrives, Master, Reply,
+    Storage, Terminal,
+};
 use support::{Wire, six_drives, six_drives_expected};
+use units::{Coordinate, Time};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -46,6 +50,43 @@ fn run(cycles: i32, hashed: i32) -> u64 {
     assert!(bus.drives().iter().all(|drive| drive.feedback().is_enabled()));
     assert_eq!(bus.counters().complete, cycles as u64);
     hash
+}
+
+#[test]
+fn a_machine_is_read_and_written_without_memory() {
+    let mut wire = Wire::new(six_drives(&Quirks::default()));
+    let network = six_drives_expected();
+    let storage = Storage::new();
+    let mut master = Master::new(&storage, &network).unwrap();
+    let mut bus = master.start(&mut wire).unwrap();
+    let scale =
+        CountScale { counts_per_rev: 131_072, gear: (1, 1), is_reversed: false, per_rev: 10.0 };
+    let axes: Vec<LedDrive> = (0..6)
+        .map(|index| LedDrive {
+            index,
+            drive: index,
+            mode: DriveMode::Csp,
+            scale,
+            inputs: AxisInputs::default(),
+        })
+        .collect();
+    let terminal = Terminal::Digital { device: 7, inputs_from: Some(0), outputs_from: Some(0) };
+    let mut drives = MachineDrives::new(&axes, &[], &[terminal]);
+    let ahead = Ahead { axes: [Time::s(3e-3); 9], spindles: [Time::ZERO; 2] };
+    let mut command = bus::Command::default();
+    assert_no_alloc(|| {
+        for number in 0..2_000 {
+            let cycle = bus.cycle(&mut wire);
+            let said = drives.read(&bus, &cycle);
+            for (told, said) in command.axes.iter_mut().zip(&said.axes).take(6) {
+                told.enable = number > 10;
+                let goes = if said.ready { 0.01 } else { 0.0 };
+                told.position = said.position + Coordinate::new(goes);
+            }
+            drives.write(&mut bus, &command, &ahead);
+        }
+    });
+    assert!(bus.drives().iter().all(|drive| drive.feedback().is_enabled()));
 }
 
 #[test]

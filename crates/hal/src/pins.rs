@@ -162,6 +162,7 @@ impl Fieldbus for Pins {
                     saturated: false,
                     oriented: pins.is_oriented.get(),
                     orient_fault: pins.orient_fault.get(),
+                    fault_code: 0,
                 };
             }
         }

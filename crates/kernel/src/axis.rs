@@ -142,6 +142,13 @@ fn tracker_most_hz(control: &AxisControl) -> f64 {
     }
 }
 
+/// Time from a setpoint to the reading that shows it, s, where commands are on their way for more
+/// than a period: they are taken after it, and reached in the period that follows.
+fn late_s(config: &Config) -> f64 {
+    let (delay, period) = (config.command_delay.value(), config.period.value());
+    if delay > 1.5 * period { delay + period } else { 0.0 }
+}
+
 /// One axis' loop and its state.
 #[derive(Clone, Debug)]
 pub(crate) struct AxisLoop {
@@ -184,6 +191,8 @@ pub(crate) struct AxisLoop {
     /// In this period its readings are usable again.
     regained: Option<Regained>,
     pub(crate) warned: bool,
+    /// Time by which its readings are late behind setpoints that cross a network, s.
+    pub(crate) late_s: f64,
 }
 
 /// How an axis goes on whose readings are usable again.
@@ -239,6 +248,7 @@ impl AxisLoop {
             bridged: false,
             regained: None,
             warned: false,
+            late_s: late_s(config),
             control,
         }
     }

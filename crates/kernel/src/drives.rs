@@ -293,15 +293,17 @@ impl Drives {
 
     /// Whether all drives are ready; else the first that is not.
     pub(crate) fn check_ready(&self, feedback: &Feedback) -> Result<(), Finding> {
-        let missing = |of| Err((FaultKind::DriveNotReady, of, 0.0, 0.0));
+        let missing = |of, code| Err((FaultKind::DriveNotReady, of, f64::from(code), 0.0));
         for index in self.configured_axes() {
-            if !feedback.axes[index].ready {
-                return missing(Subject::Axis(Axis::ALL[index]));
+            let said = &feedback.axes[index];
+            if !said.ready {
+                return missing(Subject::Axis(Axis::ALL[index]), said.fault_code);
             }
         }
         for index in self.configured_spindles() {
-            if !feedback.spindles[index].ready {
-                return missing(Subject::Spindle(index as u8));
+            let said = &feedback.spindles[index];
+            if !said.ready {
+                return missing(Subject::Spindle(index as u8), said.fault_code);
             }
         }
         Ok(())

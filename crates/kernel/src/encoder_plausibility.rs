@@ -28,7 +28,8 @@
 //! | n | periods without a usable reading | 1 |
 //!
 //! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes
-//! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward).
+//! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward; and
+//! by the way that is under way to drives on a network).
 //! An axis that nothing ties is stuck as well if its reading stays for 10 ms while its drive pushes
 //! by more than friction takes, though the setpoint stands.
 //! A spindle is stuck, or blocked, if its reading stays while its drive pushes by what would have
@@ -270,6 +271,11 @@ fn spindle_bounds(spindle: &SpindleLoop, period_s: f64) -> Bounds {
     }
 }
 
+/// The way that has been ordered and cannot be read yet.
+fn under_way(axis: &AxisLoop) -> f64 {
+    (axis.target.speed + axis.superposed.speed).abs() * axis.late_s
+}
+
 fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> Bounds {
     let control = &axis.control;
     // a loop that friction is not fed to breaks away when its error has grown to what friction
@@ -291,7 +297,7 @@ fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> B
     Bounds {
         accel_way: accel * period_s * period_s,
         count,
-        stuck: STUCK_MM.max(STUCK_COUNTS * count) + sticks,
+        stuck: STUCK_MM.max(STUCK_COUNTS * count) + sticks + under_way(axis),
         ..Bounds::NONE
     }
 }

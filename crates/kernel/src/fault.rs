@@ -286,6 +286,9 @@ impl fmt::Display for Fault {
                 write!(f, ": it has counted {counts:.0} in a turn, and {stated:.0} would fit")?;
             }
             FaultKind::OrientationFault => write!(f, ": its fault code is {:.0}", self.value)?,
+            FaultKind::DriveNotReady if self.value > 0.0 => {
+                write!(f, ": its error code is {:04X}", self.value as u16)?;
+            }
             _ if unit.is_empty() => {}
             _ => write!(f, ": {:.4} {unit}, limit {:.4} {unit}", self.value, self.limit)?,
         }

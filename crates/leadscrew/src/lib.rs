@@ -27,6 +27,7 @@ mod certificate;
 pub mod compare;
 pub mod compensation;
 pub mod editor;
+pub mod ethercat;
 mod link;
 mod machine;
 pub mod polygon;

@@ -116,6 +116,11 @@ impl<F: Fieldbus> ServoProcess<F> {
         })
     }
 
+    /// What leads to the drives.
+    pub const fn fieldbus_mut(&mut self) -> &mut F {
+        &mut self.fieldbus
+    }
+
     /// A panic in a period: from now on everything is off.
     pub fn break_down(&mut self) {
         self.is_broken = true;

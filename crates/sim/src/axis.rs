@@ -37,6 +37,7 @@ use crate::encoder::quantise;
 use crate::friction::{Guideway, between};
 use crate::lag::Lag;
 use crate::plant::Transmission;
+use crate::position_drive::{Moved, PositionDrive, PositionLoop};
 use crate::travel::{Surroundings, Travel};
 use crate::{AxisEncoder, AxisErrors, AxisScatter, Lugre, ScrewGrowth};
 use core::f64::consts::TAU;
@@ -139,6 +140,9 @@ pub(crate) struct Axis {
     motor: Body,
     table: Body,
     bristles: f64,
+    /// A drive that closes its own position loop, instead of the force that it is told.
+    position_loop: Option<PositionLoop>,
+    period_s: f64,
 }
 
 /// Position, m, and speed, m/s.
@@ -190,9 +194,29 @@ impl Axis {
             motor: Body { x: motor, v: 0.0 },
             table: Body { x: table, v: 0.0 },
             bristles: 0.0,
+            position_loop: None,
+            period_s: period,
         };
         let _ = axis.observe();
         axis
+    }
+
+    /// Gives it a drive that closes its own position loop.
+    pub(crate) fn drive_to_positions(&mut self, drive: PositionDrive, lag: Time) {
+        let moved = Moved {
+            inertia: 2.0 * self.half_step * (1.0 / self.motor_rate + 1.0 / self.table_rate),
+            lag_s: lag.value(),
+            hold: -self.weight,
+            step_s: 2.0 * self.half_step,
+            period_s: self.period_s,
+        };
+        self.position_loop = Some(PositionLoop::new(drive, moved));
+    }
+
+    /// Where it is by its encoder between counts, m.
+    fn seen_m(&self) -> f64 {
+        let (seen, _) = self.screw.seen(self.motor.x, self.table.x);
+        self.surroundings.reading(Coordinate::new(seen)).value() * 1e-3
     }
 
     /// What the drive shall do for the coming period.
@@ -203,6 +227,13 @@ impl Axis {
         self.screw.begin_period(self.motor.x);
         self.on = command.enable;
         self.clamped &= !self.on;
+        if self.position_loop.is_some() {
+            let here = self.seen_m();
+            let told = (command.position.value() * 1e-3, command.speed.value() * 1e-3);
+            if let Some(servo) = &mut self.position_loop {
+                servo.obey(self.on, told, here);
+            }
+        }
         // a reference that is no number is no reference
         let wanted = if command.force.is_finite() { command.force.value() } else { 0.0 };
         self.reference =
@@ -215,10 +246,24 @@ impl Axis {
         self.process = process;
     }
 
+    /// Force reference of a physics step.
+    #[inline]
+    fn reference(&mut self) -> f64 {
+        if self.position_loop.is_none() {
+            return self.reference;
+        }
+        if !self.on {
+            return 0.0;
+        }
+        let (seen, speed, most) = (self.seen_m(), self.motor.v, self.peak_force);
+        self.position_loop.as_mut().map_or(0.0, |servo| servo.step(seen, speed, most))
+    }
+
     /// One physics step.
     #[inline]
     pub(crate) fn step(&mut self) {
-        let drive = self.lag.step(&mut self.force, self.reference);
+        let reference = self.reference();
+        let drive = self.lag.step(&mut self.force, reference);
         self.motor.x += self.half_step * self.motor.v;
         self.table.x += self.half_step * self.table.v;
         let ratio = self.screw.ratio;

@@ -22,7 +22,7 @@ use crate::tapping::Load;
 use crate::touch::{Boss, ToolSetter, Touch};
 use crate::turning::{Turning, TurningLoad};
 use crate::wear::TapWear;
-use crate::{Bar, Config, Grinding, Hole, PlainDrive, PowerOn};
+use crate::{Bar, Config, Grinding, Hole, PlainDrive, PositionDrive, PowerOn};
 use bus::{AXES, Command, Feedback, Truth};
 use core::f64::consts::TAU;
 use units::{Angle, Force, Length, Spin, Time, Torque};
@@ -134,6 +134,26 @@ impl SimulatedMachine {
         });
         self.torque_sensors = (axes.collect(), spindles.collect());
         self.measure();
+        self
+    }
+
+    /// The same machine whose axes and spindles, in their order, have drives that close their own
+    /// position loops, where one is given.
+    #[must_use]
+    pub fn with_position_drives(
+        mut self,
+        axes: &[Option<PositionDrive>],
+        spindles: &[Option<PositionDrive>],
+    ) -> Self {
+        let models = self.config.axes.iter().map(|(_, model)| model.force_lag);
+        for ((axis, drive), lag) in self.axes.iter_mut().zip(axes).zip(models) {
+            drive.iter().for_each(|drive| axis.drive_to_positions(*drive, lag));
+        }
+        let period_s = self.config.period.value();
+        let models = self.config.spindles.iter().map(|model| model.torque_lag);
+        for ((spindle, drive), lag) in self.spindles.iter_mut().zip(spindles).zip(models) {
+            drive.iter().for_each(|drive| spindle.drive_to_angles(*drive, lag, period_s));
+        }
         self
     }
 

@@ -24,6 +24,7 @@ use crate::encoder::index_between;
 use crate::friction::{between, smooth_sign};
 use crate::lag::Lag;
 use crate::plain_drive::{PlainDrive, Relay};
+use crate::position_drive::{Moved, PositionDrive, PositionLoop};
 use crate::rng::Rng;
 use crate::{SpindleEncoder, SpindleScatter};
 use core::f64::consts::TAU;
@@ -90,6 +91,8 @@ pub(crate) struct Spindle {
     index: Option<f64>,
     /// A drive that makes its own ramps, instead of the torque that it is told.
     relay: Option<Relay>,
+    /// A drive that closes its own position loop.
+    position_loop: Option<PositionLoop>,
 }
 
 impl Spindle {
@@ -120,12 +123,25 @@ impl Spindle {
             read_rev: model.encoder.read(disk_rev, rng),
             index: None,
             relay: None,
+            position_loop: None,
         }
     }
 
     /// Give it a drive that is only told a speed.
     pub(crate) fn drive_plainly(&mut self, drive: PlainDrive, rng: Rng) {
         self.relay = Some(Relay::new(drive, rng));
+    }
+
+    /// Gives it a drive that closes its own position loop, told an angle each period.
+    pub(crate) fn drive_to_angles(&mut self, drive: PositionDrive, lag: Time, period_s: f64) {
+        let moved = Moved {
+            inertia: 1.0 / self.per_inertia,
+            lag_s: lag.value(),
+            hold: 0.0,
+            step_s: self.h,
+            period_s,
+        };
+        self.position_loop = Some(PositionLoop::new(drive, moved));
     }
 
     /// What the drive shall do for the coming period.
@@ -135,6 +151,10 @@ impl Spindle {
         if let Some(relay) = &mut self.relay {
             relay.obey(if self.on { command.spin.in_rad_per_s() } else { 0.0 });
             relay.orient(command.orient.filter(|_| self.on));
+        }
+        if let Some(servo) = &mut self.position_loop {
+            let told = (command.angle.value() * TAU, command.spin.in_rad_per_s());
+            servo.obey(self.on, told, self.disk_rev * TAU);
         }
         // a reference that is no number is no reference
         let torque = command.torque;
@@ -156,6 +176,11 @@ impl Spindle {
         }
         let at_power = self.peak_power / self.omega.abs();
         let limit = if at_power < self.peak_torque { at_power } else { self.peak_torque };
+        if let Some(servo) = &mut self.position_loop {
+            let seen = self.encoder.disk(self.angle_rev) * TAU;
+            let most = self.peak_torque;
+            self.wanted = if self.on { servo.step(seen, self.omega, most) } else { 0.0 };
+        }
         self.saturated |= self.wanted.abs() > limit;
         let reference = between(self.wanted, -limit, limit);
         let drive = self.lag.step(&mut self.torque, reference);
@@ -206,6 +231,7 @@ impl Spindle {
             oriented: self.relay.as_ref().is_some_and(Relay::is_oriented),
             orient_fault: 0,
             torque: None, // read beside it
+            fault_code: 0,
         }
     }
 

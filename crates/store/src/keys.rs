@@ -269,10 +269,7 @@ impl<'d> Keys<'d> {
         } else {
             self.note("S0403", &self.place, format!("{} lacks the section [{key}]", self.name));
         }
-        let empty = DeTable::new();
-        let mut keys = Keys::missing(&empty);
-        (keys.name, keys.recorder) = (self.path_to(key), self.recorder);
-        read(&mut keys)
+        self.read_missing(self.path_to(key), read)
     }
 
     /// A table within this one, if it is there.
@@ -298,11 +295,7 @@ impl<'d> Keys<'d> {
             Some((DeValue::Table(table), place)) => (table, place),
             // stated by a base alone: its place in this text is where it could have been stated
             None if !bases.is_empty() => (&empty, self.place.clone()),
-            Some(_) | None => {
-                let mut keys = Keys::missing(&empty);
-                (keys.name, keys.recorder) = (self.path_to(key), self.recorder);
-                return read(&mut keys);
-            }
+            Some(_) | None => return self.read_missing(self.path_to(key), read),
         };
         let mut keys = Keys::new(self.path_to(key), table, place, self.findings, bases);
         keys.recorder = self.recorder;
@@ -318,7 +311,10 @@ impl<'d> Keys<'d> {
         most: usize,
         mut read: impl FnMut(&mut Keys<'_>) -> T,
     ) -> Vec<T> {
-        let Some(value) = self.required(key) else { return Vec::new() };
+        let Some(value) = self.required(key) else {
+            self.record_heading(key, |keys| _ = read(keys));
+            return Vec::new();
+        };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, &format!("tables headed [[{key}]]"));
             return Vec::new();
@@ -344,7 +340,7 @@ impl<'d> Keys<'d> {
             // stated by a base alone: its place in this text is where it could have been stated
             let (table, place) =
                 if own { (table, item.span()) } else { (&empty, self.place.clone()) };
-            let mut keys = Keys::new(format!("[[{key}]]"), table, place, self.findings, bases);
+            let mut keys = Keys::new(self.heading(key), table, place, self.findings, bases);
             keys.recorder = self.recorder;
             values.push(read(&mut keys));
             keys.finish();

@@ -10,6 +10,9 @@ pub(crate) struct DrivesArgs {
     /// Name by which a control finds it: `--drives process:NAME`
     #[arg(long, value_name = "NAME", default_value = "default")]
     pub(crate) name: String,
+    /// Network interface of EtherCAT drives [default: the machine's]
+    #[arg(long, value_name = "IFACE")]
+    pub(crate) interface: Option<String>,
     /// Seed of the machine that is simulated: what its control does not know
     /// (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]

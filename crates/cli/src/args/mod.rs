@@ -147,6 +147,7 @@ Examples:
   leadscrew simulator --listen /tmp/machine &   then: leadscrew run part.ngc --simulator /tmp/machine
   leadscrew simulator --listen /tmp/machine --real-time            time as on the wall
   leadscrew simulator --listen /tmp/machine --power-cut-at 7.2   the mains fail after 7.2 s of machine time
+  leadscrew simulator --ethercat veth1 --machine machines/ethercat/mill.toml   as its drives on a network
   leadscrew simulator --status /tmp/machine                        how it is, as JSON
   leadscrew simulator --quit /tmp/machine"
     )]
@@ -155,11 +156,13 @@ Examples:
     #[command(
         after_help = "The kernel runs here, in a servo thread by the clock, and a control leads it over shared memory. When the \
 control ends, axes and spindles come to rest, coupled ones on their coupling, and the next control knows a tool that was left in \
-the work. So far the drives are simulated. Ctrl-C brings them to rest and ends it.
+the work. A machine file with [ethercat] has its drives on that network; else they are simulated. Ctrl-C brings them to rest and \
+ends it.
 
 Examples:
   leadscrew drives --machine tapping-center &   then: leadscrew serve --machine tapping-center --drives process:default
-  leadscrew drives --machine shop.toml --name shop"
+  leadscrew drives --machine shop.toml --name shop
+  leadscrew drives --machine machines/ethercat/mill.toml --interface eth1"
     )]
     Drives(DrivesArgs),
     /// Take a tap out of its hole after the control died, or say why that is not safe

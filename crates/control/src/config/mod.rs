@@ -25,6 +25,6 @@ pub use planner::{path_limits, planner};
 pub use ratings::{AxisRating, Ratings, SpindleRating, ratings};
 pub use scatter::{alignment, judged_tools, real_tools};
 pub use simulator::{
-    bar, inputs, left_alone, measured_torques, plain_drive, simulator, simulator_of_part, start,
-    touched,
+    bar, inputs, left_alone, measured_torques, plain_drive, position_drives, simulator,
+    simulator_of_part, start, touched,
 };

@@ -2,10 +2,10 @@
 use super::scatter::{alignment, real_tools, torque_constant};
 use canon::{Flute, Holder, Material, PolygonCutter, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
-    Axis, InputModel, InputSource, MachineFile, Motor, PositionFrom, Round, Spindle, StockMaterial,
-    TapSeat, eccentric,
+    Axis, InputModel, InputSource, Loops, MachineFile, Motor, PositionFrom, Round, Spindle,
+    StockMaterial, TapSeat, eccentric,
 };
-use units::{Angle, AxisKind, Coordinate, Inertia, Lead, Length, Spread};
+use units::{Angle, AxisKind, Coordinate, Inertia, Lead, Length, Spread, Time};
 
 /// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree
 /// by 10³.
@@ -269,6 +269,25 @@ pub fn measured_torques(machine: &MachineFile, seed: u64) -> sim::MeasuredTorque
         measured.spindles[index] = file.map(|file| sensor(file, bus::AXES + index));
     }
     measured
+}
+
+/// Drives that close their position loops, of axes and spindles in their order: those on a network.
+/// They take setpoints for the place `ahead` of time on.
+pub fn position_drives(
+    machine: &MachineFile,
+    ahead: Time,
+) -> (Vec<Option<sim::PositionDrive>>, Vec<Option<sim::PositionDrive>>) {
+    let drive = |loops: &Loops| sim::PositionDrive {
+        position_gain_per_s: loops.position_gain_per_s,
+        velocity_bandwidth_hz: loops.velocity_bandwidth_hz,
+        ahead,
+    };
+    let axes = machine.axes.iter().flatten();
+    let axes = axes.map(|axis| axis.ethercat.is_some().then(|| drive(&axis.loops)));
+    let spindles = machine.spindles.iter();
+    let spindles = spindles
+        .map(|one| (one.ethercat.is_some() && one.closes_position).then(|| drive(&one.loops)));
+    (axes.collect(), spindles.collect())
 }
 
 fn tool(tool: &Tool, seat: &TapSeat, material: StockMaterial) -> sim::Tool {

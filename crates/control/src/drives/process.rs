@@ -27,6 +27,10 @@ fn open(opening: &Opening<'_>) -> Result<Opened, Refused> {
             "leadscrew drives, as {name}, leads another machine than {machine}: start both with the same --machine"
         )));
     }
-    let times = (opening.machine.control.period, SILENT_AFTER, Time::ZERO);
+    let period = opening.machine.control.period;
+    let times = match &opening.machine.ethercat {
+        Some(network) => (period, network.silent_after, period * network.obeys_after_periods),
+        None => (period, SILENT_AFTER, Time::ZERO),
+    };
     Ok(Opened { drives: Box::new(SharedSeat::new(side, times, TEXT)), welcome: None })
 }

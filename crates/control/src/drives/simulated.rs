@@ -4,6 +4,7 @@ use crate::{Refused, config};
 use bus::EngagedTool;
 use sim::{Faulty, SimulatedMachine};
 use store::machine::MachineFile;
+use units::Time;
 
 /// A simulated machine, and the faults that come to it.
 pub type Simulation = Faulty<SimulatedMachine>;
@@ -35,6 +36,28 @@ pub fn drives(machine: SimulatedMachine, seed: u64) -> Box<dyn Drives> {
 /// # Errors
 /// It has numbers that no machine can have.
 pub fn build(file: &MachineFile, config: sim::Config) -> Result<SimulatedMachine, Refused> {
+    let network = file.ethercat.as_ref();
+    let ahead = network.map_or(Time::ZERO, |of| file.control.period * of.obeys_after_periods);
+    build_commanded(file, config, ahead)
+}
+
+/// The machine of this file behind a network that brings its setpoints, each for the end of the
+/// period that follows.
+///
+/// # Errors
+/// It has numbers that no machine can have.
+pub fn build_on_network(
+    file: &MachineFile,
+    config: sim::Config,
+) -> Result<SimulatedMachine, Refused> {
+    build_commanded(file, sim::Config { command_delay: 0, ..config }, Time::ZERO)
+}
+
+fn build_commanded(
+    file: &MachineFile,
+    config: sim::Config,
+    ahead: Time,
+) -> Result<SimulatedMachine, Refused> {
     let bar = config::bar(file, &config);
     let measured = config::measured_torques(file, config.seed);
     let (bosses, setter) = config::touched(file, &config);
@@ -45,6 +68,8 @@ pub fn build(file: &MachineFile, config: sim::Config) -> Result<SimulatedMachine
     let simulator =
         simulator.with_inputs(config::inputs(&file.simulation.inputs)).with_touched(bosses, setter);
     let simulator = simulator.with_measured_torque(&measured);
+    let (axes, spindles) = config::position_drives(file, ahead);
+    let simulator = simulator.with_position_drives(&axes, &spindles);
     let simulator = match bar {
         Some(bar) => simulator.with_bar(bar),
         None => simulator,

@@ -86,6 +86,10 @@ pub struct Device {
     tx: Mapping,
     has_outputs: bool,
     outputs_ns: u64,
+    /// Outputs have come since the last period.
+    is_told: bool,
+    /// Pulses of SYNC0 that were executed.
+    syncs: u64,
     stepped_ns: u64,
 }
 
@@ -110,6 +114,8 @@ impl Device {
             tx: Mapping::default(),
             has_outputs: false,
             outputs_ns: 0,
+            is_told: false,
+            syncs: 0,
             stepped_ns: 0,
             blueprint: Box::new(blueprint),
         };
@@ -186,6 +192,18 @@ impl Device {
     /// Motor of an axis, to be turned by hand.
     pub fn motor_mut(&mut self, axis: usize) -> Option<&mut Motor> {
         self.axis_mut(axis).map(|axis| &mut axis.motor)
+    }
+
+    /// Pulses of SYNC0 that it has executed since it was turned on.
+    pub fn syncs(&self) -> u64 {
+        self.syncs
+    }
+
+    /// Sets the digital inputs of an axis, 60FD, from outside; its own switches have no effect then.
+    pub fn set_axis_inputs(&mut self, axis: usize, bits: u32) {
+        if let Some(axis) = self.axis_mut(axis) {
+            axis.outside_inputs = Some(bits);
+        }
     }
 
     /// Switches of an axis.
@@ -266,7 +284,7 @@ impl Device {
         let written = std::mem::take(&mut self.controller.written);
         let Written { al_control, mailbox, mail_taken, repeat, outputs } = written;
         if outputs {
-            self.has_outputs = true;
+            (self.has_outputs, self.is_told) = (true, true);
             self.outputs_ns = now_ns;
             self.controller.memory.set(reg::WATCHDOG_STATUS, &[1]);
             let synchronised = self.controller.clock.is_synchronised();
@@ -307,6 +325,7 @@ impl Device {
             let system = self.controller.system_time(now_ns);
             self.controller.clock.skip_syncs(system, period, MOST_STEPS);
             while self.controller.clock.take_sync(system, period) {
+                self.syncs += 1;
                 self.step(now_ns, u64::from(period));
             }
             return;
@@ -327,6 +346,7 @@ impl Device {
         if let (true, Some([out, _])) = (is_op && self.has_outputs, self.blueprint.process) {
             self.rx.receive(self.controller.outputs(out), &mut self.dictionary);
         }
+        let is_told = std::mem::take(&mut self.is_told);
         let mut says = None;
         match &mut self.application {
             Application::None => {}
@@ -342,7 +362,7 @@ impl Device {
             }
             Application::Drive(axes) => {
                 for axis in axes {
-                    axis.step(&mut self.dictionary, period, &mut says);
+                    axis.step(&mut self.dictionary, period, is_told, &mut says);
                 }
             }
             Application::Encoder(encoder) => encoder.step(&mut self.dictionary, period),

@@ -3,6 +3,7 @@ use super::homing::{HomingState, HomingSwitches, Sight};
 use super::motor::Motor;
 use super::probe::{Edges, Probe};
 use super::states::{DriveState, next_state, status_word};
+use super::target::CyclicTarget;
 use crate::coe::{Dictionary, Emergency, Handle};
 use units::{Spin, Time};
 
@@ -65,6 +66,9 @@ pub(crate) struct EmulatedAxis {
     mode: i64,
     pub(crate) motor: Motor,
     pub(crate) switches: HomingSwitches,
+    /// Bits of 60FD where something else than the motor's angle decides them.
+    pub(crate) outside_inputs: Option<u32>,
+    target: CyclicTarget,
     pub(crate) probe_input: bool,
     probe_before: bool,
     homing: HomingState,
@@ -93,6 +97,8 @@ impl EmulatedAxis {
             mode: 0,
             motor,
             switches: HomingSwitches::new(),
+            outside_inputs: None,
+            target: CyclicTarget::default(),
             probe_input: false,
             probe_before: false,
             homing: HomingState::NotStarted,
@@ -110,6 +116,10 @@ impl EmulatedAxis {
 
     fn set(&self, dictionary: &mut Dictionary, id: Id, value: i64) {
         dictionary.set(self.handles.0[id as usize], value);
+    }
+
+    fn inputs(&self) -> u32 {
+        self.outside_inputs.unwrap_or_else(|| self.switches.bits(self.motor.angle))
     }
 
     /// Makes the drive find a fault of its own.
@@ -130,13 +140,18 @@ impl EmulatedAxis {
         }
     }
 
-    /// Goes on for a period. What the drive says unasked is put into `says`.
+    /// Goes on for a period; `is_told`: setpoints have come since the last one. What the drive says
+    /// unasked is put into `says`.
     pub(crate) fn step(
         &mut self,
         dictionary: &mut Dictionary,
         period: Time,
+        is_told: bool,
         says: &mut Option<Emergency>,
     ) {
+        let target = self.get(dictionary, Id::Target) as i32;
+        let follows = self.state == DriveState::OperationEnabled && self.mode == CSP;
+        self.target.take(target, is_told || !follows);
         let control = self.get(dictionary, Id::Control) as u16;
         self.advance_state(dictionary, control, says);
         self.change_mode(dictionary);
@@ -198,10 +213,10 @@ impl EmulatedAxis {
     fn follow(&mut self, dictionary: &mut Dictionary, control: u16, period: Time) {
         match self.mode {
             CSP => {
-                let target = self.get(dictionary, Id::Target);
-                self.set(dictionary, Id::Demand, target);
+                let target = self.target.counts;
+                self.set(dictionary, Id::Demand, i64::from(target));
                 let here = self.motor.counts();
-                let way = (target as i32).wrapping_sub((here - self.zero) as i32);
+                let way = target.wrapping_sub((here - self.zero) as i32);
                 self.motor.follow(self.motor.angle_of(here + i64::from(way)), period);
             }
             CSV => {
@@ -247,7 +262,7 @@ impl EmulatedAxis {
         // the index mark of the last period: the motor stands within a period of it
         let index = self.motor.angle.value().floor()
             != (self.motor.angle - self.motor.spin * period).value().floor();
-        let switches = self.switches.bits(self.motor.angle);
+        let switches = self.inputs();
         let sight = Sight { method, switches, index, speeds };
         let (next, spin) = self.homing.next(&sight);
         self.homing = next;
@@ -340,7 +355,7 @@ impl EmulatedAxis {
         let velocity = (self.motor.spin.value() * counts).round() as i64;
         let torque = self.motor.torque / self.motor.rated_torque * 1000.0;
         let torque = torque.clamp(f64::from(i16::MIN), f64::from(i16::MAX)).round() as i64;
-        let mut inputs = self.switches.bits(self.motor.angle);
+        let mut inputs = self.inputs();
         inputs |= u32::from(self.probe_input) << 16;
         self.set(dictionary, Id::Status, i64::from(status));
         self.set(dictionary, Id::ModeDisplay, self.mode);

@@ -7,9 +7,10 @@ mod motor;
 mod objects;
 mod probe;
 mod states;
+mod target;
 
 pub(crate) use axis::EmulatedAxis;
 pub use homing::HomingSwitches;
-pub use motor::Motor;
+pub use motor::{Motor, MotorOrder};
 pub(crate) use objects::{axis_objects, default_pdos, supported_modes};
 pub use states::{DriveState, next_state, status_word};

@@ -2,6 +2,20 @@
 //! as the largest speed allows.
 use units::{Angle, Inertia, Spin, SpinAccel, Time, Torque};
 
+/// What a drive wants of a motor that something else moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum MotorOrder {
+    /// No torque.
+    #[default]
+    Free,
+    /// To be at an angle at the end of the period.
+    Angle(Angle),
+    /// To turn at a speed.
+    Spin(Spin),
+    /// To give a torque.
+    Torque(Torque),
+}
+
 /// A motor and its encoder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motor {
@@ -19,6 +33,9 @@ pub struct Motor {
     pub spin: Spin,
     /// Torque that it had to have in the last period.
     pub torque: Torque,
+    /// What the drive wants of a motor that is moved from outside: its angle, speed and torque are
+    /// written there. `None`: it is an inertia that ideal loops hold.
+    pub outside: Option<MotorOrder>,
 }
 
 impl Motor {
@@ -32,7 +49,16 @@ impl Motor {
             angle: Angle::ZERO,
             spin: Spin::ZERO,
             torque: Torque::ZERO,
+            outside: None,
         }
+    }
+
+    /// Hands an order to what moves the motor from outside; false if nothing does.
+    fn hand(&mut self, order: MotorOrder) -> bool {
+        if let Some(outside) = &mut self.outside {
+            *outside = order;
+        }
+        self.outside.is_some()
     }
 
     /// Counts from where it was at power on.
@@ -50,6 +76,9 @@ impl Motor {
 
     /// Goes towards an angle for a period, as fast as it can.
     pub(crate) fn follow(&mut self, to: Angle, period: Time) {
+        if self.hand(MotorOrder::Angle(to)) {
+            return;
+        }
         let most = (self.most_spin * period).value();
         let step = Angle::rev((to - self.angle).value().clamp(-most, most));
         let spin = step / period;
@@ -61,6 +90,9 @@ impl Motor {
 
     /// Turns at a speed for a period.
     pub(crate) fn run(&mut self, spin: Spin, period: Time) {
+        if self.hand(MotorOrder::Spin(spin)) {
+            return;
+        }
         let most = self.most_spin.value();
         let spin = Spin::rev_per_s(spin.value().clamp(-most, most));
         self.accelerated(spin, period);
@@ -70,6 +102,9 @@ impl Motor {
 
     /// Gives a torque for a period: ω̇ = M/(2π·J).
     pub(crate) fn push(&mut self, torque: Torque, period: Time) {
+        if self.hand(MotorOrder::Torque(torque)) {
+            return;
+        }
         let accel = torque.value() / (std::f64::consts::TAU * self.inertia.value());
         let spin = self.spin + SpinAccel::rev_per_s2(accel) * period;
         self.run(spin, period);
@@ -78,6 +113,9 @@ impl Motor {
 
     /// Runs down without torque, within a second from full speed, by friction.
     pub(crate) fn coast(&mut self, period: Time) {
+        if self.hand(MotorOrder::Free) {
+            return;
+        }
         let friction = SpinAccel::rev_per_s2(self.most_spin.value());
         let less = (friction * period).value().min(self.spin.abs().value());
         let spin = Spin::rev_per_s(self.spin.value() - less.copysign(self.spin.value()));

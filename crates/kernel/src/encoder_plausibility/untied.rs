@@ -13,7 +13,7 @@
 use super::watched::{Bounds, Change, Watched};
 use super::{
     EncoderPlausibility, Tied, axis_bounds, expected_of_axis, expected_of_spindle, look,
-    look_at_spindle, ordered_way, spindle_bounds,
+    look_at_spindle, ordered_way, spindle_bounds, under_way,
 };
 use crate::axis::AxisLoop;
 use crate::config::Subject;
@@ -91,7 +91,8 @@ impl EncoderPlausibility {
             };
             let expected = expected_of_axis(loop_, ordered, watched);
             let (error, force) = (loop_.error(), loop_.force() + loop_.control.weight.value());
-            let bounds = Bounds { error, force, frame_lost, ..bounds };
+            let stuck = bounds.stuck + under_way(loop_);
+            let bounds = Bounds { error, force, frame_lost, stuck, ..bounds };
             let (place, change) = watched.judge(reading, expected, bounds);
             said.position = Coordinate::new(place + loop_.shifted);
             self.untied.taken_over[index] |=

@@ -33,4 +33,27 @@ impl Keys<'_> {
             seen.push(AskedKey { table: self.name.clone(), key, value: value(), must });
         }
     }
+
+    /// Note what is asked of tables `[[key]]` that are missing.
+    pub(super) fn record_heading(&self, key: &str, read: impl FnOnce(&mut Keys<'_>)) {
+        if self.recorder.is_some() {
+            self.read_missing(self.heading(key), read);
+        }
+    }
+
+    /// Reads a table that is missing.
+    pub(super) fn read_missing<T>(&self, name: String, read: impl FnOnce(&mut Keys<'_>) -> T) -> T {
+        let empty = DeTable::new();
+        let mut keys = Keys::missing(&empty);
+        (keys.name, keys.recorder) = (name, self.recorder);
+        read(&mut keys)
+    }
+
+    /// Heading of the tables `[[key]]` of this one.
+    pub(super) fn heading(&self, key: &str) -> String {
+        match self.name.strip_prefix('[').and_then(|n| n.strip_suffix(']')) {
+            Some(parent) => format!("[[{parent}.{key}]]"),
+            None => format!("[[{key}]]"),
+        }
+    }
 }

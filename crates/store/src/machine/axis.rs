@@ -11,6 +11,7 @@
 //! LuGre friction: dz/dt = v − σ0·|v|·z/g(v), F = σ0·z + σ1·ż + σ2·v, g = Fc + (Fs −
 //! Fc)·exp(−(v/vs)²); Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40
 //! (1995) 419–425.
+use super::ethercat::DriveSlot;
 use super::homing::{Ends, Homing, Of};
 use super::measured_torque::MeasuredTorque;
 use super::plant::AxisErrors;
@@ -68,6 +69,8 @@ pub struct Axis {
     pub ends: Option<Ends>,
     /// What is wrong with it that its control is not told.
     pub errors: AxisErrors,
+    /// Its drive on an EtherCAT network; `None`: it is on none.
+    pub ethercat: Option<DriveSlot>,
 }
 
 /// Limits of small moves and of stops that are not planned.
@@ -263,6 +266,7 @@ impl Axis {
             homing: Homing::UNREAD,
             ends: Ends::read(letter, &travel, keys),
             errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
+            ethercat: keys.optional_section("ethercat", DriveSlot::read),
         };
         axis.with_homing(keys)
     }

@@ -9,6 +9,7 @@
 //!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
 //!   [drives]       what the drives do when the control or the mains fail          ─► sim, app
 //!   [hal]          how HAL's drives are led                                      ─► control
+//!   [ethercat]     the network of drives: devices, times                         ─► control, leadscrew
 //!   [grinding]     a cam grinder's wheel, its wear, what it costs to cut           ─► sim, forms
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [inputs]       which it has, by number and name; [outputs], [probe]         ─► plan
@@ -39,6 +40,8 @@ mod axis;
 mod change;
 mod control;
 mod drives;
+mod ethercat;
+mod ethercat_check;
 mod grinding;
 mod hal;
 mod homing;
@@ -62,6 +65,9 @@ pub use control::{
     Overrides, PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
 };
 pub use drives::{DcBus, Drives};
+pub use ethercat::{
+    DeviceProfile, DriveSlot, EthercatDevice, EthercatNetwork, SlotInputs, SlotMode,
+};
 pub use grinding::{Grinding, Wheel};
 pub use hal::Hal;
 pub use homing::{Ends, Homing, HomingMethod};
@@ -106,6 +112,8 @@ pub struct MachineFile {
     pub drives: Drives,
     /// How its drives are led through LinuxCNC's HAL; `None`: they are not.
     pub hal: Option<Hal>,
+    /// The EtherCAT network of its drives; `None`: they are on none.
+    pub ethercat: Option<EthercatNetwork>,
     /// What it grinds cams with; `None`: it grinds none.
     pub grinding: Option<Grinding>,
     /// The workpiece, and where it is clamped.
@@ -248,6 +256,7 @@ impl MachineFile {
             tapping: keys.section("tapping", Tapping::read),
             drives: keys.optional_section("drives", Drives::read).unwrap_or_default(),
             hal: keys.optional_section("hal", Hal::read),
+            ethercat: keys.optional_section("ethercat", EthercatNetwork::read),
             grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
             simulation: keys.section("simulation", |k| Simulation::read(k, &mut before)),
@@ -328,6 +337,7 @@ impl MachineFile {
         if self.hal.is_some() {
             self.refuse_drives_of_hal(keys);
         }
+        self.refuse_network(keys);
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
         if names.len() == 2 && names[0] == names[1] {
             keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));

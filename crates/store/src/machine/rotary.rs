@@ -16,6 +16,7 @@ use super::axis::{
     Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
     at_least, thermal_time,
 };
+use super::ethercat::DriveSlot;
 use super::homing::{Ends, Homing};
 use super::measured_torque::MeasuredTorque;
 use super::plant::AxisErrors;
@@ -68,6 +69,7 @@ pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
         homing: Homing::UNREAD,
         ends: Ends::read(letter, &travel, keys),
         errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
+        ethercat: keys.optional_section("ethercat", DriveSlot::read),
     };
     axis.with_homing(keys)
 }

@@ -9,6 +9,7 @@
 //!              base speed Ppeak/Mpeak
 //! ```
 use super::axis::{Loops, thermal_time};
+use super::{axis::Loops, ethercat::DriveSlot, plant::SpindleErrors, setup::percent};
 use super::{measured_torque::MeasuredTorque, plant::SpindleErrors, setup::percent};
 use crate::keys::Keys;
 use units::{Angle, Inertia, Length, Power, Spin, SpinAccel, Time, Torque};
@@ -64,6 +65,8 @@ pub struct Spindle {
     pub windows: SpindleWindows,
     /// What is wrong with it that its control is not told.
     pub errors: SpindleErrors,
+    /// Its drive on an EtherCAT network; `None`: it is on none.
+    pub ethercat: Option<DriveSlot>,
 }
 
 /// A drive that is only told a speed: `[spindles.drive]` of the kind "speed".
@@ -161,6 +164,7 @@ impl Spindle {
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", SpindleWindows::read),
             errors: keys.optional_section("errors", SpindleErrors::read).unwrap_or_default(),
+            ethercat: keys.optional_section("ethercat", DriveSlot::read),
         };
         spindle.refuse_contradictions(keys);
         spindle

@@ -54,6 +54,7 @@ fn observed(time: f64) -> Observed {
         limit_switches: [false, true],
         index: Some(Coordinate::new(-152.0)),
         force: Some(Force::n(-812.5)),
+        fault_code: 0x2310,
     };
     observed.feedback.probe = true;
     observed.feedback.probe_age = Some(Time::s(0.000_1));
@@ -67,6 +68,7 @@ fn observed(time: f64) -> Observed {
         oriented: true,
         orient_fault: -3,
         torque: Some(Torque::n_m(7.25)),
+        fault_code: 0x8611,
     };
     observed.feedback.tool = Some(11);
     let mut truth = Truth::default();
