@@ -14,8 +14,10 @@
 //! (M3).
 #![no_std]
 mod engaged_tool;
+mod watched;
 
 pub use engaged_tool::{EngagedTool, EngagementEvidence, RunDownKind, STANDSTILL, SpindleSense};
+pub use watched::{WatchedInput, WatchedInputs};
 
 use units::{
     Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Orientation, Spin, Time, Torque,

@@ -182,6 +182,17 @@ impl<'d> Keys<'d> {
         list.iter().map(|item| self.checked(key, item, &bounds)).collect()
     }
 
+    /// A list of texts; empty where it is not stated.
+    pub(crate) fn optional_texts(&mut self, key: &'static str) -> Vec<String> {
+        self.record(key, false, || "list of texts".into());
+        let Some(value) = self.ask(key) else { return Vec::new() };
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "a list of texts");
+            return Vec::new();
+        };
+        list.iter().filter_map(|item| self.checked_text(key, item)).collect()
+    }
+
     /// A whole number within bounds.
     pub(crate) fn whole(&mut self, key: &'static str, bounds: RangeInclusive<u32>) -> u32 {
         let harmless = *bounds.start();

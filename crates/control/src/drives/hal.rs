@@ -20,6 +20,12 @@ fn open(opening: &Opening<'_>) -> Result<Opened, Refused> {
             file.name
         )));
     };
+    if !hal.unanswered.is_empty() {
+        return Err(Refused::because(format!(
+            "what stopped this machine in LinuxCNC has no answer in [hal.safety] of its file: {}",
+            hal.unanswered.join("; ")
+        )));
+    }
     let side =
         shm::ControlSide::find(&hal.component).map_err(|why| Refused::because(why.to_string()))?;
     let period = file.control.period;

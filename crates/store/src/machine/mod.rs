@@ -63,6 +63,7 @@ pub use control::{
 pub use drives::{DcBus, Drives};
 pub use grinding::{Grinding, Wheel};
 pub use hal::Hal;
+pub(crate) use hal::UNANSWERED;
 pub use homing::{Ends, Homing, HomingMethod};
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
 pub use scatter::Scatter;
@@ -322,8 +323,9 @@ impl MachineFile {
                 keys.conflict("tool_change", message);
             }
         }
-        if self.hal.is_some() {
+        if let Some(hal) = &self.hal {
             self.refuse_drives_of_hal(keys);
+            self.refuse_ready_of_nothing(hal, keys);
         }
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
         if names.len() == 2 && names[0] == names[1] {
@@ -347,6 +349,26 @@ impl MachineFile {
                     "`encoder_index` of spindle \"{name}\": its drive is told an angle, which counts on from the drive's own zero: expected false"
                 );
                 keys.conflict("spindles", text);
+            }
+        }
+    }
+}
+
+impl MachineFile {
+    /// A drive that says that it is ready is one of the machine's.
+    fn refuse_ready_of_nothing(&self, hal: &Hal, keys: &Keys<'_>) {
+        for (axis, letter) in self.axes.iter().zip(canon::Axis::ALL) {
+            let is_said = hal.watched.has(bus::WatchedInput::AxisReady(letter.index() as u8));
+            if is_said && axis.is_none() {
+                let text = format!("`ready`: the machine has no axis {}", letter.letter());
+                keys.conflict("hal", text);
+            }
+        }
+        let spindles = self.spindles.len();
+        for number in spindles..bus::SPINDLES {
+            if hal.watched.has(bus::WatchedInput::SpindleReady(number as u8)) {
+                let text = format!("`ready`: the machine has {spindles} spindle, from spindle.0 on");
+                keys.conflict("hal", text);
             }
         }
     }
