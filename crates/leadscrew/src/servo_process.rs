@@ -62,6 +62,7 @@ impl DrivesProcess {
                 spindles: file.spindles.len(),
                 not_called: "the servo thread has not begun",
                 axis_missing: |_| "leadscrew drives leads none".into(),
+                undriven: |names| format!("leadscrew drives has no {names}"),
             },
         );
         Ok(Self {

@@ -30,5 +30,6 @@ fn open(opening: &Opening<'_>) -> Result<Opened, Refused> {
         shm::ControlSide::find(&hal.component).map_err(|why| Refused::because(why.to_string()))?;
     let period = file.control.period;
     let times = (period, hal.silent_after, period * hal.obeys_after_periods);
-    Ok(Opened { drives: Box::new(SharedSeat::new(side, times, TEXT)), welcome: None })
+    let seat = SharedSeat::new(side, times, TEXT).watching(hal.watched);
+    Ok(Opened { drives: Box::new(seat), welcome: None })
 }

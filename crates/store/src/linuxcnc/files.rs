@@ -45,7 +45,8 @@ pub fn read(path: &Path, more: &[PathBuf]) -> Result<Import, Error> {
                 match text {
                     Ok(text) => hal.read(name, &text, &ini, &mut file),
                     Err(why) => {
-                        hal.unseen.push((name.to_owned(), format!("{}, {name} {why}", entry.place)));
+                        hal.unseen
+                            .push((name.to_owned(), format!("{}, {name} {why}", entry.place)));
                     }
                 }
             }

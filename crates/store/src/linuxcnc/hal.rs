@@ -82,7 +82,9 @@ impl Hal {
                 };
                 match text {
                     Ok(text) => self.read(named, &text, ini, file),
-                    Err(why) => self.unseen.push(((*named).to_owned(), format!("source, {place}, {why}"))),
+                    Err(why) => {
+                        self.unseen.push(((*named).to_owned(), format!("source, {place}, {why}")))
+                    }
                 }
             }
             _ => {}

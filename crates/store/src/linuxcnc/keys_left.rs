@@ -20,15 +20,31 @@ const REASONS: [(&str, &str, &str); 38] = [
     ("HAL", "HALCMD", "read as a line of a HAL file"),
     ("HAL", "HALUI", "halui is LinuxCNC's: its pins are told of each by itself"),
     ("HAL", "", "HAL files are loaded by halrun, or by the system's start"),
-    ("JOINT_", "COMP_FILE", "errors of the screw are not compensated: leadscrew compensation writes its own table"),
-    ("AXIS_", "COMP_FILE", "errors of the screw are not compensated: leadscrew compensation writes its own table"),
+    (
+        "JOINT_",
+        "COMP_FILE",
+        "errors of the screw are not compensated: leadscrew compensation writes its own table",
+    ),
+    (
+        "AXIS_",
+        "COMP_FILE",
+        "errors of the screw are not compensated: leadscrew compensation writes its own table",
+    ),
     ("JOINT_", "COMP_FILE_TYPE", "belongs to COMP_FILE"),
     ("JOINT_", "TYPE", "an axis is linear or rotary by its letter"),
     ("AXIS_", "TYPE", "an axis is linear or rotary by its letter"),
     ("JOINT_", "HOME_", "Leadscrew homes by switch, drive or operator: this is no part of it"),
-    ("JOINT_", "VOLATILE_HOME", "an axis is homed anew after each start unless its drive counts on"),
+    (
+        "JOINT_",
+        "VOLATILE_HOME",
+        "an axis is homed anew after each start unless its drive counts on",
+    ),
     ("JOINT_", "LOCKING_INDEXER", "an axis that is locked at rest is not unlocked"),
-    ("AXIS_", "WRAPPED_ROTARY", "a rotary axis turns by the sense of its commands, and is not wound up"),
+    (
+        "AXIS_",
+        "WRAPPED_ROTARY",
+        "a rotary axis turns by the sense of its commands, and is not wound up",
+    ),
     ("AXIS_", "OFFSET_AV_RATIO", "offsets from outside are not superposed on a program"),
     ("JOINT_", "", "it stays with the drive or with the HAL file"),
     ("AXIS_", "", "it stays with the drive or with the HAL file"),
@@ -38,7 +54,11 @@ const REASONS: [(&str, &str, &str); 38] = [
     ("TRAJ", "", "speeds and limits are each axis' own"),
     ("KINS", "", "axes are their joints"),
     ("EMCMOT", "", "motmod is not loaded: the component has its own period"),
-    ("EMCIO", "RANDOM_TOOLCHANGER", "tools are asked for by their numbers, wherever the changer has them"),
+    (
+        "EMCIO",
+        "RANDOM_TOOLCHANGER",
+        "tools are asked for by their numbers, wherever the changer has them",
+    ),
     ("EMCIO", "TOOL_CHANGE", "a tool is changed where the machine file's [tool_change] says"),
     ("EMCIO", "", "iocontrol is not loaded"),
     ("RS274NGC", "PARAMETER_FILE", "its parameters are read with --parameters"),
@@ -89,13 +109,15 @@ fn names(text: &str, cited: &str) -> bool {
 fn fate(entry: &Entry, first: Option<&Entry>) -> (RemarkKind, String) {
     let is = |(section, key, _): &&(&str, &str, &str)| {
         let own = section.ends_with('_') || *section == "SPINDLE";
-        let section = if own { entry.section.starts_with(section) } else { entry.section == **section };
+        let section =
+            if own { entry.section.starts_with(section) } else { entry.section == **section };
         section && entry.key.starts_with(key)
     };
     if let Some((_, _, what)) = DECIDE.iter().find(is).filter(|(_, key, _)| *key == entry.key) {
         return (RemarkKind::Taken, (*what).to_owned());
     }
-    let repeats = entry.section == "HAL" || ["REMAP", "PROGRAM_EXTENSION"].contains(&entry.key.as_str());
+    let repeats =
+        entry.section == "HAL" || ["REMAP", "PROGRAM_EXTENSION"].contains(&entry.key.as_str());
     if let Some(first) = first.filter(|_| !repeats) {
         return (RemarkKind::Unread, format!("the first one counts, {}", first.place));
     }

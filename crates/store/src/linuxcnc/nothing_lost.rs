@@ -18,7 +18,11 @@ fn read(ini: &str, wiring: &str) -> (Option<String>, Vec<String>) {
 
 /// The guards of a machine file that have no answer.
 fn unanswered(text: &str) -> Vec<String> {
-    machine::parse(text, 0).unwrap_or_else(|found| panic!("{found:#?}\n{text}")).hal.unwrap().unanswered
+    machine::parse(text, 0)
+        .unwrap_or_else(|found| panic!("{found:#?}\n{text}"))
+        .hal
+        .unwrap()
+        .unanswered
 }
 
 #[test]
@@ -30,7 +34,8 @@ fn a_door_that_inhibits_feed_and_spindle_is_asked_for_with_pin_file_and_line() {
     assert_eq!(open.len(), 2, "{open:#?}");
     assert!(open[0].contains("motion.feed-inhibit") && open[0].contains("mill.hal:1"), "{open:#?}");
     assert!(open[1].contains("spindle.0.inhibit") && open[1].contains("mill.hal:2"), "{open:#?}");
-    let safety = "safety   spindle.0.inhibit: on signal door, mill.hal:2: \"leadscrew.spindle.0.inhibit\"";
+    let safety =
+        "safety   spindle.0.inhibit: on signal door, mill.hal:2: \"leadscrew.spindle.0.inhibit\"";
     assert!(remarks.iter().any(|line| line.starts_with(safety)), "{remarks:#?}");
 
     // the answers: one pin is wired, the other one is not needed
@@ -84,7 +89,8 @@ fn a_key_is_taken_or_not_read_and_a_screw_that_is_not_compensated_is_missing() {
 
 /// Lines in which a word stands by itself.
 fn named(remarks: &[String], word: &str) -> usize {
-    let is_end = |c: Option<char>| !c.is_some_and(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+    let is_end =
+        |c: Option<char>| !c.is_some_and(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
     let has = |line: &&String| {
         line.match_indices(word).any(|(at, _)| {
             is_end(line[..at].chars().last()) && is_end(line[at + word.len()..].chars().next())

@@ -157,16 +157,20 @@ pub fn fate(pin: &str, letter: impl Fn(usize) -> Option<char>) -> Option<(Fate, 
         return Some(match fate {
             Pin(ours) | Guard(ours) if ours.contains(".L.") => {
                 match number.parse().ok().and_then(&letter) {
-                    Some(of) => (*fate, ours.replace(".L.", &format!(".{}.", of.to_ascii_lowercase()))),
+                    Some(of) => {
+                        (*fate, ours.replace(".L.", &format!(".{}.", of.to_ascii_lowercase())))
+                    }
                     None => {
                         let none = "its joint moves no axis of this machine";
                         (Nothing(none), none.into())
                     }
                 }
             }
-            Pin(ours) | Guard(ours) | Unguarded(ours) => {
-                (*fate, ours.replacen("-N", &format!("-{number}"), 1).replace(".N.", &format!(".{number}.")))
-            }
+            Pin(ours) | Guard(ours) | Unguarded(ours) => (
+                *fate,
+                ours.replacen("-N", &format!("-{number}"), 1)
+                    .replace(".N.", &format!(".{number}.")),
+            ),
             Nothing(why) => (*fate, (*why).to_owned()),
         });
     }
@@ -237,10 +241,21 @@ mod tests {
         for pin in ["spindle.0.inhibit", "motion.feed-inhibit", "motion.feed-hold", "halui.abort"] {
             assert!(matches!(of(pin), Some((Guard(_), _))), "{pin}");
         }
-        for pin in ["motion.enable", "iocontrol.0.user-enable-out", "halui.estop.activate", "motion.tp-inhibit"] {
+        for pin in [
+            "motion.enable",
+            "iocontrol.0.user-enable-out",
+            "halui.estop.activate",
+            "motion.tp-inhibit",
+        ] {
             assert!(matches!(of(pin), Some((Unguarded(_), _))), "{pin}");
         }
-        for pin in ["axis.x.jog-enable", "axis.x.eoffset-enable", "joint.0.jog-counts", "halui.machine.is-on", "motion.current-vel"] {
+        for pin in [
+            "axis.x.jog-enable",
+            "axis.x.eoffset-enable",
+            "joint.0.jog-counts",
+            "halui.machine.is-on",
+            "motion.current-vel",
+        ] {
             assert!(matches!(of(pin), Some((Nothing(_), _))), "{pin}");
         }
     }

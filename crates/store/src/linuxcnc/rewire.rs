@@ -20,10 +20,10 @@ pub(super) fn remarks(w: &mut MachineWriter, hal: &Hal, axes: &[AxisOf]) {
     };
     let mut guards = String::new();
     let mut said: Vec<&str> = Vec::new();
-    let wired = hal.pins.iter().map(|(signal, pin, place)| {
-        (pin, format!("on signal {signal}, {place}"))
-    });
-    let set = hal.values.iter().map(|(pin, value, place)| (pin, format!("set to {value}, {place}")));
+    let wired =
+        hal.pins.iter().map(|(signal, pin, place)| (pin, format!("on signal {signal}, {place}")));
+    let set =
+        hal.values.iter().map(|(pin, value, place)| (pin, format!("set to {value}, {place}")));
     for (pin, how) in wired.chain(set) {
         if said.contains(&pin.as_str()) {
             continue;

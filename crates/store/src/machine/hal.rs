@@ -133,7 +133,8 @@ mod tests {
         let has = [WatchedInput::AxisReady(0), WatchedInput::SpindleReady(0)];
         assert!(has.iter().all(|input| watched.has(*input)));
         assert!(!watched.has(WatchedInput::AxisReady(2)));
-        for (list, why) in [("q", "found `q`"), ("w", "has no axis W"), ("spindle.1", "1 spindle")] {
+        for (list, why) in [("q", "found `q`"), ("w", "has no axis W"), ("spindle.1", "1 spindle")]
+        {
             let found = hal(&format!("ready = [\"{list}\"]\n")).unwrap_err();
             assert!(found.contains(why), "{found}");
         }
@@ -141,7 +142,8 @@ mod tests {
 
     #[test]
     fn what_stopped_the_machine_has_an_answer_or_is_said() {
-        let safety = |answer: &str| hal(&format!("[hal.safety]\n\"motion.enable\" = \"{answer}\"\n"));
+        let safety =
+            |answer: &str| hal(&format!("[hal.safety]\n\"motion.enable\" = \"{answer}\"\n"));
         assert_eq!(
             safety("unanswered: mill.hal:31").unwrap().unanswered,
             ["motion.enable is unanswered: mill.hal:31"]

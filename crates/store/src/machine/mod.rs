@@ -367,7 +367,8 @@ impl MachineFile {
         let spindles = self.spindles.len();
         for number in spindles..bus::SPINDLES {
             if hal.watched.has(bus::WatchedInput::SpindleReady(number as u8)) {
-                let text = format!("`ready`: the machine has {spindles} spindle, from spindle.0 on");
+                let text =
+                    format!("`ready`: the machine has {spindles} spindle, from spindle.0 on");
                 keys.conflict("hal", text);
             }
         }
