@@ -3,10 +3,35 @@
 use crate::ffi::{Direction, Function};
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_int, c_long, c_void};
-use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// HAL's record of a pin, as `driven.rs` reads it; its memory begins at address 0.
+/// Where HAL's memory begins, and how much of it is used.
+static MEMORY: OnceLock<usize> = OnceLock::new();
+static USED: AtomicUsize = AtomicUsize::new(8);
+const MEMORY_WORDS: usize = 1 << 20;
+
+fn memory() -> usize {
+    *MEMORY.get_or_init(|| vec![0_u64; MEMORY_WORDS].leak().as_mut_ptr() as usize)
+}
+
+/// A record in HAL's memory, for good.
+fn recorded<T>(record: T) -> *mut T {
+    let size = size_of::<T>().next_multiple_of(8);
+    let at = USED.fetch_add(size, Relaxed);
+    assert!(at + size <= MEMORY_WORDS * 8, "HAL has no memory left");
+    let place = (memory() + at) as *mut T;
+    // SAFETY: memory of this record alone, aligned for words, as its fields need.
+    unsafe { place.write(record) };
+    place
+}
+
+/// How HAL's records name a place.
+fn offset(place: usize) -> i64 {
+    place.wrapping_sub(memory()) as i64
+}
+
+/// HAL's record of a pin, as `driven.rs` reads it.
 #[repr(C)]
 struct PinRecord {
     next: i64,
@@ -121,7 +146,7 @@ impl Asked {
     /// A signal with so many writers is on an input of one bit, which is false.
     pub(crate) fn link(&self, name: &str, writers: c_int) {
         let (place, record) = self.record(name);
-        let signal = Box::leak(Box::new(SignalRecord {
+        let signal = recorded(SignalRecord {
             next: 0,
             data: 0,
             kind: 1,
@@ -129,12 +154,12 @@ impl Asked {
             writers,
             both_ways: 0,
             value: 0,
-        }));
-        let data = std::ptr::addr_of_mut!(signal.value);
-        signal.data = data as i64;
-        // SAFETY: records that were leaked for this pin and this signal.
+        });
+        // SAFETY: records that were made for this pin and this signal.
         unsafe {
-            (*record).signal = std::ptr::from_mut(signal) as i64;
+            let data = std::ptr::addr_of_mut!((*signal).value);
+            (*signal).data = offset(data as usize);
+            (*record).signal = offset(signal as usize);
             place.write_volatile(data.cast());
         }
     }
@@ -142,8 +167,11 @@ impl Asked {
     /// What has written the signal on a pin is unloaded.
     pub(crate) fn lose_writer(&self, name: &str) {
         let (_, record) = self.record(name);
-        // SAFETY: a record that `link` has leaked.
-        unsafe { (*((*record).signal as *mut SignalRecord)).writers -= 1 };
+        // SAFETY: the record that `link` has made.
+        unsafe {
+            let signal = memory() + (*record).signal as usize;
+            (*(signal as *mut SignalRecord)).writers -= 1;
+        }
     }
 
     /// The place of a value, and the record of its pin, which has no signal yet or one of `link`.
@@ -168,7 +196,7 @@ unsafe fn pin<T>(kind: char, name: *const c_char, data: *mut *mut T, direction: 
     let name = unsafe { CStr::from_ptr(name) }.to_string_lossy().into_owned();
     let mut record = PinRecord {
         next: 0,
-        data_place: data as i64,
+        data_place: offset(data as usize),
         owner: 0,
         signal: 0,
         value: 0,
@@ -178,10 +206,10 @@ unsafe fn pin<T>(kind: char, name: *const c_char, data: *mut *mut T, direction: 
         name: [0; 48],
     };
     record.name[..name.len()].copy_from_slice(name.as_bytes());
-    let record = Box::leak(Box::new(record));
-    // SAFETY: memory of `hal_malloc`, as the component says.
-    unsafe { data.write(std::ptr::addr_of_mut!(record.value).cast()) };
-    let record = std::ptr::from_mut(record) as usize;
+    let record = recorded(record);
+    // SAFETY: the record of this pin, and memory of `hal_malloc`, as the component says.
+    unsafe { data.write(std::ptr::addr_of_mut!((*record).value).cast()) };
+    let record = record as usize;
     with(|asked| {
         asked.pins.insert(name, (kind, data as usize, direction));
         asked.records.insert(data as usize, record);

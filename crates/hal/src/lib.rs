@@ -14,10 +14,14 @@
 //! coupled axes on their coupling, and holds it.
 #![allow(unsafe_code)] // this crate is called by HAL and calls it: the reason stands beside each
 mod axis_pins;
+#[cfg(test)]
+mod bench;
 mod driven;
 #[cfg(test)]
 mod fake;
 mod ffi;
+#[cfg(test)]
+mod guarded;
 mod index;
 #[cfg(test)]
 mod man;
