@@ -21,7 +21,7 @@ mod driven;
 mod fake;
 mod ffi;
 #[cfg(test)]
-mod guarded;
+mod guarded_tests;
 mod index;
 #[cfg(test)]
 mod man;

@@ -27,8 +27,8 @@ impl PanelPins {
         })
     }
 
-    /// What is pressed or open: what the machine's file relies on counts as such, too, while nothing
-    /// drives it.
+    /// What is pressed or open: what the machine's file relies on counts as such, too, while
+    /// nothing drives it.
     pub(crate) fn read(&self, watched: WatchedInputs) -> Panel {
         let is_set = |pin: &DrivenPin, input| pin.get() || watched.has(input) && !pin.is_driven();
         Panel {

@@ -268,13 +268,6 @@ impl Kernel {
         command
     }
 
-    /// Everything is off: the changer keeps the tool that the machine has, whatever was ordered
-    /// before.
-    fn leave(&mut self, feedback: &Feedback) -> Command {
-        self.drives.tool = feedback.tool.unwrap_or(self.drives.tool);
-        Command { tool: self.drives.tool, ..Command::default() }
-    }
-
     /// Wait for the drives; hold every axis where it stands.
     fn start(&mut self, feedback: &Feedback) -> Command {
         let waited = match self.mode {

@@ -11,7 +11,7 @@ use super::kept::Kept;
 use super::message::MessageStatus;
 use super::meters::Meters;
 use super::outside::Outside;
-use super::panel::PanelKeys;
+use super::panel_keys::PanelKeys;
 use super::proving::Begun;
 use super::ranges;
 use super::request::{Accepted, Refusal, Request};

@@ -5,7 +5,7 @@ use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::manual::{ManualOrder, ManualRefusal, SpindleByHand};
 use crate::spindle::SpindleLoop;
-use bus::{Feedback, State};
+use bus::{Command, Feedback, State};
 use units::{Angle, Axis, Coordinate, Spin, Time};
 
 impl Kernel {
@@ -18,6 +18,13 @@ impl Kernel {
             (self.operator, self.mode) = (operator, Mode::Disabled);
         }
         matches!(self.mode, Mode::Disabled)
+    }
+
+    /// Everything is off: the changer keeps the tool that the machine has, whatever was ordered
+    /// before.
+    pub(super) fn leave(&mut self, feedback: &Feedback) -> Command {
+        self.drives.tool = feedback.tool.unwrap_or(self.drives.tool);
+        Command { tool: self.drives.tool, ..Command::default() }
     }
 
     /// Outputs are off.

@@ -49,9 +49,9 @@ impl Hal {
         let mut unanswered = Vec::new();
         for answer in answers {
             match answer {
-                Answer::Wired(input) => watched = watched.with(input),
-                Answer::NotNeeded => {}
-                Answer::None(why) => unanswered.push(why),
+                SafetyAnswer::Wired(input) => watched = watched.with(input),
+                SafetyAnswer::NotNeeded => {}
+                SafetyAnswer::None(why) => unanswered.push(why),
             }
         }
         Self { component, silent_after, obeys_after_periods, watched, unanswered }
@@ -59,26 +59,26 @@ impl Hal {
 }
 
 /// What a person has said of something that stopped the machine.
-enum Answer {
+enum SafetyAnswer {
     Wired(WatchedInput),
     NotNeeded,
     None(String),
 }
 
 /// `[hal.safety]`.
-fn answers(keys: &mut Keys<'_>) -> Vec<Answer> {
+fn answers(keys: &mut Keys<'_>) -> Vec<SafetyAnswer> {
     let stated = keys.texts(|pin| Some(pin.to_owned()));
     let answered = |(pin, answer): (String, String)| match answer.strip_prefix(COMPONENT) {
-        _ if answer == NOT_NEEDED => Answer::NotNeeded,
-        Some(ours) if let Some(input) = named(ours) => Answer::Wired(input),
-        _ if answer.starts_with(UNANSWERED) => Answer::None(format!("{pin} is {answer}")),
+        _ if answer == NOT_NEEDED => SafetyAnswer::NotNeeded,
+        Some(ours) if let Some(input) = named(ours) => SafetyAnswer::Wired(input),
+        _ if answer.starts_with(UNANSWERED) => SafetyAnswer::None(format!("{pin} is {answer}")),
         _ => {
             let expected = format!(
                 "`{pin}`: found `{answer}`, expected \"{NOT_NEEDED}\", or the pin that does it: {}",
                 guards()
             );
             keys.unknown_name(&pin, expected);
-            Answer::NotNeeded
+            SafetyAnswer::NotNeeded
         }
     };
     stated.into_iter().map(answered).collect()

@@ -1,7 +1,7 @@
 //! What a panel beside the machine asks for goes where the requests of clients go.
 use super::lead::Lead;
 use super::{Client, held};
-use crate::operation::panel::said_of_panel;
+use crate::operation::panel_keys::said_of_panel;
 use crate::operation::{Event, Request};
 use std::sync::Arc;
 
