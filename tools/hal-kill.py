@@ -29,7 +29,7 @@ NOT_BEGUN = "no tap began\n"  # a computer that is busy has lost the connection 
 WAYS = ["abort", "kill", "unload", "hold"]
 # what record.hal and mill.hal wire of the component: loaded again, it has new pins
 WIRES = [
-    ("x-fb", "x.pos-fb"), ("y-fb", "y.pos-fb"), ("z-fb", "z.pos-fb"), ("angle", "spindle.0.revs"),
+    ("chain-ok", "estop-ok"), ("x-fb", "x.pos-fb"), ("y-fb", "y.pos-fb"), ("z-fb", "z.pos-fb"), ("angle", "spindle.0.revs"),
     ("change-tool", "tool-change tool-changed"), ("x-cmd", "x.pos-cmd"), ("y-cmd", "y.pos-cmd"), ("z-cmd", "z.pos-cmd"),
     ("speed-cmd", "spindle.0.speed-cmd-rps"), ("state", "state"), ("sync-error", "sync-error"),
 ]

@@ -14,8 +14,12 @@
 //! (M3).
 #![no_std]
 mod engaged_tool;
+mod panel;
+mod watched;
 
 pub use engaged_tool::{EngagedTool, EngagementEvidence, RunDownKind, STANDSTILL, SpindleSense};
+pub use panel::Panel;
+pub use watched::{WatchedInput, WatchedInputs};
 
 use units::{
     Angle, Coordinate, CoordinateSpeed, Force, Lead, Length, Orientation, Spin, Time, Torque,
@@ -123,6 +127,8 @@ pub struct Feedback {
     pub probe_age: Option<Time>,
     /// Inputs of the machine and of its surroundings.
     pub inputs: Signals,
+    /// Doors and the panel beside the machine.
+    pub panel: Panel,
 }
 
 /// What the kernel wants of one axis.

@@ -19,7 +19,8 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
             control::job::subprograms::folders_of(machine, &file)?;
             control::services::learning::Memory::load(None, &file)?;
             let mut text = format!("{}: in order. {}\n", file.name, file.description);
-            for warning in warnings(&file).chain(crate::coasting::warnings(&file)) {
+            let warned = warnings(&file).chain(crate::coasting::warnings(&file));
+            for warning in warned.chain(unanswered(&file)) {
                 text += &format!("warning: {warning}\n");
             }
             say::out(&text)
@@ -56,8 +57,10 @@ fn import(ini: &Path, hal: &[PathBuf], out: Option<&Path>) -> Result<(), Refused
         return say::out(&text);
     };
     store::output::write_file(out, text.as_bytes())?;
-    let next =
-        format!("{} is written: look at what was guessed and what is missing\n", out.display());
+    let next = format!(
+        "{} is written: look at what was guessed and what is missing, and answer [hal.safety] where it is there\n",
+        out.display()
+    );
     say::out(&(lines + &next))
 }
 
@@ -91,6 +94,13 @@ fn warnings(file: &MachineFile) -> impl Iterator<Item = String> {
             if key == "on_power_loss" { ", with [drives.bus]" } else { "" }
         )
     })
+}
+
+/// What stopped the machine in another control, and nobody has answered for: HAL's drives are not
+/// led before.
+fn unanswered(file: &MachineFile) -> impl Iterator<Item = String> {
+    let open = file.hal.iter().flat_map(|hal| &hal.unanswered);
+    open.map(|what| format!("[hal.safety] {what}; no drive is led before it is answered"))
 }
 
 fn list() -> Result<(), Refused> {

@@ -32,10 +32,22 @@ fn the_example_becomes_a_machine_that_can_be_checked_and_cuts_the_plate() {
         "guessed  hal.silent_after_ms",
         "rewire   joint.2.motor-pos-cmd: leadscrew.z.pos-cmd on signal z-cmd, mill.hal:14",
         "rewire   spindle.0.revs: leadscrew.spindle.0.revs on signal angle, mill.hal:20",
+        "rewire   iocontrol.0.emc-enable-in: leadscrew.estop-ok",
+        "safety   spindle.0.inhibit: on signal door, mill.hal:24: \"leadscrew.spindle.0.inhibit\" once",
+        "safety   motion.feed-inhibit: on signal door, mill.hal:24",
     ] {
         assert!(remarks.contains(part), "{part}\n{remarks}");
     }
-    assert!(leadscrew(&["machine", "check", text(&out)]).status.success());
+    let checked = leadscrew(&["machine", "check", text(&out)]);
+    assert!(checked.status.success());
+    assert!(
+        said(&checked)
+            .contains("[hal.safety] spindle.0.inhibit is unanswered: on signal door, mill.hal:24")
+    );
+    let led = leadscrew(&["control", "--drives", "hal", "--machine", text(&out)]);
+    assert!(
+        complained(&led).contains("motion.feed-inhibit is unanswered: on signal door, mill.hal:24")
+    );
     assert!(said(&leadscrew(&["machine", "show", text(&out)])).contains("[hal]"));
     let plate = root().join("programs/plate-12xM6.ngc");
     let checked = leadscrew(&["check", text(&plate), "--machine", text(&out)]);

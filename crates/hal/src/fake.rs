@@ -3,13 +3,67 @@
 use crate::ffi::{Direction, Function};
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_int, c_long, c_void};
-use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// Where HAL's memory begins, and how much of it is used.
+static MEMORY: OnceLock<usize> = OnceLock::new();
+static USED: AtomicUsize = AtomicUsize::new(8);
+const MEMORY_WORDS: usize = 1 << 20;
+
+fn memory() -> usize {
+    *MEMORY.get_or_init(|| vec![0_u64; MEMORY_WORDS].leak().as_mut_ptr() as usize)
+}
+
+/// A record in HAL's memory, for good.
+fn recorded<T>(record: T) -> *mut T {
+    let size = size_of::<T>().next_multiple_of(8);
+    let at = USED.fetch_add(size, Relaxed);
+    assert!(at + size <= MEMORY_WORDS * 8, "HAL has no memory left");
+    let place = (memory() + at) as *mut T;
+    // SAFETY: memory of this record alone, aligned for words, as its fields need.
+    unsafe { place.write(record) };
+    place
+}
+
+/// How HAL's records name a place.
+fn offset(place: usize) -> i64 {
+    place.wrapping_sub(memory()) as i64
+}
+
+/// HAL's record of a pin, as `driven.rs` reads it.
+#[repr(C)]
+struct PinRecord {
+    next: i64,
+    data_place: i64,
+    owner: i64,
+    signal: i64,
+    value: u64,
+    old_name: i64,
+    kind: c_int,
+    direction: c_int,
+    name: [u8; 48],
+}
+
+/// HAL's record of a signal.
+#[repr(C)]
+struct SignalRecord {
+    next: i64,
+    data: i64,
+    kind: c_int,
+    readers: c_int,
+    writers: c_int,
+    both_ways: c_int,
+    value: u64,
+}
 
 /// What a component has asked HAL for; addresses as numbers, so that threads may share them.
 #[derive(Debug, Default)]
 pub(crate) struct Asked {
+    /// Kind, place of the place of the value, direction.
     pins: BTreeMap<String, (char, usize, c_int)>,
+    /// Where the record of the pin is that has its place here.
+    records: BTreeMap<usize, usize>,
     function: Option<Function>,
     pub(crate) said: Vec<String>,
 }
@@ -58,7 +112,8 @@ impl Asked {
 
     fn at<T>(&self, name: &str, kind: char) -> *mut T {
         match self.pins.get(&format!("leadscrew.{name}")) {
-            Some((of, at, _)) if *of == kind => *at as *mut T,
+            // SAFETY: the place that `hal_malloc` has made, in which HAL has put a value's
+            Some((of, at, _)) if *of == kind => unsafe { (*at as *const *mut T).read() },
             other => panic!("{name}: {other:?}"),
         }
     }
@@ -87,6 +142,43 @@ impl Asked {
         // SAFETY: as for `bit`.
         unsafe { self.at::<bool>(name, 'b').write_volatile(value) }
     }
+
+    /// A signal with so many writers is on an input of one bit, which is false.
+    pub(crate) fn link(&self, name: &str, writers: c_int) {
+        let (place, record) = self.record(name);
+        let signal = recorded(SignalRecord {
+            next: 0,
+            data: 0,
+            kind: 1,
+            readers: 1,
+            writers,
+            both_ways: 0,
+            value: 0,
+        });
+        // SAFETY: records that were made for this pin and this signal.
+        unsafe {
+            let data = std::ptr::addr_of_mut!((*signal).value);
+            (*signal).data = offset(data as usize);
+            (*record).signal = offset(signal as usize);
+            place.write_volatile(data.cast());
+        }
+    }
+
+    /// What has written the signal on a pin is unloaded.
+    pub(crate) fn lose_writer(&self, name: &str) {
+        let (_, record) = self.record(name);
+        // SAFETY: the record that `link` has made.
+        unsafe {
+            let signal = memory() + (*record).signal as usize;
+            (*(signal as *mut SignalRecord)).writers -= 1;
+        }
+    }
+
+    /// The place of a value, and the record of its pin, which has no signal yet or one of `link`.
+    fn record(&self, name: &str) -> (*mut *mut bool, *mut PinRecord) {
+        let (_, place, _) = self.pins[&format!("leadscrew.{name}")];
+        (place as *mut *mut bool, self.records[&place] as *mut PinRecord)
+    }
 }
 
 /// HAL's thread calls the function; false: it is not there (any more).
@@ -99,18 +191,29 @@ pub(crate) fn call(period: c_long) -> bool {
     function.is_some()
 }
 
-unsafe fn pin<T: Default>(
-    kind: char,
-    name: *const c_char,
-    data: *mut *mut T,
-    direction: c_int,
-) -> c_int {
+unsafe fn pin<T>(kind: char, name: *const c_char, data: *mut *mut T, direction: c_int) -> c_int {
     // SAFETY: a C string, as the component says.
     let name = unsafe { CStr::from_ptr(name) }.to_string_lossy().into_owned();
-    let at = Box::into_raw(Box::<T>::default());
-    // SAFETY: memory of `hal_malloc`, as the component says.
-    unsafe { data.write(at) };
-    with(|asked| asked.pins.insert(name, (kind, at as usize, direction)));
+    let mut record = PinRecord {
+        next: 0,
+        data_place: offset(data as usize),
+        owner: 0,
+        signal: 0,
+        value: 0,
+        old_name: 0,
+        kind: if kind == 'b' { 1 } else { 2 },
+        direction,
+        name: [0; 48],
+    };
+    record.name[..name.len()].copy_from_slice(name.as_bytes());
+    let record = recorded(record);
+    // SAFETY: the record of this pin, and memory of `hal_malloc`, as the component says.
+    unsafe { data.write(std::ptr::addr_of_mut!((*record).value).cast()) };
+    let record = record as usize;
+    with(|asked| {
+        asked.pins.insert(name, (kind, data as usize, direction));
+        asked.records.insert(data as usize, record);
+    });
     0
 }
 

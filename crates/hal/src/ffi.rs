@@ -136,6 +136,17 @@ impl<T: PinKind> Pin<T> {
         unsafe { self.0.as_ptr().read_volatile().read_volatile() }
     }
 
+    /// Where its value is now.
+    pub(crate) fn data(&self) -> *const T {
+        // SAFETY: as for `get`; the place alone is read.
+        unsafe { self.0.as_ptr().read_volatile() }
+    }
+
+    /// Where HAL keeps where its value is.
+    pub(crate) const fn place(&self) -> *const *mut T {
+        self.0.as_ptr()
+    }
+
     /// It has this value from now on.
     pub(crate) fn set(&self, value: T) {
         // SAFETY: as for `get`.

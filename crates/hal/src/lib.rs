@@ -13,14 +13,23 @@
 //! the kernel is another process, which may end at any moment: the kernel then stops the machine,
 //! coupled axes on their coupling, and holds it.
 #![allow(unsafe_code)] // this crate is called by HAL and calls it: the reason stands beside each
+mod axis_pins;
+#[cfg(test)]
+mod bench;
+mod driven;
 #[cfg(test)]
 mod fake;
 mod ffi;
+#[cfg(test)]
+mod guarded_tests;
 mod index;
 #[cfg(test)]
 mod man;
+mod new_pin;
+mod panel_pins;
 mod parameters;
 mod pins;
+mod spindle_pins;
 #[cfg(test)]
 mod tests;
 
@@ -84,6 +93,11 @@ fn load() -> Result<(), String> {
             spindles: parameters.spindles,
             not_called: "no thread calls leadscrew.update: addf leadscrew.update servo-thread, and start",
             axis_missing: |letter| format!("the component was loaded without it: axes=…{letter}"),
+            undriven: |names| {
+                format!(
+                    "nothing drives {names} of leadscrew in HAL, and the machine's file relies on it: net a signal with a writer to each (estop-ok is TRUE while the chain is closed; estop = \"none\" under [hal] says that there is no chain)"
+                )
+            },
         },
     )?;
     let component = Component { process, hal: hal.member() };

@@ -3,53 +3,18 @@
 //! ```text
 //!   leadscrew.x.pos-cmd …pos-fb          axes by their letters: mm, degrees
 //!   leadscrew.spindle.0.speed-cmd …revs  spindles by number: rev/min, revolutions
-//!   leadscrew.estop-in …din-00           the machine as a whole
+//!   leadscrew.estop-ok …din-00           the machine as a whole
 //! ```
-use crate::ffi::{Direction, Hal, Pin, PinKind};
-use crate::index::Unwrapped;
+use crate::axis_pins::AxisPins;
+use crate::driven::DrivenPin;
+use crate::ffi::{Direction, Hal, Pin};
+use crate::new_pin::{input, output, row};
+use crate::panel_pins::PanelPins;
 use crate::parameters::{LETTERS, LoadParameters};
-use bus::{
-    AXES, AxisFeedback, Command, Feedback, Report, SPINDLES, Signals, SpindleCommand,
-    SpindleFeedback,
-};
+use crate::spindle_pins::SpindlePins;
+use bus::{AXES, Command, Feedback, Report, SPINDLES, Signals, WatchedInput, WatchedInputs};
 use shm::{Fieldbus, WriteTo};
-use units::{Angle, Coordinate, Orientation, Time, TurnDirection};
-
-/// Pins of an axis.
-#[derive(Debug)]
-struct AxisPins {
-    pos_cmd: Pin<f64>,
-    vel_cmd: Pin<f64>,
-    enable: Pin<bool>,
-    pos_fb: Pin<f64>,
-    fault: Pin<bool>,
-    home_sw: Pin<bool>,
-    limits: [Pin<bool>; 2],
-}
-
-/// Pins of a spindle.
-#[derive(Debug)]
-struct SpindlePins {
-    speed_cmd: Pin<f64>,
-    speed_cmd_rps: Pin<f64>,
-    enable: Pin<bool>,
-    forward: Pin<bool>,
-    reverse: Pin<bool>,
-    brake: Pin<bool>,
-    revs: Pin<f64>,
-    index_enable: Pin<bool>,
-    fault: Pin<bool>,
-    pos_cmd: Pin<f64>,
-    orient: Pin<bool>,
-    orient_angle: Pin<f64>,
-    orient_mode: Pin<i32>,
-    is_oriented: Pin<bool>,
-    orient_fault: Pin<i32>,
-    locked: Pin<bool>,
-    counted: Unwrapped,
-    /// Where it is, by its encoder.
-    at: Angle,
-}
+use units::Time;
 
 /// A tool changer that is asked and answers.
 #[derive(Debug)]
@@ -64,7 +29,10 @@ struct ToolPins {
 pub(crate) struct Pins {
     axes: [Option<AxisPins>; AXES],
     spindles: [Option<SpindlePins>; SPINDLES],
-    estop: Pin<bool>,
+    estop_ok: DrivenPin,
+    panel: PanelPins,
+    /// Inputs that the machine's file relies on.
+    watched: WatchedInputs,
     probe: Pin<bool>,
     din: Vec<Pin<bool>>,
     dout: Vec<Pin<bool>>,
@@ -101,7 +69,9 @@ impl Pins {
         Ok(Self {
             axes,
             spindles,
-            estop: input(hal, "estop-in")?,
+            estop_ok: DrivenPin::new(hal, "estop-ok")?,
+            panel: PanelPins::new(hal)?,
+            watched: WatchedInputs::default(),
             probe: input(hal, "probe-in")?,
             din: row(hal, "din", of.digital.0, Direction::In)?,
             dout: row(hal, "dout", of.digital.1, Direction::Out)?,
@@ -140,30 +110,48 @@ impl Pins {
 }
 
 impl Fieldbus for Pins {
-    fn read(&mut self, time: Time) -> Feedback {
-        let mut feedback = Feedback { time, ..Feedback::default() };
-        for ((said, pins), enabled) in feedback.axes.iter_mut().zip(&self.axes).zip(self.enabled.0)
-        {
-            if let Some(pins) = pins {
-                *said = pins.read(enabled);
+    fn driven(&self) -> WatchedInputs {
+        let mut driven = self.panel.driven();
+        if self.estop_ok.is_driven() {
+            driven = driven.with(WatchedInput::EmergencyStop);
+        }
+        for (index, pins) in (0..).zip(&self.axes) {
+            if pins.as_ref().is_some_and(AxisPins::is_ready_driven) {
+                driven = driven.with(WatchedInput::AxisReady(index));
             }
         }
-        for ((said, pins), enabled) in
-            feedback.spindles.iter_mut().zip(&mut self.spindles).zip(self.enabled.1)
-        {
+        for (index, pins) in (0..).zip(&self.spindles) {
+            let (ready, inhibit) = pins.as_ref().map_or((false, false), SpindlePins::are_driven);
+            if ready {
+                driven = driven.with(WatchedInput::SpindleReady(index));
+            }
+            if inhibit {
+                driven = driven.with(WatchedInput::SpindleInhibit(index));
+            }
+        }
+        driven
+    }
+
+    fn watch(&mut self, inputs: WatchedInputs) {
+        self.watched = inputs;
+    }
+
+    fn read(&mut self, time: Time) -> Feedback {
+        let mut feedback = Feedback { time, ..Feedback::default() };
+        let watched = self.watched;
+        feedback.panel = self.panel.read(watched);
+        for (index, pins) in self.axes.iter().enumerate() {
             if let Some(pins) = pins {
-                let is_set = pins.index_enable.get();
-                let (angle, index) = pins.counted.read(pins.revs.get(), is_set);
-                pins.at = angle;
-                *said = SpindleFeedback {
-                    angle,
-                    index,
-                    ready: enabled && !pins.fault.get(),
-                    saturated: false,
-                    oriented: pins.is_oriented.get(),
-                    orient_fault: pins.orient_fault.get(),
-                    fault_code: 0,
-                };
+                let awaits = watched.has(WatchedInput::AxisReady(index as u8));
+                feedback.axes[index] = pins.read(self.enabled.0[index], awaits);
+            }
+        }
+        for (index, pins) in self.spindles.iter_mut().enumerate() {
+            if let Some(pins) = pins {
+                let awaits = watched.has(WatchedInput::SpindleReady(index as u8));
+                feedback.spindles[index] = pins.read(self.enabled.1[index], awaits);
+                let is_watched = watched.has(WatchedInput::SpindleInhibit(index as u8));
+                feedback.panel.spindle_inhibit[index] = pins.is_inhibited(is_watched);
             }
         }
         let mut inputs = Signals::default();
@@ -175,7 +163,7 @@ impl Fieldbus for Pins {
         }
         Feedback {
             tool: self.mounted,
-            emergency_stop: self.estop.get(),
+            emergency_stop: watched.has(WatchedInput::EmergencyStop) && !self.estop_ok.says(),
             probe: self.probe.get(),
             inputs,
             ..feedback
@@ -194,11 +182,8 @@ impl Fieldbus for Pins {
         }
         for (index, pins) in self.spindles.iter_mut().enumerate() {
             if let Some(pins) = pins {
-                if pins.counted.look(to.marks[index]) != pins.index_enable.get() {
-                    pins.index_enable.set(to.marks[index]);
-                }
                 let told = &command.spindles[index];
-                pins.write(told, to.spindles_obey_after[index]);
+                pins.write(told, to.spindles_obey_after[index], to.marks[index]);
                 self.enabled.1[index] = told.enable;
             }
         }
@@ -231,111 +216,4 @@ impl Fieldbus for Pins {
     fn now_ns(&self) -> i64 {
         crate::ffi::now_ns()
     }
-}
-
-impl AxisPins {
-    fn new(hal: &Hal, letter: char) -> Result<Self, String> {
-        let name = |what: &str| format!("{letter}.{what}");
-        Ok(Self {
-            pos_cmd: output(hal, &name("pos-cmd"))?,
-            vel_cmd: output(hal, &name("vel-cmd"))?,
-            enable: output(hal, &name("enable"))?,
-            pos_fb: input(hal, &name("pos-fb"))?,
-            fault: input(hal, &name("fault"))?,
-            home_sw: input(hal, &name("home-sw"))?,
-            limits: [input(hal, &name("limit-neg"))?, input(hal, &name("limit-pos"))?],
-        })
-    }
-
-    fn read(&self, enabled: bool) -> AxisFeedback {
-        AxisFeedback {
-            position: Coordinate::new(self.pos_fb.get()),
-            ready: enabled && !self.fault.get(),
-            home_switch: self.home_sw.get(),
-            limit_switches: [self.limits[0].get(), self.limits[1].get()],
-            ..AxisFeedback::default()
-        }
-    }
-
-    fn write(&self, enable: bool, position: f64, speed: f64) {
-        // one that is off is told to be where it is, so that nothing jumps when it is switched on
-        self.pos_cmd.set(if enable { position } else { self.pos_fb.get() });
-        self.vel_cmd.set(if enable { speed } else { 0.0 });
-        self.enable.set(enable);
-    }
-}
-
-impl SpindlePins {
-    fn new(hal: &Hal, number: usize) -> Result<Self, String> {
-        let name = |what: &str| format!("spindle.{number}.{what}");
-        Ok(Self {
-            speed_cmd: output(hal, &name("speed-cmd"))?,
-            speed_cmd_rps: output(hal, &name("speed-cmd-rps"))?,
-            enable: output(hal, &name("enable"))?,
-            forward: output(hal, &name("forward"))?,
-            reverse: output(hal, &name("reverse"))?,
-            brake: output(hal, &name("brake"))?,
-            revs: input(hal, &name("revs"))?,
-            index_enable: named(hal, &name("index-enable"), Direction::Io)?,
-            fault: input(hal, &name("fault"))?,
-            pos_cmd: output(hal, &name("pos-cmd"))?,
-            orient: output(hal, &name("orient"))?,
-            orient_angle: output(hal, &name("orient-angle"))?,
-            orient_mode: output(hal, &name("orient-mode"))?,
-            is_oriented: input(hal, &name("is-oriented"))?,
-            orient_fault: input(hal, &name("orient-fault"))?,
-            locked: output(hal, &name("locked"))?,
-            counted: Unwrapped::default(),
-            at: Angle::ZERO,
-        })
-    }
-
-    fn write(&self, told: &SpindleCommand, obeys_after: Time) {
-        let enable = told.enable;
-        let rps = if enable { told.spin.value() } else { 0.0 };
-        // one that is off is told to be where it is, so that nothing jumps when it is switched on
-        let ahead = if enable { told.angle + told.spin * obeys_after } else { self.at };
-        self.pos_cmd.set(ahead.value());
-        self.speed_cmd.set(rps * 60.0);
-        self.speed_cmd_rps.set(rps);
-        self.enable.set(enable);
-        self.forward.set(rps > 0.0);
-        self.reverse.set(rps < 0.0);
-        self.brake.set(!enable || told.locked);
-        let orient = told.orient.filter(|_| enable);
-        if let Some(Orientation { angle, direction }) = orient {
-            self.orient_angle.set(angle.in_deg().rem_euclid(360.0));
-            // as LinuxCNC's component `orient` takes it
-            self.orient_mode.set(match direction {
-                TurnDirection::Shortest => 0,
-                TurnDirection::Forward => 1,
-                TurnDirection::Backward => 2,
-            });
-        }
-        self.orient.set(orient.is_some() && !told.locked);
-        self.locked.set(orient.is_some() && told.locked);
-    }
-}
-
-fn named<T: PinKind>(hal: &Hal, name: &str, direction: Direction) -> Result<Pin<T>, String> {
-    let pin = hal.pin(&format!("leadscrew.{name}"), direction)?;
-    pin.set(T::default());
-    Ok(pin)
-}
-
-fn input<T: PinKind>(hal: &Hal, name: &str) -> Result<Pin<T>, String> {
-    named(hal, name, Direction::In)
-}
-
-fn output<T: PinKind>(hal: &Hal, name: &str) -> Result<Pin<T>, String> {
-    named(hal, name, Direction::Out)
-}
-
-fn row<T: PinKind>(
-    hal: &Hal,
-    name: &str,
-    count: usize,
-    direction: Direction,
-) -> Result<Vec<Pin<T>>, String> {
-    (0..count).map(|number| named(hal, &format!("{name}-{number:02}"), direction)).collect()
 }

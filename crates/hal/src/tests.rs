@@ -1,149 +1,17 @@
 //! The component between a HAL that is none and a control that is one: ideal drives, a spindle with
 //! ramps of its own.
 #![allow(clippy::unwrap_used)] // a test may panic
+use crate::bench::*;
 use crate::ffi::Hal;
 use crate::pins::Pins;
-use crate::{fake, rtapi_app_exit, rtapi_app_main};
+use crate::{fake, rtapi_app_exit};
 use bus::{Command, Report, SpindleCommand};
-use canon::Position;
 use control::job::ProgramOptions;
 use control::operation::{Event, Execution, Request};
 use control::{Control, ControlOptions};
 use shm::{Fieldbus as _, WriteTo};
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::thread::JoinHandle;
-use std::time::Duration;
 use test_support::drives::{DrivesBench, conforms};
 use units::{Angle, Orientation, Time, TurnDirection};
-
-/// Ramps of the converter, rev/s².
-const RAMP: f64 = 66.7;
-const PERIOD_S: f64 = 1e-3;
-
-/// HAL's thread, with drives that are where they were told to be a period ago.
-struct Running {
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<Vec<ZAndTurns>>>,
-}
-
-/// Z, mm, and the turns of the spindle, after a period.
-type ZAndTurns = (f64, f64);
-
-/// What the spindle's drive is told.
-#[derive(Clone, Copy, PartialEq)]
-enum TakenBy {
-    Speed,
-    Angle,
-}
-
-impl Running {
-    fn start() -> Self {
-        Self::start_with(TakenBy::Speed)
-    }
-
-    fn start_with(drive: TakenBy) -> Self {
-        assert_eq!(rtapi_app_main(), 0, "{:?}", fake::with(|hal| hal.said.clone()));
-        let stop = Arc::new(AtomicBool::new(false));
-        let told = Arc::clone(&stop);
-        let thread = std::thread::Builder::new().spawn(move || {
-            let (mut speed, mut turned, mut places) = (0.0_f64, 0.0, Vec::new());
-            while !told.load(Relaxed) && fake::call(1_000_000) {
-                fake::with(|hal| {
-                    for axis in ["x", "y", "z"] {
-                        hal.set_float(
-                            &format!("{axis}.pos-fb"),
-                            hal.float(&format!("{axis}.pos-cmd")),
-                        );
-                    }
-                    let most = RAMP * PERIOD_S;
-                    let wanted = hal.float("spindle.0.speed-cmd-rps");
-                    speed += (wanted - speed).clamp(-most, most);
-                    turned += speed * PERIOD_S;
-                    if drive == TakenBy::Angle {
-                        turned = hal.float("spindle.0.pos-cmd");
-                    }
-                    hal.set_float("spindle.0.revs", (turned * 4096.0).floor() / 4096.0);
-                    hal.set_bit("tool-changed", hal.bit("tool-change"));
-                    places.push((hal.float("z.pos-fb"), turned));
-                });
-                std::thread::sleep(Duration::from_micros(300)); // HAL's time is the count of its calls
-            }
-            places
-        });
-        Self { stop, thread: Some(thread.unwrap()) }
-    }
-
-    /// The thread stops, and the component is unloaded; where everything has been.
-    fn end(mut self) -> Vec<ZAndTurns> {
-        self.stop.store(true, Relaxed);
-        let places = self.thread.take().unwrap().join().unwrap();
-        rtapi_app_exit();
-        places
-    }
-}
-
-/// How far Z was off the thread of 1 mm that begins at Z-100, in the material that begins half a
-/// millimetre below.
-fn off_thread(places: &[ZAndTurns]) -> f64 {
-    let inside = places.iter().filter(|(z, _)| *z < -100.5).map(|(z, turns)| z + turns);
-    let (low, high) =
-        inside.fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(at), high.max(at)));
-    (high - low) / 2.0
-}
-
-fn control() -> Result<Control, control::Refused> {
-    control_of(None)
-}
-
-/// With its state in a folder.
-fn control_of(state: Option<&Path>) -> Result<Control, control::Refused> {
-    control_on("mill.toml", state)
-}
-
-/// Of a machine of `machines/hal`.
-fn control_on(machine: &str, state: Option<&Path>) -> Result<Control, control::Refused> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../machines/hal/");
-    Control::new(ControlOptions {
-        program: ProgramOptions::on(format!("{folder}{machine}")),
-        seed: None,
-        state: state.map(Path::to_owned),
-        drives: control::DrivesChoice::of(&control::drives::hal::DOOR),
-        clamped: Position::default(),
-        real_time: None,
-    })
-}
-
-fn asked(control: &mut Control, request: &Request) {
-    if let Err(refused) = control.request(request) {
-        panic!("{request:?}: {refused}");
-    }
-}
-
-fn until(control: &mut Control, mut is_so: impl FnMut(&Control) -> bool) {
-    let end = control.now() + Time::s(120.0);
-    while !is_so(control) {
-        assert!(control.now() < end, "{:#?}", control.status());
-        control.period();
-    }
-}
-
-fn homed() -> Control {
-    homed_of(None)
-}
-
-fn homed_of(state: Option<&Path>) -> Control {
-    home(control_of(state).unwrap())
-}
-
-fn home(mut control: Control) -> Control {
-    asked(&mut control, &Request::Power(true));
-    until(&mut control, |control| control.status().is_ready);
-    asked(&mut control, &Request::Home(None));
-    until(&mut control, Control::is_homed_all);
-    control
-}
 
 /// All of it in one test: HAL has one component of this name at a time.
 #[test]
@@ -156,7 +24,7 @@ fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running()
     fake::with(|hal| {
         let names = hal.names();
         for name in
-            ["x.pos-cmd", "z.limit-neg", "spindle.0.revs", "estop-in", "din-03", "tool-number"]
+            ["x.pos-cmd", "z.limit-neg", "spindle.0.revs", "estop-ok", "din-03", "tool-number"]
         {
             assert!(names.contains(&format!("leadscrew.{name}").as_str()), "{name}");
         }
@@ -210,44 +78,6 @@ fn a_control_taps_through_the_component_and_what_ends_leaves_the_other_running()
     let about = told.iter().filter(|text| text.contains("HAL component") || text.contains("412"));
     assert_eq!(about.count(), 1, "{told:#?}");
     assert!(second.stopped_by().is_some());
-}
-
-/// The component has let go of its control.
-fn until_free() {
-    for _ in 0..1000 {
-        if !fake::with(|hal| hal.bit("connected")) {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    panic!("the component is still led");
-}
-
-const TAP: &str = "T3 M6\nG91 G0 Z-100\nS1000 M3\nG33.1 Z-10 K1";
-
-/// A tap that has come so deep.
-fn tapping(state: Option<&Path>, depth: f64) -> Control {
-    let mut control = homed_of(state);
-    asked(&mut control, &Request::ManualDataInput(TAP.into()));
-    until(&mut control, |_| fake::with(|hal| hal.float("z.pos-fb")) < -depth);
-    control
-}
-
-/// An empty folder, which is gone afterwards.
-struct Folder(std::path::PathBuf);
-
-impl Folder {
-    fn new() -> Self {
-        let path = std::env::temp_dir().join(format!("leadscrew-hal-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&path);
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
 }
 
 #[test]

@@ -56,6 +56,8 @@ pub(crate) struct Drives {
     pub(crate) overridden: bool,
     /// The program lets the operator's spindle override act.
     pub(crate) spindle_overridden: bool,
+    /// Spindles that stand, or slow down, for an interlock.
+    pub(crate) stopped: [bool; SPINDLES],
     /// So long a spindle may take to a speed that the operator has changed, s.
     at_speed_s: f64,
     /// A move is under way: the axes need not stand where the next step begins.
@@ -115,6 +117,7 @@ impl Drives {
             turned: Turned::default(),
             overridden: true,
             spindle_overridden: true,
+            stopped: [false; SPINDLES],
             at_speed_s: config.waits.at_speed.value(),
             flowing: false,
             tool: 0,
@@ -250,8 +253,9 @@ impl Drives {
     /// Spindles turn at the operator's share of what is programmed, where the program lets it act.
     pub(crate) fn override_spindles(&mut self, share: f64) {
         let share = if self.spindle_overridden { share } else { 1.0 };
-        for spindle in self.spindles.iter_mut().flatten() {
-            spindle.override_by(share, self.at_speed_s);
+        for (spindle, stopped) in self.spindles.iter_mut().zip(self.stopped) {
+            let Some(spindle) = spindle else { continue };
+            spindle.override_by(if stopped { 0.0 } else { share }, self.at_speed_s);
         }
     }
 

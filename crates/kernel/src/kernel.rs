@@ -13,6 +13,7 @@ mod exchange;
 mod faults;
 mod guards;
 mod homing;
+mod interlocks;
 mod manual;
 mod orders;
 mod tap;
@@ -39,6 +40,7 @@ use crate::tapping::Outcome;
 use crate::withdrawing::Withdrawing;
 use alloc::vec::Vec;
 use bus::{Command, Feedback, Report, State};
+use interlocks::Interlocks;
 use motion::{Readable, Step, WayOut};
 use units::{Coordinate, Time};
 
@@ -116,6 +118,7 @@ pub struct Kernel {
     answer: Option<Answered>,
     /// The probe was in contact a period ago.
     probe_before: bool,
+    interlocks: Interlocks,
 }
 
 impl Kernel {
@@ -152,6 +155,7 @@ impl Kernel {
             begun_at: Time::ZERO,
             answer: None,
             probe_before: false,
+            interlocks: Interlocks::default(),
             config,
         }
     }
@@ -232,6 +236,7 @@ impl Kernel {
             taken = self.positions(feedback);
         }
         self.bridge(&mut taken);
+        self.read_interlocks(feedback);
         let feedback = &taken;
         if let Err(finding) = age.and_then(|()| self.check(feedback)) {
             self.raise(finding, feedback);
@@ -261,13 +266,6 @@ impl Kernel {
         }
         self.summarise();
         command
-    }
-
-    /// Everything is off: the changer keeps the tool that the machine has, whatever was ordered
-    /// before.
-    fn leave(&mut self, feedback: &Feedback) -> Command {
-        self.drives.tool = feedback.tool.unwrap_or(self.drives.tool);
-        Command { tool: self.drives.tool, ..Command::default() }
     }
 
     /// Wait for the drives; hold every axis where it stands.
@@ -476,7 +474,7 @@ impl Kernel {
 
     /// The kernel's view of this period.
     fn summarise(&mut self) {
-        let held = self.operator.wants_rest() && self.is_held();
+        let held = self.operator.wants_rest() && self.has_something_held() && self.is_held();
         self.report.state = match (&self.mode, &self.recovering) {
             (Mode::Disabled, _) if self.faults.is_empty() => State::Idle,
             (Mode::Halted | Mode::Disabled, _) => State::Faulted,

@@ -71,7 +71,7 @@ pub use homing::{HomingMethod, HomingOrder};
 pub use kernel::{FAULTS, Kernel};
 pub use learning_records::LEARNING_RECORDS;
 pub use manual::{ManualOrder, ManualRefusal};
-pub use operator::{Notice, Operator, Order, Overrides};
+pub use operator::{Inhibit, Notice, Operator, Order, Overrides};
 pub use picture::Picture;
 pub use problems::Problem;
 pub use queue::{CHIP_REMOVALS, Full, MOVES, QUEUE, RAMPS, STRETCHES, TAPS};

@@ -45,6 +45,8 @@ pub enum ManualRefusal {
     Busy,
     /// A speed, a place or a limit is no number that an axis could obey.
     NotANumber,
+    /// A door or another interlock is open.
+    Inhibited,
 }
 
 /// The axes that are moved by hand at present.
@@ -109,14 +111,14 @@ impl Manual {
         self.stops.take()
     }
 
-    /// One period; `rests`: all shall come to rest.
+    /// One period; axes and spindles that shall come to rest do.
     ///
     /// # Errors
     /// A spindle does not come to its angle within `oriented`.
     pub(crate) fn advance(
         &mut self,
         (now, oriented): (Time, Time),
-        rests: bool,
+        (rests, spindles_rest): (bool, bool),
         (period_s, feedback): (f64, &Feedback),
         drives: &mut Drives,
     ) -> Result<(), Finding> {
@@ -127,7 +129,7 @@ impl Manual {
         {
             let Some(spindle) = spindle.as_mut() else { continue };
             match turning {
-                Some(SpindleByHand::To(angle, waited_s)) if !rests => {
+                Some(SpindleByHand::To(angle, waited_s)) if !spindles_rest => {
                     *waited_s += period_s;
                     spindle.hold(Some(Orientation::shortest(*angle)));
                     if spindle.held().is_some() {
@@ -137,7 +139,7 @@ impl Manual {
                         found = found.and(late);
                     }
                 }
-                Some(SpindleByHand::Until(end)) if !rests && now < *end => {}
+                Some(SpindleByHand::Until(end)) if !spindles_rest && now < *end => {}
                 Some(_) => {
                     spindle.slew_to(Spin::ZERO);
                     *turning = None;

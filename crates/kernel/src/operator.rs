@@ -18,6 +18,9 @@
 //! | a spindle | [`Operator::spindle_share`] | turns slower or faster, unless a tap, a thread or a gear needs its speed |
 //! | between steps | [`Operator::wants_rest`] | no step begins |
 //!
+//! A door or another interlock holds as an order does, as long as it is open ([`Inhibit`]); what it
+//! has held goes on when it is closed.
+//!
 //! In a synchronised move overrides are locked: they are remembered, and act after it. What the
 //! operator may wonder about is said as a [`Notice`].
 use core::fmt;
@@ -65,6 +68,23 @@ impl Overrides {
     pub const USUAL: Self = Self { feed_most: 2.0, spindle: (0.5, 1.2) };
 }
 
+/// What doors and other interlocks hold at present.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Inhibit {
+    /// Axes, of a program or by hand.
+    pub feed: bool,
+    /// A spindle, and the program with it, until the spindle has its speed again.
+    pub spindle: bool,
+}
+
+impl Inhibit {
+    /// True where a program is held.
+    pub const fn holds(self) -> bool {
+        self.feed || self.spindle
+    }
+}
+
 /// Something that the operator should know of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -73,6 +93,10 @@ pub enum Notice {
     Held,
     /// The same, in a thread.
     HeldInThread,
+    /// Everything that was to stop for an interlock stands.
+    Inhibited,
+    /// The same, in a thread.
+    InhibitedInThread,
     /// An override was turned during a synchronised move.
     OverrideLocked,
     /// A share that is no number or out of its range, in percent, was taken as the nearest one that
@@ -119,6 +143,10 @@ impl Notice {
             Self::HeldInThread => {
                 "held in the thread, spindle and feed stopped together: resume goes on, retract backs out along the thread"
             }
+            Self::Inhibited => "held by an interlock: it goes on when that is closed",
+            Self::InhibitedInThread => {
+                "held by an interlock in the thread, spindle and feed stopped together: it goes on when that is closed, retract backs out along the thread"
+            }
             Self::OverrideLocked => {
                 "overrides are locked while spindle and feed are synchronised; the new one acts after the thread"
             }
@@ -145,6 +173,7 @@ impl Notice {
 pub struct Operator {
     held: bool,
     aborting: bool,
+    inhibit: Inhibit,
     retract: bool,
     limits: Overrides,
     feed: f64,
@@ -165,6 +194,7 @@ impl Operator {
         Self {
             held: false,
             aborting: false,
+            inhibit: Inhibit { feed: false, spindle: false },
             retract: false,
             limits,
             feed: 1.0,
@@ -250,7 +280,31 @@ impl Operator {
 
     /// What moves shall come to rest, and nothing new begin.
     pub const fn wants_rest(&self) -> bool {
+        self.is_ordered_to_rest() || self.inhibit.holds()
+    }
+
+    /// An order or an alarm wants rest, whatever interlocks do.
+    pub const fn is_ordered_to_rest(&self) -> bool {
         self.held || self.aborting
+    }
+
+    /// What is moved by hand shall come to rest: axes, spindles.
+    pub(crate) const fn hands_rest(&self) -> (bool, bool) {
+        let ordered = self.is_ordered_to_rest();
+        (ordered || self.inhibit.feed, ordered || self.inhibit.spindle)
+    }
+
+    /// What interlocks hold.
+    pub const fn inhibit(&self) -> Inhibit {
+        self.inhibit
+    }
+
+    /// Takes what interlocks hold from now on.
+    pub(crate) const fn take_inhibit(&mut self, inhibit: Inhibit) {
+        if self.inhibit.holds() && !inhibit.holds() && !self.is_ordered_to_rest() {
+            self.said = false;
+        }
+        self.inhibit = inhibit;
     }
 
     /// Held by single block, after a line, and by no order.
@@ -305,7 +359,12 @@ impl Operator {
             return None;
         }
         self.said = true;
-        Some(if in_thread { Notice::HeldInThread } else { Notice::Held })
+        Some(match (self.is_ordered_to_rest(), in_thread) {
+            (true, true) => Notice::HeldInThread,
+            (true, false) => Notice::Held,
+            (false, true) => Notice::InhibitedInThread,
+            (false, false) => Notice::Inhibited,
+        })
     }
 
     /// An alarm stops everything as a hold does.
@@ -378,6 +437,26 @@ mod tests {
             Some(Notice::NothingToResume)
         );
         assert!(operator.wants_rest() && operator.wants_abort());
+    }
+
+    #[test]
+    fn an_interlock_holds_as_long_as_it_is_open_whatever_is_ordered() {
+        let mut operator = Operator::new(Overrides::USUAL);
+        operator.take_inhibit(Inhibit { feed: true, spindle: false });
+        assert!(operator.wants_rest() && !operator.wants_abort());
+        assert_eq!(operator.hands_rest(), (true, false));
+        assert_eq!(operator.standing(false), Some(Notice::Inhibited));
+        assert_eq!(operator.standing(false), None);
+        operator.take(Order::Resume, false, (false, false));
+        assert!(operator.wants_rest(), "only the door ends it");
+        operator.take(Order::FeedHold, false, (false, false));
+        operator.take_inhibit(Inhibit::default());
+        assert!(operator.wants_rest(), "the hold of the operator remains");
+        operator.take(Order::Resume, false, (false, false));
+        assert!(!operator.wants_rest());
+        operator.take_inhibit(Inhibit { feed: false, spindle: true });
+        assert_eq!(operator.hands_rest(), (false, true));
+        assert_eq!(operator.standing(true), Some(Notice::InhibitedInThread));
     }
 
     #[test]

@@ -53,6 +53,10 @@ pub enum WaitFor {
     SpindleTurns(u8),
     /// What is superposed fades.
     Fade,
+    /// A door or another interlock that holds the feed is closed.
+    FeedInterlock,
+    /// The same, of a spindle, and the spindle has its speed again.
+    SpindleInterlock,
 }
 
 impl WaitFor {
@@ -93,6 +97,8 @@ impl fmt::Display for WaitFor {
             Self::Measurement => f.write_str("measurement"),
             Self::SpindleTurns(index) => write!(f, "turns of spindle {index}"),
             Self::Fade => f.write_str("superposition faded"),
+            Self::FeedInterlock => f.write_str("feed no longer inhibited"),
+            Self::SpindleInterlock => f.write_str("spindle no longer inhibited, and at its speed"),
         }
     }
 }

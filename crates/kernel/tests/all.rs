@@ -21,6 +21,7 @@ mod faults;
 mod following;
 mod guards;
 mod homing;
+mod interlocks;
 mod learning;
 mod limits;
 mod lost_feedback;

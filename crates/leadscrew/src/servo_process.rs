@@ -91,6 +91,7 @@ fn servo_process<F: Fieldbus>(
         spindles: file.spindles.len(),
         not_called: "the servo thread has not begun",
         axis_missing: |_| "leadscrew drives leads none".into(),
+        undriven: |names| format!("leadscrew drives has no {names}"),
     };
     ServoProcess::new(fieldbus, options).map_err(Refused::because)
 }

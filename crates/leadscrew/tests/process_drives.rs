@@ -84,6 +84,7 @@ impl InAnotherProcess {
             spindles: file.spindles.len(),
             not_called: "not called",
             axis_missing: |_| "there is none".into(),
+            undriven: |names| format!("no {names}"),
         };
         let mut process = ServoProcess::new(watched, options).unwrap();
         let period_ns = (file.control.period.value() * 1e9).round() as u64;

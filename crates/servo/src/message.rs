@@ -56,4 +56,6 @@ pub struct SetUp {
     pub obeys_after: [Time; bus::AXES],
     /// The same by spindle, of those whose drives are told an angle.
     pub spindles_obey_after: [Time; bus::SPINDLES],
+    /// Inputs that something must drive.
+    pub watched: bus::WatchedInputs,
 }

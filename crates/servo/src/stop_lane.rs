@@ -77,7 +77,8 @@ pub fn stop(kernel: &mut Kernel, flags: u32) {
     let executes = !kernel.is_idle() && !kernel.is_off() && !kernel.is_recovering();
     if executes && LaneStop::Stop.is_in(flags) {
         kernel.order(Order::Abort);
-    } else if executes && LaneStop::FeedHold.is_in(flags) && !kernel.operator().wants_rest() {
+    } else if executes && LaneStop::FeedHold.is_in(flags) && !kernel.operator().is_ordered_to_rest()
+    {
         kernel.order(Order::FeedHold);
     }
     if LaneStop::JogStop.is_in(flags) {

@@ -279,6 +279,7 @@ fn a_set_up_comes_out_as_it_went_in() {
         silent_after: Time::s(0.2),
         obeys_after: [Time::s(1e-3); bus::AXES],
         spindles_obey_after: [Time::s(1e-3), Time::ZERO],
+        watched: bus::WatchedInputs::default().with(bus::WatchedInput::AxisReady(8)),
     };
     let mut bytes = [0; 8192];
     let length = encode(&set_up, &mut bytes).unwrap();

@@ -2,7 +2,7 @@
 //! takes memory, and releases them.
 use crate::session::{ControlSession, ServoProcessOptions};
 use crate::{Made, ServoSide, SetUps};
-use bus::AXES;
+use bus::{AXES, WatchedInputs};
 use kernel::Kernel;
 use rtrb::{Consumer, Producer};
 use servo::{Seat, SetUp};
@@ -37,6 +37,8 @@ pub(crate) struct Desk {
     pub(crate) has: ServoProcessOptions,
     /// The servo period that is kept, ns; 0: not known yet.
     pub(crate) period: Arc<AtomicU64>,
+    /// Inputs that something drives, by their bits.
+    pub(crate) driven: Arc<AtomicU64>,
     /// To the servo thread.
     pub(crate) begin: Producer<Box<ControlSession>>,
     /// Back from it.
@@ -134,6 +136,12 @@ impl Desk {
                 self.has.spindles
             ));
         }
+        let driven = WatchedInputs::of_bits(self.driven.load(Acquire));
+        let undriven: Vec<String> =
+            set_up.watched.without(driven).map(|input| input.to_string()).collect();
+        if !undriven.is_empty() {
+            return Err((self.has.undriven)(&undriven.join(", ")));
+        }
         let silent = set_up.silent_after.value();
         if !(silent >= keeps && silent <= LONGEST_SILENCE_S) {
             return Err(format!(
@@ -145,6 +153,6 @@ impl Desk {
         kernel.switch_off(); // until its control says otherwise
         let seat = Seat::new(kernel, ServoSide::new(&self.made, session));
         let obeys_after = (set_up.obeys_after, set_up.spindles_obey_after);
-        Ok(Box::new(ControlSession { seat, obeys_after, most_silent_ns }))
+        Ok(Box::new(ControlSession { seat, obeys_after, watched: set_up.watched, most_silent_ns }))
     }
 }

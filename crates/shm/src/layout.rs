@@ -12,7 +12,7 @@ use crate::ring::{Place, WORD};
 /// First word: `LEADSCRW`.
 pub(crate) const MAGIC: u64 = u64::from_be_bytes(*b"LEADSCRW");
 /// Of this layout and of the messages in it. Both ends come from one build; another one is refused.
-pub(crate) const VERSION: u64 = 7;
+pub(crate) const VERSION: u64 = 8;
 
 /// Words of the header.
 pub(crate) mod head {

@@ -11,7 +11,7 @@
 use crate::attendant::{Attendant, Desk};
 use crate::session::{ControlSession, ServoProcessOptions};
 use crate::{Made, TiedPeriod};
-use bus::{AXES, Command, Feedback, Report, RunDownKind, SPINDLES, STANDSTILL};
+use bus::{AXES, Command, Feedback, Report, RunDownKind, SPINDLES, STANDSTILL, WatchedInputs};
 use kernel::FaultKind;
 use rtrb::{Consumer, Producer, RingBuffer};
 use servo::{PeriodAnswer, Record};
@@ -21,6 +21,14 @@ use units::{Angle, Spin, Time};
 
 /// What leads from the servo thread to drives and back.
 pub trait Fieldbus {
+    /// Inputs that something drives at present. Where nothing can show that, all of them.
+    fn driven(&self) -> WatchedInputs {
+        WatchedInputs::ALL
+    }
+
+    /// Takes which inputs the machine's file relies on, from the next reading on.
+    fn watch(&mut self, _: WatchedInputs) {}
+
     /// Reads what the machine says, at this time since the process began.
     fn read(&mut self, time: Time) -> Feedback;
 
@@ -66,6 +74,7 @@ pub struct ServoProcess<F> {
     /// Since it was loaded, ns.
     time_ns: u64,
     period: Arc<AtomicU64>,
+    driven: Arc<AtomicU64>,
     /// A panic has ended it: nothing is commanded any more.
     is_broken: bool,
     /// It is to be unloaded: what moves comes to rest, and no session begins.
@@ -90,12 +99,14 @@ impl<F: Fieldbus> ServoProcess<F> {
             crate::make(&options.name, axes, options.spindles as u8, options.machine.as_deref())
                 .map_err(|why| format!("no shared memory can be made: {why}"))?;
         let (made, period) = (Arc::new(made), Arc::new(AtomicU64::new(0)));
+        let driven = Arc::new(AtomicU64::new(0));
         let (to_servo, begin) = RingBuffer::new(SESSIONS);
         let (over, from_servo) = RingBuffer::new(2 * SESSIONS);
         let attendant = Attendant::start(Desk {
             made: Arc::clone(&made),
             has: options,
             period: Arc::clone(&period),
+            driven: Arc::clone(&driven),
             begin: to_servo,
             over: from_servo,
         })?;
@@ -107,6 +118,7 @@ impl<F: Fieldbus> ServoProcess<F> {
             over,
             time_ns: 0,
             period,
+            driven,
             is_broken: false,
             is_leaving: false,
             angles: [Angle::ZERO; SPINDLES],
@@ -144,6 +156,7 @@ impl<F: Fieldbus> ServoProcess<F> {
             return;
         }
         self.time_ns += period_ns;
+        self.driven.store(self.fieldbus.driven().bits(), Release);
         self.period.store(period_ns, Release);
         self.made.period(period_ns);
         self.change_sessions(period_ns);
@@ -225,6 +238,7 @@ impl<F: Fieldbus> ServoProcess<F> {
             && let Ok(session) = self.begin.pop()
         {
             session.seat.rings.begin();
+            self.fieldbus.watch(session.watched);
             self.session = Some(session);
         }
     }

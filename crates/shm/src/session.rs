@@ -1,6 +1,6 @@
 //! A session of a control with a servo process.
 use crate::ServoSide;
-use bus::{AXES, SPINDLES};
+use bus::{AXES, SPINDLES, WatchedInputs};
 use kernel::FaultKind;
 use servo::Seat;
 use units::Time;
@@ -20,6 +20,8 @@ pub struct ServoProcessOptions {
     pub not_called: &'static str,
     /// What is said of an axis, by its letter, that it lacks.
     pub axis_missing: fn(char) -> String,
+    /// What is said of inputs that nothing drives, by their names.
+    pub undriven: fn(&str) -> String,
 }
 
 /// A control that leads the machine, and the kernel that it leads.
@@ -27,6 +29,8 @@ pub(crate) struct ControlSession {
     pub(crate) seat: Seat<ServoSide>,
     /// Time after which axes and spindles are where their drives were commanded to be.
     pub(crate) obeys_after: ([Time; AXES], [Time; SPINDLES]),
+    /// Inputs that something must drive.
+    pub(crate) watched: WatchedInputs,
     /// Longest silence of its control, ns.
     pub(crate) most_silent_ns: i64,
 }

@@ -16,6 +16,7 @@
 //! | S0406 | values that contradict each other |
 //! | S0407 | unknown name where one of a list is expected |
 //! | S0408 | how many findings are not shown (note) |
+mod lists;
 mod recording;
 mod values;
 pub(crate) use recording::asked;
@@ -165,21 +166,6 @@ impl<'d> Keys<'d> {
     ) -> Option<f64> {
         self.record(key, false, || numbers(&bounds));
         self.ask(key).and_then(|v| self.checked(key, v, &bounds))
-    }
-
-    /// A list of numbers within bounds, if it is stated.
-    pub(crate) fn optional_numbers(
-        &mut self,
-        key: &'static str,
-        bounds: RangeInclusive<f64>,
-    ) -> Option<Vec<f64>> {
-        self.record(key, false, || format!("list of numbers, each {}", span(&bounds)));
-        let value = self.ask(key)?;
-        let Some(list) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "a list of numbers");
-            return None;
-        };
-        list.iter().map(|item| self.checked(key, item, &bounds)).collect()
     }
 
     /// A whole number within bounds.

@@ -161,6 +161,7 @@ impl Session {
     /// A servo period, and what happened in it.
     pub(crate) fn period(&mut self) {
         self.control.period();
+        self.control.answer_panel();
         self.happened();
     }
 

@@ -20,9 +20,16 @@ fn open(opening: &Opening<'_>) -> Result<Opened, Refused> {
             file.name
         )));
     };
+    if !hal.unanswered.is_empty() {
+        return Err(Refused::because(format!(
+            "what stopped this machine in LinuxCNC has no answer in [hal.safety] of its file: {}",
+            hal.unanswered.join("; ")
+        )));
+    }
     let side =
         shm::ControlSide::find(&hal.component).map_err(|why| Refused::because(why.to_string()))?;
     let period = file.control.period;
     let times = (period, hal.silent_after, period * hal.obeys_after_periods);
-    Ok(Opened { drives: Box::new(SharedSeat::new(side, times, TEXT)), welcome: None })
+    let seat = SharedSeat::new(side, times, TEXT).watching(hal.watched);
+    Ok(Opened { drives: Box::new(seat), welcome: None })
 }

@@ -13,6 +13,8 @@ pub struct SharedSeat {
     /// Time after which an axis is where its drive was commanded to be.
     pub(crate) obeys_after: [Time; bus::AXES],
     pub(crate) spindles_obey_after: [Time; bus::SPINDLES],
+    /// Inputs that something must drive there.
+    pub(crate) watched: bus::WatchedInputs,
     /// What is said of the other process.
     pub(crate) text: SeatText,
     period: Time,
@@ -42,10 +44,18 @@ impl SharedSeat {
             silent_after,
             obeys_after: [obeys_after; bus::AXES],
             spindles_obey_after: [obeys_after; bus::SPINDLES],
+            watched: bus::WatchedInputs::default(),
             text,
             period,
             feedback: Feedback { tool: Some(0), ..Feedback::default() },
         }
+    }
+
+    /// The same seat, with inputs that something must drive.
+    #[must_use]
+    pub(super) const fn watching(mut self, watched: bus::WatchedInputs) -> Self {
+        self.watched = watched;
+        self
     }
 
     /// What the other process keeps of a tool in the work.

@@ -11,6 +11,7 @@ use super::kept::Kept;
 use super::message::MessageStatus;
 use super::meters::Meters;
 use super::outside::Outside;
+use super::panel_keys::PanelKeys;
 use super::proving::Begun;
 use super::ranges;
 use super::request::{Accepted, Refusal, Request};
@@ -115,6 +116,7 @@ pub struct Control {
     drives_were_ready: bool,
     /// The tool in the spindle, if it is broken.
     pub(super) broken_in_spindle: Option<u32>,
+    pub(super) panel: PanelKeys,
     pub(super) told_features: usize,
     pub(super) told_changes: usize,
 }
@@ -201,6 +203,7 @@ impl Control {
             seed,
             drives_were_ready: false,
             broken_in_spindle: None,
+            panel: PanelKeys::default(),
             told_features: 0,
             told_changes: 0,
             base,
@@ -389,6 +392,7 @@ impl Control {
         self.follow_broken_tool();
         self.say_unkept();
         self.follow_machine();
+        self.follow_panel();
         let is_ready = self.executor.kernel.is_ready();
         if is_ready && !self.drives_were_ready {
             if !self.is_tool_left() {

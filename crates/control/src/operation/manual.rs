@@ -172,6 +172,7 @@ pub(super) fn refused_by_kernel(why: ManualRefusal, axis: Axis) -> Refusal {
         ManualRefusal::NoAxis => format!("there is no axis {letter}"),
         ManualRefusal::NotReady => "the drives are not ready: power on, and wait".into(),
         ManualRefusal::Busy => "a program is executed: wait for its end, or stop it".into(),
+        ManualRefusal::Inhibited => "a door or another interlock is open: close it first".into(),
         ManualRefusal::NotANumber => "a jog needs a number".into(),
     })
 }

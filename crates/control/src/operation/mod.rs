@@ -15,6 +15,7 @@
 //! | `control`, `data` | the control: which request leads where, and the period; what is set on it |
 //! | `drives` | power, emergency stop, reset, what takes a tool out of the work |
 //! | `manual` | jog, handwheel, spindle by hand |
+//! | `panel`, `panel_keys` | a panel beside the machine |
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
 //! | `proving`, `proof` | texts interpreted and judged apart from the control, which goes on meanwhile; what for |
@@ -48,6 +49,8 @@ mod meters;
 mod needs;
 mod offsets;
 mod outside;
+mod panel;
+mod panel_keys;
 mod programs;
 mod proof;
 mod proving;

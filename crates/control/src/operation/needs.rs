@@ -45,6 +45,11 @@ impl Control {
             Need::NoTapInThread => !self.is_tap_in_thread(),
             Need::NotRecovering => !self.is_recovering,
             Need::StateAcknowledged => self.state_changes.is_empty(),
+            Need::FeedNotInhibited => !self.executor.machine.feedback().panel.feed_inhibit,
+            Need::SpindleNotInhibited => {
+                let inhibited = self.executor.machine.feedback().panel.spindle_inhibit;
+                inhibited == [false; bus::SPINDLES]
+            }
         };
         if is_met { Ok(()) } else { Err(need.clone()) }
     }

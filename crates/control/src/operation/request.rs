@@ -157,10 +157,10 @@ impl Request {
     /// What it needs, in the order in which it is asked: the one table of what is allowed when.
     pub const fn needs(&self) -> &'static [Need] {
         use Need::{
-            EmergencyStopArmed, EmergencyStopTriggered, Homed, NoAlarm, NoManualMotion,
-            NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld, ProgramLoaded,
-            ProgramNotStopped, ProgramUnderWay, ProgramWaitsForConfirmation, Standstill,
-            StateAcknowledged, TapInThread,
+            EmergencyStopArmed, EmergencyStopTriggered, FeedNotInhibited, Homed, NoAlarm,
+            NoManualMotion, NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld,
+            ProgramLoaded, ProgramNotStopped, ProgramUnderWay, ProgramWaitsForConfirmation,
+            SpindleNotInhibited, Standstill, StateAcknowledged, TapInThread,
         };
         const NOT_STOPPED: Need = ProgramNotStopped { tool_in_work: false };
         match self {
@@ -183,6 +183,7 @@ impl Request {
                 NoProgramUnderWay,
                 NoManualMotion,
                 NoTapInThread,
+                FeedNotInhibited,
             ],
             Self::Jog(_, Jog::To(_)) => &[
                 StateAcknowledged,
@@ -191,10 +192,28 @@ impl Request {
                 PowerOn,
                 NoProgramUnderWay,
                 NoTapInThread,
+                FeedNotInhibited,
             ],
-            Self::Jog(..) | Self::TurnSpindle(..) | Self::OrientSpindle(..) => {
+            Self::Jog(..) => &[
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
+                NoTapInThread,
+                FeedNotInhibited,
+            ],
+            // at no speed a spindle is stopped
+            Self::TurnSpindle(..) => {
                 &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoTapInThread]
             }
+            Self::OrientSpindle(..) => &[
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
+                NoTapInThread,
+                SpindleNotInhibited,
+            ],
             Self::Load(_)
             | Self::LoadAs(..)
             | Self::BlockSkip(..)
@@ -212,6 +231,8 @@ impl Request {
                 NoProgramUnderWay,
                 NoManualMotion,
                 NoTapInThread,
+                FeedNotInhibited,
+                SpindleNotInhibited,
                 Homed(None),
             ],
             Self::ManualDataInput(_) => &[
@@ -222,14 +243,30 @@ impl Request {
                 NoProgramUnderWay,
                 NoManualMotion,
                 NoTapInThread,
+                FeedNotInhibited,
+                SpindleNotInhibited,
                 Homed(None),
             ],
             Self::BeginWorkpiece(_) | Self::EndWorkpiece => {
                 &[NoProgramUnderWay, NoTapInThread, NoManualMotion]
             }
             Self::FeedHold => &[NotRecovering, ProgramUnderWay, NoAlarm],
-            Self::Resume => &[ProgramUnderWay, NoAlarm, NOT_STOPPED, ProgramHeld],
-            Self::Confirm => &[ProgramUnderWay, NoAlarm, NOT_STOPPED, ProgramWaitsForConfirmation],
+            Self::Resume => &[
+                ProgramUnderWay,
+                NoAlarm,
+                NOT_STOPPED,
+                FeedNotInhibited,
+                SpindleNotInhibited,
+                ProgramHeld,
+            ],
+            Self::Confirm => &[
+                ProgramUnderWay,
+                NoAlarm,
+                NOT_STOPPED,
+                FeedNotInhibited,
+                SpindleNotInhibited,
+                ProgramWaitsForConfirmation,
+            ],
             Self::Stop => &[NotRecovering, ProgramUnderWay],
             Self::Retract | Self::Recover | Self::ToolIsFree => &[TapInThread],
             Self::Reset => &[EmergencyStopArmed, NoProgramUnderWay, NoTapInThread, NoManualMotion],

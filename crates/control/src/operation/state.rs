@@ -257,11 +257,15 @@ pub enum Need {
     NotRecovering,
     /// What is in force is what the control wrote last, or the operator has acknowledged it.
     StateAcknowledged,
+    /// No door or other interlock holds the feed.
+    FeedNotInhibited,
+    /// None holds a spindle.
+    SpindleNotInhibited,
 }
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::EmergencyStopArmed,
         Self::EmergencyStopTriggered,
         Self::NoAlarm,
@@ -279,6 +283,8 @@ impl Need {
         Self::NoTapInThread,
         Self::NotRecovering,
         Self::StateAcknowledged,
+        Self::FeedNotInhibited,
+        Self::SpindleNotInhibited,
     ];
 
     /// Its name, for programs.
@@ -301,6 +307,8 @@ impl Need {
             Self::NoTapInThread => "no_tap_in_thread",
             Self::NotRecovering => "not_recovering",
             Self::StateAcknowledged => "state_acknowledged",
+            Self::FeedNotInhibited => "feed_not_inhibited",
+            Self::SpindleNotInhibited => "spindle_not_inhibited",
         }
     }
 
@@ -341,6 +349,8 @@ impl fmt::Display for Need {
             Self::NoTapInThread => "a tap stands in its thread: retract it, or recover it, first",
             Self::NotRecovering => "a tool is being taken out: the emergency stop alone stops that",
             Self::StateAcknowledged => "the state in force is not what the control wrote last: compare each value, then acknowledge the state",
+            Self::FeedNotInhibited => "a door or another interlock holds the feed: close it first",
+            Self::SpindleNotInhibited => "a door or another interlock holds a spindle: close it first",
         })
     }
 }

@@ -87,6 +87,7 @@ fn begin(seat: &mut SharedSeat, kernel: &Kernel) -> Result<ControlSide, String> 
         silent_after: seat.silent_after,
         obeys_after: seat.obeys_after,
         spindles_obey_after: seat.spindles_obey_after,
+        watched: seat.watched,
     };
     side.ask(&set_up).map_err(|why| why.to_string())?;
     let asked = now();

@@ -90,7 +90,7 @@ impl Kernel {
     /// Axes that are homed go on; axes that are moved for the first time move the way they are told
     /// to.
     pub(super) fn advance_homing(&mut self, feedback: &Feedback) {
-        let (rests, period_s) = (self.operator.wants_rest(), self.config.period.value());
+        let (rests, period_s) = (self.operator.is_ordered_to_rest(), self.config.period.value());
         for index in 0..AXES {
             let Some(axis) = &mut self.drives.axes[index] else { continue };
             let said = &feedback.axes[index];

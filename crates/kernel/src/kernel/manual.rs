@@ -5,7 +5,7 @@ use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::manual::{ManualOrder, ManualRefusal, SpindleByHand};
 use crate::spindle::SpindleLoop;
-use bus::{Feedback, State};
+use bus::{Command, Feedback, State};
 use units::{Angle, Axis, Coordinate, Spin, Time};
 
 impl Kernel {
@@ -18,6 +18,13 @@ impl Kernel {
             (self.operator, self.mode) = (operator, Mode::Disabled);
         }
         matches!(self.mode, Mode::Disabled)
+    }
+
+    /// Everything is off: the changer keeps the tool that the machine has, whatever was ordered
+    /// before.
+    pub(super) fn leave(&mut self, feedback: &Feedback) -> Command {
+        self.drives.tool = feedback.tool.unwrap_or(self.drives.tool);
+        Command { tool: self.drives.tool, ..Command::default() }
     }
 
     /// Outputs are off.
@@ -73,6 +80,9 @@ impl Kernel {
             return Err(ManualRefusal::NotANumber);
         }
         self.may_move_manually()?;
+        if self.operator.inhibit().feed {
+            return Err(ManualRefusal::Inhibited);
+        }
         self.manual.take(axis.index(), order, moved.target.position);
         Ok(())
     }
@@ -95,6 +105,9 @@ impl Kernel {
         if !(spin.abs() <= turned.control.highest && until.is_finite()) {
             return Err(ManualRefusal::NotANumber);
         }
+        if self.operator.inhibit().spindle && spin != Spin::ZERO {
+            return Err(ManualRefusal::Inhibited);
+        }
         turned.slew_to(spin);
         self.drives.in_force[spindle] = Spin::ZERO; // no program has ordered it
         self.manual.turn(spindle, (spin != Spin::ZERO).then_some(SpindleByHand::Until(until)));
@@ -107,6 +120,9 @@ impl Kernel {
     /// There is no such spindle, or it cannot be moved by hand now.
     pub fn orient_manually(&mut self, spindle: usize, angle: Angle) -> Result<(), ManualRefusal> {
         self.may_move_manually()?;
+        if self.operator.inhibit().spindle {
+            return Err(ManualRefusal::Inhibited);
+        }
         if !angle.is_finite() {
             return Err(ManualRefusal::NotANumber);
         }
@@ -171,7 +187,7 @@ impl Kernel {
 
     /// Axes that are moved by hand go on.
     pub(super) fn advance_manual(&mut self, feedback: &Feedback) {
-        let rests = self.operator.wants_rest();
+        let rests = self.operator.hands_rest();
         let sees = (self.config.period.value(), feedback);
         let times = (self.now, self.config.waits.oriented);
         if let Err(finding) = self.manual.advance(times, rests, sees, &mut self.drives) {

@@ -178,7 +178,8 @@ impl Kernel {
     /// The operator's hold, once everything stands: it is said, and an abort forgets the rest. A
     /// tap that stands in its thread stays there until it is told to go on, or out.
     pub(super) fn hold(&mut self) {
-        if !self.operator.wants_rest() || self.aborted || !self.is_held() {
+        let wants = self.operator.wants_rest() && self.has_something_held();
+        if !wants || self.aborted || !self.is_held() {
             return;
         }
         let in_thread = self.is_in_thread();

@@ -23,6 +23,9 @@ impl Kernel {
             Mode::Running if self.recovering.is_none() && self.withdrawing.is_none() => {}
             Mode::New | Mode::Running | Mode::Halted | Mode::Disabled => return None,
         }
+        if let Some(what) = self.interlock().filter(|_| !self.queue.is_empty()) {
+            return of(what, (self.now - self.interlocks.since()).value(), None);
+        }
         match (&self.activity, self.queue.get(self.chained).map(|step| step.kind)) {
             (Activity::Settling { waited_s, .. }, _) => {
                 of(WaitFor::InPosition, *waited_s, Some(waits.in_position))

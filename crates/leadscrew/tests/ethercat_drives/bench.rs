@@ -89,6 +89,7 @@ impl OnWire {
             spindles: file.spindles.len(),
             not_called: "not called",
             axis_missing: |_| "there is none".into(),
+            undriven: |names| format!("there is no {names}"),
         };
         let process = ServoProcess::new(Handover::default(), options).unwrap();
         let (told, hears) = (Arc::clone(&shared), Arc::clone(&said));

@@ -110,6 +110,7 @@ fn simulated_tap() -> Vec<Moment> {
         spindles: 1,
         not_called: "not called",
         axis_missing: |_| "there is none".into(),
+        undriven: |names| format!("there is no {names}"),
     };
     let recorded = Recorded { machine, under_way: [(0.0, 0.0); 2], moments: Arc::clone(&moments) };
     let mut process = ServoProcess::new(recorded, options).unwrap();

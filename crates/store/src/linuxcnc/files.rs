@@ -32,7 +32,7 @@ pub fn read(path: &Path, more: &[PathBuf]) -> Result<Import, Error> {
     let ini = Ini::read(&named, &text, &mut |name| beside(folder, name, &[]));
     let libraries = LIBRARIES.map(PathBuf::from);
     let mut file = |name: &str| beside(folder, name, &libraries);
-    let (mut hal, mut remarks) = (Hal::default(), Vec::new());
+    let mut hal = Hal::default();
     for entry in ini.entries.iter().filter(|entry| entry.section == "HAL") {
         match entry.key.as_str() {
             "HALFILE" | "POSTGUI_HALFILE" => {
@@ -44,14 +44,10 @@ pub fn read(path: &Path, more: &[PathBuf]) -> Result<Import, Error> {
                 };
                 match text {
                     Ok(text) => hal.read(name, &text, &ini, &mut file),
-                    Err(why) => remarks.push(Remark {
-                        kind: RemarkKind::Missing,
-                        key: format!("[HAL]{}", entry.key),
-                        text: format!(
-                            "{}, {} {why}: what it wires was not seen; name its HAL file behind the INI file",
-                            entry.place, entry.value
-                        ),
-                    }),
+                    Err(why) => {
+                        hal.unseen
+                            .push((name.to_owned(), format!("{}, {name} {why}", entry.place)));
+                    }
                 }
             }
             "HALCMD" => hal.line(&entry.value, &entry.place, &ini, &mut file),
@@ -64,8 +60,7 @@ pub fn read(path: &Path, more: &[PathBuf]) -> Result<Import, Error> {
         let folder = path.parent().unwrap_or(Path::new(""));
         hal.read(&name, &text, &ini, &mut |name| beside(folder, name, &libraries));
     }
-    let (text, said) = super::import(&ini, &hal);
-    remarks.extend(said);
+    let (text, mut remarks) = super::import(&ini, &hal);
     let unread = hal.unread.into_iter();
     remarks.extend(unread.map(|text| Remark {
         kind: RemarkKind::Unread,

@@ -17,6 +17,8 @@ pub struct Hal {
     pub pins: Vec<(String, String, CitedLine)>,
     /// What was not read, and why.
     pub unread: Vec<String>,
+    /// Files that wire something and were not seen: which, and why.
+    pub unseen: Vec<(String, String)>,
     files: usize,
 }
 
@@ -64,6 +66,11 @@ impl Hal {
                     self.pins.push(((*signal).to_owned(), (*pin).to_owned(), place.clone()));
                 }
             }
+            ["linkpp", first, second] => {
+                for pin in [first, second] {
+                    self.pins.push(((*first).to_owned(), (*pin).to_owned(), place.clone()));
+                }
+            }
             ["linkps", pin, signal] => {
                 self.pins.push(((*signal).to_owned(), (*pin).to_owned(), place.clone()));
             }
@@ -75,7 +82,9 @@ impl Hal {
                 };
                 match text {
                     Ok(text) => self.read(named, &text, ini, file),
-                    Err(why) => self.unread.push(format!("{place} source {named}: {why}")),
+                    Err(why) => {
+                        self.unseen.push(((*named).to_owned(), format!("source, {place}, {why}")))
+                    }
                 }
             }
             _ => {}
@@ -109,7 +118,7 @@ fn replaced(word: &str, ini: &Ini) -> String {
         let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
         rest.split_at(end.unwrap_or(rest.len()))
     });
-    match ini.get(section, key) {
+    match ini.of_hal(section, key) {
         Some(entry) => format!("{before}{}{after}", entry.value),
         None => word.to_owned(),
     }

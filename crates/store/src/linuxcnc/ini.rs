@@ -4,6 +4,7 @@
 //!   # or ; at the start of a line: a remark        #INCLUDE FILE: the lines of that file
 //!   [SECTION]                                      KEY = value, which goes on after a \ at the end of the line
 //! ```
+use std::cell::Cell;
 use std::fmt;
 
 /// Files that a configuration may have, INI and HAL.
@@ -35,12 +36,31 @@ pub struct Entry {
     pub value: String,
     /// Where.
     pub place: CitedLine,
+    /// Who has looked at it.
+    looked: Cell<LookedAt>,
+}
+
+/// Who has looked at an entry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct LookedAt {
+    import: bool,
+    hal: bool,
 }
 
 impl Entry {
     /// As it is cited: `mill.ini:83 [JOINT_0]HOME`.
     pub fn cited(&self) -> String {
         format!("{} [{}]{}", self.place, self.section, self.key)
+    }
+
+    /// True where the import has asked for it.
+    pub(super) const fn is_asked(&self) -> bool {
+        self.looked.get().import
+    }
+
+    /// True where a HAL file has its value put in.
+    pub(super) const fn is_in_hal(&self) -> bool {
+        self.looked.get().hal
     }
 
     /// Its number, which a remark may follow.
@@ -111,7 +131,8 @@ impl Ini {
                 named.split(']').next().unwrap_or_default().trim().clone_into(section);
             } else if let Some((key, value)) = words.split_once('=') {
                 let (key, value) = (key.trim().to_owned(), value.trim().to_owned());
-                self.entries.push(Entry { section: section.clone(), key, value, place });
+                let (section, looked) = (section.clone(), Cell::default());
+                self.entries.push(Entry { section, key, value, place, looked });
             } else {
                 self.unread.push(format!("{place}: found `{words}`, expected KEY = VALUE"));
             }
@@ -120,6 +141,19 @@ impl Ini {
 
     /// The first of that name.
     pub fn get(&self, section: &str, key: &str) -> Option<&Entry> {
+        let found = self.first(section, key)?;
+        found.looked.set(LookedAt { import: true, ..found.looked.get() });
+        Some(found)
+    }
+
+    /// The same, for a HAL file.
+    pub(super) fn of_hal(&self, section: &str, key: &str) -> Option<&Entry> {
+        let found = self.first(section, key)?;
+        found.looked.set(LookedAt { hal: true, ..found.looked.get() });
+        Some(found)
+    }
+
+    fn first(&self, section: &str, key: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.section == section && entry.key == key)
     }
 

@@ -3,11 +3,7 @@ use super::axes::{AxisOf, LETTERS, Written};
 use super::hal::Hal;
 use super::ini::{Entry, Ini};
 use super::writer::{MachineWriter, Remark, RemarkKind, plain, quoted};
-use super::{homing, rewire, spindles};
-
-/// Sections that say nothing of the machine itself.
-const BESIDE: [&str; 8] =
-    ["EMC", "FILTER", "TASK", "HALUI", "APPLICATIONS", "MDI_COMMAND_LIST", "MACROS", "PYTHON"];
+use super::{homing, keys_left, rewire, spindles};
 
 /// The text of a machine file, `None` where something is wrong, and the remarks.
 pub fn import(ini: &Ini, hal: &Hal) -> (Option<String>, Vec<Remark>) {
@@ -20,13 +16,23 @@ pub fn import(ini: &Ini, hal: &Hal) -> (Option<String>, Vec<Remark>) {
     if let Some(lathe) = lathe {
         w.taken("lathe", "true", &lathe.cited());
     }
-    let Some(axes) = axes(&mut w, ini) else { return finished(w) };
-    let period_us = control(&mut w, ini);
-    let orders = orders(&mut w, ini, &axes);
+    let axes = axes(&mut w, ini);
+    if let Some(axes) = &axes {
+        machine(&mut w, ini, hal, axes, lathe.is_some());
+    }
+    rewire::remarks(&mut w, hal, axes.as_deref().unwrap_or_default());
+    keys_left::remarks(&mut w, ini);
+    finished(w)
+}
+
+/// Control, axes, spindles and the rest.
+fn machine(w: &mut MachineWriter, ini: &Ini, hal: &Hal, axes: &[AxisOf], is_lathe: bool) {
+    let period_us = control(w, ini);
+    let orders = orders(w, ini, axes);
     let mut all = Vec::new();
     for (axis, order) in axes.iter().zip(orders) {
-        if let Some(written) = axis.write(&mut w, ini, period_us) {
-            homing::write(&mut w, ini, axis, &written, order);
+        if let Some(written) = axis.write(w, ini, period_us) {
+            homing::write(w, ini, axis, &written, order);
             all.push((axis.letter, written));
         }
         if axis.joints.len() > 1 {
@@ -40,15 +46,12 @@ pub fn import(ini: &Ini, hal: &Hal) -> (Option<String>, Vec<Remark>) {
             w.say(RemarkKind::Missing, "", &text);
         }
     }
-    let has_encoder = spindles::write(&mut w, ini, hal, period_us);
+    let has_encoder = spindles::write(w, ini, hal, period_us);
     if !has_encoder {
         w.section("", "");
         w.say(RemarkKind::Missing, "leadscrew.spindle.0.revs", "a spindle without an encoder stands to Leadscrew, which waits for its speed in vain: wire one, or leave S out");
     }
-    the_rest(&mut w, ini, &all, lathe.is_some());
-    rewire::remarks(&mut w, hal, &axes);
-    said_of_sections(&mut w, ini, &axes);
-    finished(w)
+    the_rest(w, ini, &all, is_lathe);
 }
 
 fn finished(w: MachineWriter) -> (Option<String>, Vec<Remark>) {
@@ -276,32 +279,6 @@ fn the_rest(w: &mut MachineWriter, ini: &Ini, axes: &[(char, Written)], lathe: b
     w.say(RemarkKind::Guessed, "", "what is clamped: only the judged workpiece is made of it");
     w.section("[simulation]", "simulation");
     w.text += SIMULATION;
-}
-
-/// Sections of which nothing was taken.
-fn said_of_sections(w: &mut MachineWriter, ini: &Ini, axes: &[AxisOf]) {
-    const USED: [&str; 8] =
-        ["TRAJ", "KINS", "EMCMOT", "EMCIO", "DISPLAY", "HAL", "RS274NGC", "SPINDLE"];
-    let mut seen: Vec<&str> = Vec::new();
-    for entry in &ini.entries {
-        let section = entry.section.as_str();
-        let is_axis = axes.iter().any(|axis| axis.sections().iter().any(|of| of == section));
-        let known = USED.contains(&section) || BESIDE.contains(&section) || is_axis;
-        if known || section.starts_with("SPINDLE_") || seen.contains(&section) {
-            continue;
-        }
-        seen.push(section);
-        w.say(RemarkKind::Unread, "", &format!("[{section}], {}", entry.place));
-    }
-    for key in ["SUBROUTINE_PATH", "REMAP", "USER_M_PATH"] {
-        if let Some(entry) = ini.get("RS274NGC", key) {
-            let text = format!("{} = {}", entry.cited(), entry.value);
-            w.say(RemarkKind::Unread, "", &text);
-        }
-    }
-    for line in &ini.unread {
-        w.say(RemarkKind::Unread, "", line);
-    }
 }
 
 const WAITS: &str = "\

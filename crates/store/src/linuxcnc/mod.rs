@@ -3,11 +3,12 @@
 //!
 //! ```text
 //!   mill.ini ─► ini ──┐                        ┌─► text of the machine file, or none
-//!                     ├─► machine, axes, spindles ─► remarks: taken, guessed, missing, rewire, wrong
+//!                     ├─► machine, axes, spindles ─► remarks: taken, guessed, missing, rewire, not read, safety, wrong
 //!   *.hal ────► hal ──┘                        └   (each with its key, and where it comes from)
 //! ```
 //!
-//! Everything is said at once. One remark that is *wrong* and there is no file; what is *guessed*
+//! Everything is said at once, and of each key and each pin of LinuxCNC's own components there is a
+//! line. One remark that is *wrong* and there is no file; what is *guessed*
 //! or *missing* stands in the file with the value that was put in its place. Lengths are in mm from
 //! here on, whatever the configuration counts in.
 //!
@@ -19,7 +20,11 @@ mod files;
 mod hal;
 mod homing;
 mod ini;
+mod keys_left;
 mod machine;
+#[cfg(test)]
+mod nothing_lost;
+mod pins;
 mod rewire;
 mod spindles;
 #[cfg(test)]
@@ -30,5 +35,5 @@ pub use files::{Import, read};
 pub use hal::Hal;
 pub use ini::{CitedLine, Ini};
 pub use machine::import;
-pub use rewire::{PINS, renamed};
+pub use pins::{Fate, fate};
 pub use writer::{Remark, RemarkKind};

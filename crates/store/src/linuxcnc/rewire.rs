@@ -1,94 +1,60 @@
-//! Pins of LinuxCNC's motion controller, and those of Leadscrew's component in their place.
+//! What is said of each pin of LinuxCNC's own components that a configuration wires or sets, and
+//! the guards that a person answers for.
+//!
+//! ```text
+//!   net door  spindle.0.inhibit <= door.out        ─► rewire, safety, not read: one line a pin
+//!                                                  └► [hal.safety]
+//!                                                     "spindle.0.inhibit" = "unanswered: mill.hal:31, …"
+//! ```
 use super::axes::AxisOf;
 use super::hal::Hal;
-use super::writer::{MachineWriter, RemarkKind};
+use super::pins::{Fate, fate};
+use super::writer::{MachineWriter, RemarkKind, quoted};
+use crate::machine::UNANSWERED;
 
-/// LinuxCNC's name, Leadscrew's. `N` is a number; of a joint it becomes the axis' letter `L`.
-pub const PINS: [(&str, &str); 51] = [
-    ("joint.N.motor-pos-cmd", "leadscrew.L.pos-cmd"),
-    ("joint.N.pos-cmd", "leadscrew.L.pos-cmd"),
-    ("joint.N.vel-cmd", "leadscrew.L.vel-cmd"),
-    ("joint.N.motor-pos-fb", "leadscrew.L.pos-fb"),
-    ("joint.N.amp-enable-out", "leadscrew.L.enable"),
-    ("joint.N.amp-fault-in", "leadscrew.L.fault"),
-    ("joint.N.home-sw-in", "leadscrew.L.home-sw"),
-    ("joint.N.neg-lim-sw-in", "leadscrew.L.limit-neg"),
-    ("joint.N.pos-lim-sw-in", "leadscrew.L.limit-pos"),
-    ("spindle.N.speed-out", "leadscrew.spindle.N.speed-cmd"),
-    ("spindle.N.speed-out-rps", "leadscrew.spindle.N.speed-cmd-rps"),
-    ("spindle.N.on", "leadscrew.spindle.N.enable"),
-    ("spindle.N.forward", "leadscrew.spindle.N.forward"),
-    ("spindle.N.reverse", "leadscrew.spindle.N.reverse"),
-    ("spindle.N.brake", "leadscrew.spindle.N.brake"),
-    ("spindle.N.revs", "leadscrew.spindle.N.revs"),
-    ("spindle.N.index-enable", "leadscrew.spindle.N.index-enable"),
-    ("spindle.N.amp-fault-in", "leadscrew.spindle.N.fault"),
-    ("spindle.N.orient", "leadscrew.spindle.N.orient"),
-    ("spindle.N.orient-angle", "leadscrew.spindle.N.orient-angle"),
-    ("spindle.N.is-oriented", "leadscrew.spindle.N.is-oriented"),
-    ("spindle.N.orient-fault", "leadscrew.spindle.N.orient-fault"),
-    ("spindle.N.locked", "leadscrew.spindle.N.locked"),
-    ("spindle.N.orient-mode", "leadscrew.spindle.N.orient-mode"),
-    ("motion.spindle-speed-out", "leadscrew.spindle.0.speed-cmd"),
-    ("motion.spindle-speed-out-rps", "leadscrew.spindle.0.speed-cmd-rps"),
-    ("motion.spindle-on", "leadscrew.spindle.0.enable"),
-    ("motion.spindle-forward", "leadscrew.spindle.0.forward"),
-    ("motion.spindle-reverse", "leadscrew.spindle.0.reverse"),
-    ("motion.spindle-brake", "leadscrew.spindle.0.brake"),
-    ("motion.spindle-revs", "leadscrew.spindle.0.revs"),
-    ("motion.spindle-orient", "leadscrew.spindle.0.orient"),
-    ("motion.spindle-orient-angle", "leadscrew.spindle.0.orient-angle"),
-    ("motion.spindle-is-oriented", "leadscrew.spindle.0.is-oriented"),
-    ("motion.spindle-orient-fault", "leadscrew.spindle.0.orient-fault"),
-    ("motion.spindle-locked", "leadscrew.spindle.0.locked"),
-    ("motion.spindle-orient-mode", "leadscrew.spindle.0.orient-mode"),
-    ("motion.probe-input", "leadscrew.probe-in"),
-    ("motion.digital-in-N", "leadscrew.din-N"),
-    ("motion.digital-out-N", "leadscrew.dout-N"),
-    ("motion.analog-in-N", "leadscrew.ain-N"),
-    ("motion.analog-out-N", "leadscrew.aout-N"),
-    ("iocontrol.N.tool-change", "leadscrew.tool-change"),
-    ("iocontrol.N.tool-changed", "leadscrew.tool-changed"),
-    ("iocontrol.N.tool-prep-number", "leadscrew.tool-number"),
-    ("iocontrol.N.coolant-flood", "leadscrew.coolant-flood"),
-    ("iocontrol.N.coolant-mist", "leadscrew.coolant-mist"),
-    ("iocontrol.N.emc-enable-in", "leadscrew.estop-in, inverted"),
-    ("motion-command-handler", "leadscrew.update"),
-    ("motion-controller", "leadscrew.update"),
-    ("spindle.N.at-speed", "nothing: Leadscrew sees it from revs"),
-];
-
-/// What a pin of LinuxCNC's becomes; `letter` is that of a joint by its number.
-pub fn renamed(pin: &str, letter: impl Fn(usize) -> Option<char>) -> Option<String> {
-    PINS.iter().find_map(|(theirs, ours)| {
-        let Some((before, after)) = theirs.split_once('N') else {
-            return (*theirs == pin).then(|| (*ours).to_owned());
-        };
-        let number = pin.strip_prefix(before)?.strip_suffix(after)?;
-        let count = number.parse::<usize>().ok()?;
-        let letter = letter(count).map(|letter| letter.to_ascii_lowercase());
-        if ours.contains(".L.") {
-            letter.map(|letter| ours.replace(".L.", &format!(".{letter}.")))
-        } else {
-            Some(ours.replacen('N', number, usize::from(!ours.starts_with("nothing"))))
-        }
-    })
-}
-
-/// A remark for each pin that a HAL file wires.
+/// A line for each pin, and the section of those that guard something.
 pub(super) fn remarks(w: &mut MachineWriter, hal: &Hal, axes: &[AxisOf]) {
     w.section("", "");
     let letter = |joint: usize| {
         axes.iter().find(|axis| axis.joints.contains(&joint)).map(|axis| axis.letter)
     };
-    let mut said = Vec::new();
-    for (signal, pin, place) in &hal.pins {
-        if said.contains(&pin) {
+    let mut guards = String::new();
+    let mut said: Vec<&str> = Vec::new();
+    let wired =
+        hal.pins.iter().map(|(signal, pin, place)| (pin, format!("on signal {signal}, {place}")));
+    let set =
+        hal.values.iter().map(|(pin, value, place)| (pin, format!("set to {value}, {place}")));
+    for (pin, how) in wired.chain(set) {
+        if said.contains(&pin.as_str()) {
             continue;
         }
-        if let Some(ours) = renamed(pin, letter) {
-            said.push(pin);
-            w.say(RemarkKind::Rewire, pin, &format!("{ours} on signal {signal}, {place}"));
+        let Some((fate, text)) = fate(pin, letter) else { continue };
+        said.push(pin);
+        match fate {
+            Fate::Pin(_) => w.say(RemarkKind::Rewire, pin, &format!("{text} {how}")),
+            Fate::Nothing(_) => w.say(RemarkKind::Unread, pin, &format!("{how}: {text}")),
+            Fate::Guard(_) => {
+                let (ours, more) = text.split_once([',', ':']).unwrap_or((&text, ""));
+                let why = format!("\"{ours}\" once that pin is wired in its place{more}");
+                guards += &guard(w, pin, &how, &why);
+            }
+            Fate::Unguarded(_) => guards += &guard(w, pin, &how, &text),
         }
     }
+    for (what, why) in &hal.unseen {
+        guards += &guard(w, what, why, "it may wire what stops the machine: look at it");
+    }
+    if !guards.is_empty() {
+        w.text += "\n# What LinuxCNC was stopped by. HAL's drives are led when each has its answer: the pin that does it now, or \"not needed\".\n";
+        w.text += "[hal.safety]\n";
+        w.text += &guards;
+    }
+}
+
+/// The line of a guard in the machine file.
+fn guard(w: &mut MachineWriter, pin: &str, how: &str, why: &str) -> String {
+    let text = format!("{how}: {why}; answer for it in [hal.safety] of the machine file");
+    w.say(RemarkKind::Safety, pin, &text);
+    let (key, value) = (quoted(pin), quoted(&format!("{UNANSWERED}: {how}")));
+    format!("{key} = {value} # MISSING: {why}\n")
 }

@@ -1,7 +1,7 @@
 //! Small configurations, and what becomes of them; expected values by hand from LinuxCNC's
 //! documentation.
 #![allow(clippy::unwrap_used)] // a test may panic
-use super::{Hal, Ini, PINS, RemarkKind, import, renamed};
+use super::{Hal, Ini, RemarkKind, import};
 use crate::machine::{self, HomingMethod, MachineFile, PositionFrom};
 use proptest::prelude::*;
 
@@ -243,19 +243,6 @@ fn a_file_that_includes_itself_comes_to_an_end() {
     let mut hal = Hal::default();
     hal.read("x", "source x\n", &ini, &mut |_| Ok("setp a 1\nsource x\nsource x\n".to_owned()));
     assert!(hal.values.len() <= super::ini::MOST_FILES, "{}", hal.values.len());
-}
-
-#[test]
-fn each_pin_has_its_name_and_a_joint_its_letter() {
-    let letter = |joint| (joint == 2).then_some('Z');
-    assert_eq!(renamed("joint.2.motor-pos-cmd", letter).unwrap(), "leadscrew.z.pos-cmd");
-    assert_eq!(renamed("joint.3.motor-pos-cmd", letter), None);
-    assert_eq!(renamed("spindle.1.revs", letter).unwrap(), "leadscrew.spindle.1.revs");
-    assert_eq!(renamed("motion.digital-in-03", letter).unwrap(), "leadscrew.din-03");
-    assert_eq!(renamed("motion.probe-input", letter).unwrap(), "leadscrew.probe-in");
-    assert!(
-        PINS.iter().all(|(_, ours)| ours.starts_with("leadscrew.") || ours.starts_with("nothing"))
-    );
 }
 
 proptest! {

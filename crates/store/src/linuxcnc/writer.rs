@@ -16,6 +16,9 @@ pub enum RemarkKind {
     Rewire,
     /// Not used, and why.
     Unread,
+    /// It stopped the machine in LinuxCNC, and a person has to answer for it in the machine file
+    /// before drives are led.
+    Safety,
     /// There is no machine file because of it.
     Wrong,
 }
@@ -28,6 +31,7 @@ impl RemarkKind {
             Self::Missing => "missing",
             Self::Rewire => "rewire",
             Self::Unread => "not read",
+            Self::Safety => "safety",
             Self::Wrong => "wrong",
         }
     }

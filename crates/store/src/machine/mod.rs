@@ -70,6 +70,7 @@ pub use ethercat::{
 };
 pub use grinding::{Grinding, Wheel};
 pub use hal::Hal;
+pub(crate) use hal::UNANSWERED;
 pub use homing::{Ends, Homing, HomingMethod};
 pub use measured_torque::MeasuredTorque;
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
@@ -334,8 +335,9 @@ impl MachineFile {
                 keys.conflict("tool_change", message);
             }
         }
-        if self.hal.is_some() {
+        if let Some(hal) = &self.hal {
             self.refuse_drives_of_hal(keys);
+            self.refuse_ready_of_nothing(hal, keys);
         }
         self.refuse_network(keys);
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
@@ -360,6 +362,27 @@ impl MachineFile {
                     "`encoder_index` of spindle \"{name}\": its drive is told an angle, which counts on from the drive's own zero: expected false"
                 );
                 keys.conflict("spindles", text);
+            }
+        }
+    }
+}
+
+impl MachineFile {
+    /// A drive that says that it is ready is one of the machine's.
+    fn refuse_ready_of_nothing(&self, hal: &Hal, keys: &Keys<'_>) {
+        for (axis, letter) in self.axes.iter().zip(canon::Axis::ALL) {
+            let is_said = hal.watched.has(bus::WatchedInput::AxisReady(letter.index() as u8));
+            if is_said && axis.is_none() {
+                let text = format!("`ready`: the machine has no axis {}", letter.letter());
+                keys.conflict("hal", text);
+            }
+        }
+        let spindles = self.spindles.len();
+        for number in spindles..bus::SPINDLES {
+            if hal.watched.has(bus::WatchedInput::SpindleReady(number as u8)) {
+                let text =
+                    format!("`ready`: the machine has {spindles} spindle, from spindle.0 on");
+                keys.conflict("hal", text);
             }
         }
     }

@@ -127,8 +127,8 @@ pub(super) fn run(
     }
 }
 
-struct Lead {
-    control: Control,
+pub(super) struct Lead {
+    pub(super) control: Control,
     /// To the thread that proves texts.
     texts: SyncSender<Text>,
     /// The one that is on its way.
@@ -136,12 +136,12 @@ struct Lead {
     /// Texts that are proved for a request.
     loads: Loads,
     /// What it tells itself from other threads.
-    jobs: SyncSender<Job>,
+    pub(super) jobs: SyncSender<Job>,
     /// The program whose time is being planned.
     timing: Option<UnderTiming>,
     /// When something was asked for last.
     asked: Instant,
-    shared: Arc<Shared>,
+    pub(super) shared: Arc<Shared>,
     host: HostOptions,
     /// The servo thread gives the time: periods are only looked at.
     is_real_time: bool,
@@ -403,6 +403,7 @@ impl Lead {
         if let Some(ended) = self.control.take_ended() {
             self.recorded(ended);
         }
+        self.ask_for_panel();
         self.take_events();
     }
 

@@ -18,6 +18,7 @@
 mod journal;
 mod lead;
 mod loads;
+mod panel;
 mod picture;
 mod recording;
 mod refusal;

@@ -51,6 +51,12 @@ pub struct RefusalData {
 }
 
 impl RefusalData {
+    /// Why, and what would make it possible.
+    pub(super) fn sentence(&self) -> String {
+        let remedy = self.remedy.as_ref().map_or_else(String::new, |remedy| format!(": {remedy}"));
+        format!("{}{remedy}", self.reason)
+    }
+
     fn of_kind(kind: RefusalKind, reason: impl Into<String>, remedy: Option<&str>) -> Self {
         let remedy = remedy.map(str::to_owned);
         Self { kind, reason: reason.into(), remedy, findings: Vec::new() }

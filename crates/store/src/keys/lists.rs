@@ -1,0 +1,32 @@
+//! Keys whose value is a list.
+use super::Keys;
+use crate::asked_key::span;
+use std::ops::RangeInclusive;
+
+impl Keys<'_> {
+    /// A list of numbers within bounds, if it is stated.
+    pub(crate) fn optional_numbers(
+        &mut self,
+        key: &'static str,
+        bounds: RangeInclusive<f64>,
+    ) -> Option<Vec<f64>> {
+        self.record(key, false, || format!("list of numbers, each {}", span(&bounds)));
+        let value = self.ask(key)?;
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "a list of numbers");
+            return None;
+        };
+        list.iter().map(|item| self.checked(key, item, &bounds)).collect()
+    }
+
+    /// A list of texts; empty where it is not stated.
+    pub(crate) fn optional_texts(&mut self, key: &'static str) -> Vec<String> {
+        self.record(key, false, || "list of texts".into());
+        let Some(value) = self.ask(key) else { return Vec::new() };
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "a list of texts");
+            return Vec::new();
+        };
+        list.iter().filter_map(|item| self.checked_text(key, item)).collect()
+    }
+}
