@@ -9,8 +9,9 @@
 //!              base speed Ppeak/Mpeak
 //! ```
 use super::axis::{Loops, thermal_time};
-use super::{axis::Loops, ethercat::DriveSlot, plant::SpindleErrors, setup::percent};
-use super::{measured_torque::MeasuredTorque, plant::SpindleErrors, setup::percent};
+use super::{
+    ethercat::DriveSlot, measured_torque::MeasuredTorque, plant::SpindleErrors, setup::percent,
+};
 use crate::keys::Keys;
 use units::{Angle, Inertia, Length, Power, Spin, SpinAccel, Time, Torque};
 
