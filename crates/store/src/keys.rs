@@ -22,7 +22,7 @@ mod values;
 pub(crate) use recording::asked;
 use values::{as_number, type_name};
 
-use crate::asked_key::{AskedKey, choices, numbers, span, wholes};
+use crate::asked_key::{AskedKey, choices, numbers, wholes};
 use crate::bases::bases;
 use crate::nearest::nearest;
 use crate::text::{Lines, in_order};
