@@ -131,8 +131,7 @@ impl Control {
         let machine = &base.machine;
         let (kept, state, mut found) = Kept::open(options.state.as_deref(), machine)?;
         let seed = options.seed.unwrap_or(u64::from(machine.simulation.seed));
-        let material = machine.setup.stock.material;
-        let mut zero = machine.setup.g54;
+        let (material, mut zero) = (machine.setup.stock.material, machine.setup.g54);
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             zero = zero.with(axis, zero.along(axis) + options.clamped.along(axis));
         }

@@ -1,5 +1,11 @@
 //! Everything that an operator, a program or a network client can ask of the control.
 use super::state::Need;
+use super::state::Need::{
+    EmergencyStopArmed, EmergencyStopTriggered, FeedNotInhibited, Homed, NoAlarm, NoManualMotion,
+    NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld, ProgramLoaded,
+    ProgramNotStopped, ProgramUnderWay, ProgramWaitsForConfirmation, SpindleNotInhibited,
+    Standstill, StateAcknowledged, TapInThread,
+};
 use crate::Refused;
 use crate::job::restart;
 use canon::Axis;
@@ -153,15 +159,61 @@ impl fmt::Display for Refusal {
     }
 }
 
+/// What homing needs.
+const HOME: &[Need] = &[
+    StateAcknowledged,
+    EmergencyStopArmed,
+    NoAlarm,
+    PowerOn,
+    NoProgramUnderWay,
+    NoManualMotion,
+    NoTapInThread,
+    FeedNotInhibited,
+];
+
+/// What a jog to a place needs.
+const JOG_TO: &[Need] = &[
+    StateAcknowledged,
+    EmergencyStopArmed,
+    NoAlarm,
+    PowerOn,
+    NoProgramUnderWay,
+    NoTapInThread,
+    FeedNotInhibited,
+];
+
+/// What a program's start needs.
+const START: &[Need] = &[
+    ProgramLoaded,
+    StateAcknowledged,
+    EmergencyStopArmed,
+    NoAlarm,
+    PowerOn,
+    NoProgramUnderWay,
+    NoManualMotion,
+    NoTapInThread,
+    FeedNotInhibited,
+    SpindleNotInhibited,
+    Homed(None),
+];
+
+/// What blocks that are typed need.
+const TYPED: &[Need] = &[
+    StateAcknowledged,
+    EmergencyStopArmed,
+    NoAlarm,
+    PowerOn,
+    NoProgramUnderWay,
+    NoManualMotion,
+    NoTapInThread,
+    FeedNotInhibited,
+    SpindleNotInhibited,
+    Homed(None),
+];
+
 impl Request {
     /// What it needs, in the order in which it is asked: the one table of what is allowed when.
     pub const fn needs(&self) -> &'static [Need] {
-        use Need::{
-            EmergencyStopArmed, EmergencyStopTriggered, FeedNotInhibited, Homed, NoAlarm,
-            NoManualMotion, NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld,
-            ProgramLoaded, ProgramNotStopped, ProgramUnderWay, ProgramWaitsForConfirmation,
-            SpindleNotInhibited, Standstill, StateAcknowledged, TapInThread,
-        };
         const NOT_STOPPED: Need = ProgramNotStopped { tool_in_work: false };
         match self {
             Self::Power(true) => &[EmergencyStopArmed, NoAlarm, NoTapInThread],
@@ -175,25 +227,8 @@ impl Request {
             | Self::RapidOverride(_)
             | Self::SpindleOverride(_) => &[],
             Self::EmergencyStop(false) => &[EmergencyStopTriggered],
-            Self::Home(_) => &[
-                StateAcknowledged,
-                EmergencyStopArmed,
-                NoAlarm,
-                PowerOn,
-                NoProgramUnderWay,
-                NoManualMotion,
-                NoTapInThread,
-                FeedNotInhibited,
-            ],
-            Self::Jog(_, Jog::To(_)) => &[
-                StateAcknowledged,
-                EmergencyStopArmed,
-                NoAlarm,
-                PowerOn,
-                NoProgramUnderWay,
-                NoTapInThread,
-                FeedNotInhibited,
-            ],
+            Self::Home(_) => HOME,
+            Self::Jog(_, Jog::To(_)) => JOG_TO,
             Self::Jog(..) => &[
                 EmergencyStopArmed,
                 NoAlarm,
@@ -222,31 +257,8 @@ impl Request {
             | Self::RenewTool(_)
             | Self::LimitTool(..) => &[NoProgramUnderWay],
             Self::Search(..) => &[ProgramLoaded, NoProgramUnderWay],
-            Self::Start => &[
-                ProgramLoaded,
-                StateAcknowledged,
-                EmergencyStopArmed,
-                NoAlarm,
-                PowerOn,
-                NoProgramUnderWay,
-                NoManualMotion,
-                NoTapInThread,
-                FeedNotInhibited,
-                SpindleNotInhibited,
-                Homed(None),
-            ],
-            Self::ManualDataInput(_) => &[
-                StateAcknowledged,
-                EmergencyStopArmed,
-                NoAlarm,
-                PowerOn,
-                NoProgramUnderWay,
-                NoManualMotion,
-                NoTapInThread,
-                FeedNotInhibited,
-                SpindleNotInhibited,
-                Homed(None),
-            ],
+            Self::Start => START,
+            Self::ManualDataInput(_) => TYPED,
             Self::BeginWorkpiece(_) | Self::EndWorkpiece => {
                 &[NoProgramUnderWay, NoTapInThread, NoManualMotion]
             }

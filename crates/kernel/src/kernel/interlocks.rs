@@ -11,6 +11,7 @@
 use super::Kernel;
 use crate::execute::Activity;
 use crate::operator::Inhibit;
+use crate::spindle::SpindleLoop;
 use crate::threading::Chain;
 use crate::waiting::WaitFor;
 use bus::Feedback;
@@ -45,7 +46,7 @@ impl Kernel {
             asked |= is_asked;
         }
         let ended = returns && !self.interlocks.returns;
-        let changes = self.drives.spindles.iter().flatten().any(|spindle| spindle.is_changing());
+        let changes = self.drives.spindles.iter().flatten().any(SpindleLoop::is_changing);
         self.interlocks.returns = returns && (ended || changes);
         let inhibit =
             Inhibit { feed: panel.feed_inhibit, spindle: asked || self.interlocks.returns };

@@ -83,7 +83,7 @@ impl Hal {
                 match text {
                     Ok(text) => self.read(named, &text, ini, file),
                     Err(why) => {
-                        self.unseen.push(((*named).to_owned(), format!("source, {place}, {why}")))
+                        self.unseen.push(((*named).to_owned(), format!("source, {place}, {why}")));
                     }
                 }
             }

@@ -135,7 +135,10 @@ proptest! {
     fn each_key_of_an_ini_file_has_its_line(
         keys in proptest::collection::vec(("(TRAJ|KINS|EMC|HAL|JOINT_0|AXIS_Z|DISPLAY|OWN)", "[A-Z]{1,5}(_[A-Z]{1,4})?", "[a-z0-9 ]{0,6}"), 1..9),
     ) {
-        let more: String = keys.iter().map(|(section, key, value)| format!("[{section}]\n{key} = {value}\n")).collect();
+        let line = |more: String, (section, key, value): &(String, String, String)| {
+            more + &format!("[{section}]\n{key} = {value}\n")
+        };
+        let more = keys.iter().fold(String::new(), line);
         let ini = format!("{MILL}{more}");
         let (_, remarks) = read(&ini, "");
         let own = Ini::read("mill.ini", &ini, &mut |_| Err(String::new()));

@@ -156,21 +156,16 @@ pub fn fate(pin: &str, letter: impl Fn(usize) -> Option<char>) -> Option<(Fate, 
         let Some(number) = fits(pin, theirs) else { continue };
         return Some(match fate {
             Pin(ours) | Guard(ours) if ours.contains(".L.") => {
-                match number.parse().ok().and_then(&letter) {
-                    Some(of) => {
-                        (*fate, ours.replace(".L.", &format!(".{}.", of.to_ascii_lowercase())))
-                    }
-                    None => {
-                        let none = "its joint moves no axis of this machine";
-                        (Nothing(none), none.into())
-                    }
-                }
+                let Some(of) = number.parse().ok().and_then(&letter) else {
+                    let none = "its joint moves no axis of this machine";
+                    return Some((Nothing(none), none.into()));
+                };
+                (*fate, ours.replace(".L.", &format!(".{}.", of.to_ascii_lowercase())))
             }
-            Pin(ours) | Guard(ours) | Unguarded(ours) => (
-                *fate,
-                ours.replacen("-N", &format!("-{number}"), 1)
-                    .replace(".N.", &format!(".{number}.")),
-            ),
+            Pin(ours) | Guard(ours) | Unguarded(ours) => {
+                let input = ours.replacen("-N", &format!("-{number}"), 1);
+                (*fate, input.replace(".N.", &format!(".{number}.")))
+            }
             Nothing(why) => (*fate, (*why).to_owned()),
         });
     }
