@@ -120,6 +120,8 @@ pub struct AxisSlot {
     pub mode: DriveMode,
     /// Counts by which the target may change in a cycle at most; a larger step is held back.
     pub most_step: u32,
+    /// It says its torque, 6077, with each frame.
+    pub says_torque: bool,
 }
 
 /// A device that is expected.
@@ -155,7 +157,10 @@ impl Device {
             let number = u16::from(slot.number);
             let bits = if slot.mode == DriveMode::Velocity { 16 } else { 32 };
             let rx = [(0x6040, 16), (slot.mode.target(), bits), (0x6060, 8)];
-            let tx = [(0x6041, 16), (0x6064, 32), (0x6061, 8), (0x60FD, 32), (0x603F, 16)];
+            let mut tx = vec![(0x6041, 16), (0x6064, 32), (0x6061, 8), (0x60FD, 32), (0x603F, 16)];
+            if slot.says_torque {
+                tx.push((0x6077, 16));
+            }
             let offset = 0x800 * number;
             [
                 Pdo { index: 0x1600 + 0x10 * number, entries: entries(&rx, offset) },
@@ -187,7 +192,7 @@ impl Device {
             ],
             sdos: Vec::new(),
             sync: Sync::Sync0,
-            slots: vec![AxisSlot { number: 0, mode: DriveMode::Csp, most_step }],
+            slots: vec![AxisSlot { number: 0, mode: DriveMode::Csp, most_step, says_torque: true }],
         }
     }
 }

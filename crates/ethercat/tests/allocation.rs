@@ -68,6 +68,7 @@ fn a_machine_is_read_and_written_without_memory() {
             mode: DriveMode::Csp,
             scale,
             inputs: AxisInputs::default(),
+            torque_rated: Some(units::Torque::n_m(1.27)),
         })
         .collect();
     let terminal = Terminal::Digital { device: 7, inputs_from: Some(0), outputs_from: Some(0) };

@@ -6,7 +6,7 @@ use ethercat::{
     Ahead, AxisInputs, AxisSlot, Bus, CountScale, Device, DriveMode, LedDrive, MachineDrives,
     Master, Network, Storage, Terminal,
 };
-use units::{Coordinate, CoordinateSpeed, Spin, Time};
+use units::{Coordinate, CoordinateSpeed, Force, Spin, Time, Torque};
 
 /// Positions of the drives and of the terminal on the wire.
 const AXIS: usize = 1;
@@ -21,7 +21,7 @@ const SHAFT: CountScale =
     CountScale { counts_per_rev: 131_072, gear: (1, 1), is_reversed: false, per_rev: 1.0 };
 
 fn expected(spindle: DriveMode) -> Network {
-    let slot = |mode, most_step| AxisSlot { number: 0, mode, most_step };
+    let slot = |mode, most_step| AxisSlot { number: 0, mode, most_step, says_torque: true };
     let mut network = Network::new(vec![
         Device::plain("coupler"),
         Device::drive("Y", &[slot(DriveMode::Csp, 6_000)]),
@@ -32,12 +32,21 @@ fn expected(spindle: DriveMode) -> Network {
     network
 }
 
+fn axis_y() -> LedDrive {
+    LedDrive {
+        index: 1,
+        drive: 0,
+        mode: DriveMode::Csp,
+        scale: SCREW,
+        inputs: AxisInputs { home: Some(2), limits: [Some(0), Some(1)] },
+        torque_rated: Some(Torque::n_m(1.27)),
+    }
+}
+
 fn machine(spindle: DriveMode, terminal: Terminal) -> MachineDrives {
-    let inputs = AxisInputs { home: Some(2), limits: [Some(0), Some(1)] };
-    let axis = LedDrive { index: 1, drive: 0, mode: DriveMode::Csp, scale: SCREW, inputs };
     let inputs = AxisInputs::default();
-    let turning = LedDrive { index: 0, drive: 1, mode: spindle, scale: SHAFT, inputs };
-    MachineDrives::new(&[axis], &[turning], &[terminal])
+    let turning = LedDrive { index: 0, drive: 1, mode: spindle, scale: SHAFT, inputs, ..axis_y() };
+    MachineDrives::new(&[axis_y()], &[turning], &[terminal])
 }
 
 const SIGNALS: Terminal =
@@ -91,6 +100,32 @@ fn an_axis_goes_where_it_is_told_through_gear_and_direction_and_a_spindle_turns(
         let turned = said.spindles[0].angle.value();
         assert!((turned - motor(SPINDLE).angle.value()).abs() < 0.05, "{turned}");
     }
+}
+
+#[test]
+fn what_drives_measure_is_the_force_of_the_axis_whatever_gear_and_direction() {
+    let mut wire = Wire::new(two_drives(&Quirks::default()));
+    let (network, storage) = (expected(DriveMode::Csv), Storage::new());
+    let mut master = Master::new(&storage, &network).unwrap();
+    let mut bus = master.start(&mut wire).unwrap();
+    let mut drives = machine(DriveMode::Csv, SIGNALS);
+    run((&mut drives, &mut bus, &mut wire), 20, |_, said| held(said));
+    // 4 m/s² are 600 rev/s² of a motor of 2·10⁻⁴ kg·m²
+    let said = run((&mut drives, &mut bus, &mut wire), 40, |number, said| {
+        let mut command = held(said);
+        let t = f64::from(number) * 1e-3;
+        command.axes[1].position = Coordinate::new(2000.0 * t * t);
+        command
+    });
+    let work_of_a_turn = std::f64::consts::TAU * 2e-4 * 600.0 * std::f64::consts::TAU;
+    let expected = work_of_a_turn * 150.0; // turns of the motor by metre
+    let force = said.axes[1].force.unwrap();
+    assert!((force.value() - expected).abs() < 0.04 * expected, "{force} of {expected} N");
+    assert!(said.spindles[0].torque.unwrap().abs() < Torque::n_m(0.02));
+    let mut silent =
+        MachineDrives::new(&[LedDrive { torque_rated: None, ..axis_y() }], &[], &[SIGNALS]);
+    let said = run((&mut silent, &mut bus, &mut wire), 2, |_, said| held(said));
+    assert_eq!(said.axes[1].force, None::<Force>);
 }
 
 #[test]

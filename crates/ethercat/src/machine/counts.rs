@@ -46,6 +46,15 @@ impl CountScale {
         self.sign() * motor_turns * f64::from(self.counts_per_rev) / self.per_rev
     }
 
+    /// What the load gets of a torque of the motor, N·m: N along an axis, N·m of a spindle
+    /// (`is_spindle`). The work of a turn is the same on both sides.
+    pub fn effort(&self, torque_n_m: f64, is_spindle: bool) -> f64 {
+        let motor_turns_per_unit = self.counts_per_unit() / f64::from(self.counts_per_rev);
+        // the unit of an axis is a thousandth of a metre, that of a spindle a turn
+        let per_unit = if is_spindle { 1.0 } else { std::f64::consts::TAU * 1e3 };
+        torque_n_m * motor_turns_per_unit * per_unit
+    }
+
     /// Speed of the motor, rev/min, at a speed of the load per second.
     pub fn motor_rpm(&self, speed: f64) -> f64 {
         self.counts_per_unit() * speed * 60.0 / f64::from(self.counts_per_rev)
@@ -79,6 +88,15 @@ mod tests {
 
     const SCREW: CountScale =
         CountScale { counts_per_rev: 131_072, gear: (3, 2), is_reversed: true, per_rev: 10.0 };
+
+    #[test]
+    fn a_torque_of_the_motor_does_the_same_work_at_the_load() {
+        // 2 N·m · 3/2 · 2π / 10 mm, against the count
+        let force = 3.0 * std::f64::consts::TAU / 0.010;
+        assert!((SCREW.effort(2.0, false) + force).abs() < 1e-9);
+        let belt = CountScale { is_reversed: false, per_rev: 1.0, ..SCREW };
+        assert!((belt.effort(2.0, true) - 3.0).abs() < 1e-12);
+    }
 
     #[test]
     fn places_and_counts_belong_together_whatever_gear_and_direction() {

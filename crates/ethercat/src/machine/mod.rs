@@ -22,7 +22,7 @@ use bus::{AXES, AxisFeedback, Command, Feedback, SPINDLES, Signals, SpindleFeedb
 use counts::Unwrapped;
 use power::Power;
 use terminals::Terminals;
-use units::{Angle, Coordinate, Time};
+use units::{Angle, Coordinate, Force, Time, Torque};
 
 /// Bit of the status word: a limit of the drive is reached.
 const AT_LIMIT: u16 = 1 << 11;
@@ -49,6 +49,8 @@ pub struct LedDrive {
     pub scale: CountScale,
     /// Switches of an axis.
     pub inputs: AxisInputs,
+    /// Rated torque of the motor, of which the drive says thousandths; `None`: it is not read.
+    pub torque_rated: Option<Torque>,
 }
 
 /// How long drives take to obey.
@@ -96,6 +98,12 @@ impl Led {
     fn take(&mut self, said: &DriveFeedback) -> (f64, bool) {
         let place = self.of.scale.value(self.counted.take(said.position));
         (place, self.power == Power::On && said.is_enabled())
+    }
+
+    /// What the drive measures of what it gives, as the load gets it: N, of a spindle N·m.
+    fn effort(&self, said: &DriveFeedback, is_spindle: bool) -> Option<f64> {
+        let share = f64::from(said.torque?) / 1000.0;
+        Some(self.of.scale.effort((self.of.torque_rated? * share).value(), is_spindle))
     }
 
     /// Commands the drive; what is no number is not sent. Returns a fault that it has just found.
@@ -174,6 +182,7 @@ impl MachineDrives {
                 ready,
                 home_switch: is_set(home),
                 limit_switches: limits.map(is_set),
+                force: led.effort(said, false).map(Force::n),
                 fault_code: code_of(said),
                 ..AxisFeedback::default()
             };
@@ -187,6 +196,7 @@ impl MachineDrives {
                 angle: Angle::rev(turns),
                 ready,
                 saturated: ready && said.status & AT_LIMIT != 0,
+                torque: led.effort(said, true).map(Torque::n_m),
                 fault_code: code_of(said),
                 ..SpindleFeedback::default()
             };

@@ -7,7 +7,7 @@
 //! A drive takes its setpoint at SYNC0 and reports where its motor is then; the machine's period
 //! from that SYNC0 to the next is simulated at once. The drives of the simulated machine close their
 //! loops in its physics ([`sim::PositionDrive`]).
-use bus::{Command, Machine, Truth};
+use bus::{Command, Feedback, Machine, Truth};
 use control::Refused;
 use esc::{
     AlState, Device, DriveModel, Motor, MotorOrder, NetworkSegment, Passed, coupler, digital_io,
@@ -15,7 +15,7 @@ use esc::{
 };
 use sim::SimulatedMachine;
 use store::machine::{DeviceProfile, DriveSlot, MachineFile, Motor as AxisMotor};
-use units::{Angle, Coordinate, Spin, Torque};
+use units::{Angle, Coordinate, Force, Spin, Torque};
 
 /// A tool changer's word for an empty spindle.
 const EMPTY: u8 = 0xFF;
@@ -255,8 +255,7 @@ impl EmulatedMachine {
                 let period = machine.period();
                 motor.spin = (angle - motor.angle) / period;
                 motor.angle = angle;
-                let given = truth.filter(|_| one.is_spindle).map(|t| t.spindle_torques[one.index]);
-                motor.torque = given.unwrap_or(Torque::ZERO);
+                motor.torque = one.motor_torque(feedback, truth);
             }
             let inputs = one.bits.into_iter().zip(bits);
             let inputs = inputs.filter_map(|(bit, on)| bit.filter(|_| on));
@@ -283,6 +282,21 @@ impl EmulatedMachine {
                 device.set_digital_inputs(bits);
             }
         }
+    }
+}
+
+impl Moved {
+    /// Torque of the motor, by what the machine's drives measure, else by what they give.
+    fn motor_torque(&self, feedback: &Feedback, truth: Option<&Truth>) -> Torque {
+        if self.is_spindle {
+            let given = truth.map(|truth| truth.spindle_torques[self.index]);
+            let torque = feedback.spindles[self.index].torque.or(given).unwrap_or(Torque::ZERO);
+            return torque / self.turns_per_unit;
+        }
+        let given = truth.map(|truth| truth.axis_forces[self.index]);
+        let force = feedback.axes[self.index].force.or(given).unwrap_or(Force::ZERO);
+        // the work of a turn: N over as many mm
+        Torque::n_m(force.value() * 1e-3 / (std::f64::consts::TAU * self.turns_per_unit))
     }
 }
 
@@ -313,6 +327,7 @@ fn motors_of(file: &MachineFile, name: &str) -> Vec<(Option<Moved>, Motor)> {
             counts_per_rev: slot.counts_per_rev,
             most_spin: Spin::rev_per_s(fastest * turns_per_unit.abs() * FASTER),
             outside: Some(MotorOrder::Free),
+            rated_torque: slot.torque_rated.unwrap_or(Motor::new().rated_torque),
             ..Motor::new()
         };
         slots[at] = (Some(moved), motor);

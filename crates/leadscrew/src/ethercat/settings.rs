@@ -79,7 +79,12 @@ impl Used<'_> {
             // a speed may change at once: the drive has ramps, or the kernel has
             DriveMode::Csv | DriveMode::Velocity | DriveMode::Cst => u32::MAX,
         };
-        AxisSlot { number: self.slot.slot, mode: self.mode(), most_step }
+        AxisSlot {
+            number: self.slot.slot,
+            mode: self.mode(),
+            most_step,
+            says_torque: self.slot.torque_rated.is_some(),
+        }
     }
 }
 
@@ -153,7 +158,8 @@ pub fn machine_drives(file: &MachineFile) -> Result<MachineDrives, Refused> {
             let inputs = one.slot.inputs;
             let inputs = AxisInputs { home: inputs.home, limits: inputs.limits };
             let (index, mode, scale) = (one.index, one.mode(), one.scale());
-            let led = LedDrive { index, drive, mode, scale, inputs };
+            let torque_rated = one.slot.torque_rated;
+            let led = LedDrive { index, drive, mode, scale, inputs, torque_rated };
             if one.is_spindle { &mut spindles } else { &mut axes }.push(led);
             drive += 1;
         }

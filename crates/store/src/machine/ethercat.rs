@@ -8,7 +8,7 @@
 use super::MachineFile;
 use super::ethercat_check::refuse_network;
 use crate::keys::Keys;
-use units::Time;
+use units::{Time, Torque};
 
 /// Most devices on a wire, and axes of a device.
 const MOST_DEVICES: usize = 32;
@@ -77,6 +77,8 @@ pub struct DriveSlot {
     pub is_reversed: bool,
     /// Bits of 60FD.
     pub inputs: SlotInputs,
+    /// Rated torque of the motor, of which 6077 is in thousandths; `None`: it is not read.
+    pub torque_rated: Option<Torque>,
 }
 
 /// How a drive is commanded.
@@ -153,6 +155,7 @@ impl DriveSlot {
                 .optional_choice("direction", &[("+", false), ("-", true)])
                 .unwrap_or(false),
             inputs: keys.optional_section("inputs", SlotInputs::read).unwrap_or_default(),
+            torque_rated: keys.optional("torque_rated_n_m", 1e-3..=1e6).map(Torque::n_m),
         }
     }
 }
