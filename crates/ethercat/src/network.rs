@@ -147,8 +147,8 @@ impl Device {
         Self { name: name.to_owned(), ..Self::default() }
     }
 
-    /// A CiA 402 drive with these axes, on SYNC0: control word, target and mode to each; status word,
-    /// position, mode, inputs and error code from each.
+    /// A CiA 402 drive with these axes, on SYNC0: control word, target and mode to each; status
+    /// word, position, mode, inputs and error code from each.
     pub fn drive(name: &str, slots: &[AxisSlot]) -> Self {
         let entries = |objects: &[(u16, u8)], offset: u16| -> Vec<PdoEntry> {
             objects.iter().map(|(index, bits)| PdoEntry::of(index + offset, *bits)).collect()

@@ -28,8 +28,8 @@
 //! | n | periods without a usable reading | 1 |
 //!
 //! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes
-//! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward; and
-//! by the way that is under way to drives on a network).
+//! on by 2 µm or 16·q (and by what a loop needs to break away, where friction is not fed forward;
+//! and by the way that is under way to drives on a network).
 //! An axis that nothing ties is stuck as well if its reading stays for 10 ms while its drive pushes
 //! by more than friction takes, though the setpoint stands.
 //! A spindle is stuck, or blocked, if its reading stays while its drive pushes by what would have

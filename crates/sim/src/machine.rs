@@ -147,12 +147,16 @@ impl SimulatedMachine {
     ) -> Self {
         let models = self.config.axes.iter().map(|(_, model)| model.force_lag);
         for ((axis, drive), lag) in self.axes.iter_mut().zip(axes).zip(models) {
-            drive.iter().for_each(|drive| axis.drive_to_positions(*drive, lag));
+            if let Some(drive) = drive {
+                axis.drive_to_positions(*drive, lag);
+            }
         }
         let period_s = self.config.period.value();
         let models = self.config.spindles.iter().map(|model| model.torque_lag);
         for ((spindle, drive), lag) in self.spindles.iter_mut().zip(spindles).zip(models) {
-            drive.iter().for_each(|drive| spindle.drive_to_angles(*drive, lag, period_s));
+            if let Some(drive) = drive {
+                spindle.drive_to_angles(*drive, lag, period_s);
+            }
         }
         self
     }

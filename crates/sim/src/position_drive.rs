@@ -123,8 +123,8 @@ mod tests {
     const STEP: f64 = 25e-6;
     const PERIOD: f64 = 250e-6;
 
-    /// Largest distance from the setpoint of a mass that is led along a path, after a settling time;
-    /// a load sets in after half of the way.
+    /// Largest distance from the setpoint of a mass that is led along a path, after a settling
+    /// time; a load sets in after half of the way.
     fn worst(path: impl Fn(f64) -> f64, load: f64) -> f64 {
         let drive = PositionDrive {
             position_gain_per_s: 80.0,

@@ -199,7 +199,8 @@ impl Device {
         self.syncs
     }
 
-    /// Sets the digital inputs of an axis, 60FD, from outside; its own switches have no effect then.
+    /// Sets the digital inputs of an axis, 60FD, from outside; its own switches then have no
+    /// effect.
     pub fn set_axis_inputs(&mut self, axis: usize, bits: u32) {
         if let Some(axis) = self.axis_mut(axis) {
             axis.outside_inputs = Some(bits);

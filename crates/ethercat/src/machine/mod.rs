@@ -230,8 +230,8 @@ impl MachineDrives {
         self.terminals.write(bus, &Signals::default(), None);
     }
 
-    /// Forgets what drives have counted: the network is started anew. No drive is switched on before
-    /// its control has taken the power away.
+    /// Forgets what drives have counted: the network is started anew. No drive is switched on
+    /// before its control has taken the power away.
     pub fn restart(&mut self) {
         for led in self.axes.iter_mut().chain(&mut self.spindles) {
             *led = Led { power: Power::Failed, ..Led::new(led.of) };

@@ -1,4 +1,5 @@
-//! Terminals: digital signals of the machine, and a tool changer that is told a number and says one.
+//! Terminals: digital signals of the machine, and a tool changer that is told a number and says
+//! one.
 //!
 //! ```text
 //!   tool changer   outputs  0 nothing is asked   255 no tool shall be in the spindle   else: this one

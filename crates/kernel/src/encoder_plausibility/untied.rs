@@ -92,7 +92,7 @@ impl EncoderPlausibility {
             let expected = expected_of_axis(loop_, ordered, watched);
             let (error, force) = (loop_.error(), loop_.force() + loop_.control.weight.value());
             let stuck = bounds.stuck + under_way(loop_);
-            let bounds = Bounds { error, force, frame_lost, stuck, ..bounds };
+            let bounds = Bounds { stuck, error, force, frame_lost, ..bounds };
             let (place, change) = watched.judge(reading, expected, bounds);
             said.position = Coordinate::new(place + loop_.shifted);
             self.untied.taken_over[index] |=

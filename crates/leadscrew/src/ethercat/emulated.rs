@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A drive takes its setpoint at SYNC0 and reports where its motor is then; the machine's period
-//! from that SYNC0 to the next is simulated at once. The drives of the simulated machine close their
-//! loops in its physics ([`sim::PositionDrive`]).
+//! from that SYNC0 to the next is simulated at once. The drives of the simulated machine close
+//! their loops in its physics ([`sim::PositionDrive`]).
 use bus::{Command, Feedback, Machine, Truth};
 use control::Refused;
 use esc::{

@@ -5,8 +5,6 @@
 //!   [axes.x.ethercat]       which device leads the axis, and what a count is
 //!   [spindles.ethercat]     the same of a spindle
 //! ```
-use super::MachineFile;
-use super::ethercat_check::refuse_network;
 use crate::keys::Keys;
 use units::{Time, Torque};
 
@@ -195,26 +193,6 @@ fn read_gear(text: &str, keys: &Keys<'_>) -> (u32, u32) {
             keys.conflict("gear", message);
             (1, 1)
         }
-    }
-}
-
-impl MachineFile {
-    /// What neither the network nor an axis can see alone.
-    pub(super) fn refuse_network(&self, keys: &Keys<'_>) {
-        let mut wrong = Vec::new();
-        refuse_network(self, &mut wrong);
-        let key = if self.ethercat.is_some() { "ethercat" } else { "axes" };
-        for message in wrong {
-            keys.conflict(key, message);
-        }
-    }
-
-    /// Drives of the axes by index, and of the spindles.
-    pub fn drive_slots(&self) -> (Vec<(usize, &DriveSlot)>, Vec<&DriveSlot>) {
-        let axes = self.axes.iter().enumerate();
-        let axes =
-            axes.filter_map(|(index, axis)| Some((index, axis.as_ref()?.ethercat.as_ref()?)));
-        (axes.collect(), self.spindles.iter().filter_map(|one| one.ethercat.as_ref()).collect())
     }
 }
 

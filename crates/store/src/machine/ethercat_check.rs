@@ -1,39 +1,58 @@
 //! What a network of drives cannot be, a sentence each.
+use super::axis::{Axis, PositionFrom};
 use super::ethercat::{DeviceProfile, DriveSlot, EthercatNetwork, SlotMode};
-use super::{Axis, HomingMethod, MachineFile, PositionFrom, Spindle};
+use super::homing::HomingMethod;
+use super::spindle::Spindle;
+use units::Time;
 
-/// Appends everything that is wrong with the drives of a machine.
-pub(super) fn refuse_network(file: &MachineFile, wrong: &mut Vec<String>) {
-    let Some(network) = &file.ethercat else {
-        let (axes, spindles) = file.drive_slots();
-        if !axes.is_empty() || !spindles.is_empty() {
-            wrong.push("drives are on a network that is not there: expected [ethercat]".into());
+/// What has drives, and the network that they are on.
+pub(super) struct NetworkDrives<'a> {
+    pub(super) network: Option<&'a EthercatNetwork>,
+    pub(super) axes: &'a [Option<Axis>],
+    pub(super) spindles: &'a [Spindle],
+    pub(super) period: Time,
+    /// Drives are led through HAL.
+    pub(super) has_hal: bool,
+}
+
+impl NetworkDrives<'_> {
+    /// Everything that is wrong with them.
+    pub(super) fn problems(&self) -> Vec<String> {
+        let mut wrong = Vec::new();
+        let axes = self.axes.iter().flatten();
+        let Some(network) = self.network else {
+            let has_slot = axes.map(|axis| axis.ethercat.is_some());
+            let turning = self.spindles.iter().map(|spindle| spindle.ethercat.is_some());
+            if has_slot.chain(turning).any(|has| has) {
+                wrong.push("drives are on a network that is not there: expected [ethercat]".into());
+            }
+            return wrong;
+        };
+        if self.has_hal {
+            wrong.push(
+                "drives are led through HAL or over EtherCAT: expected [hal] or [ethercat]".into(),
+            );
         }
-        return;
-    };
-    if file.hal.is_some() {
-        wrong.push(
-            "drives are led through HAL or over EtherCAT: expected [hal] or [ethercat]".into(),
-        );
-    }
-    refuse_times(file, network, wrong);
-    refuse_names(network, wrong);
-    let mut taken: Vec<(&str, u8, String)> = Vec::new();
-    for axis in file.axes.iter().flatten() {
-        let of = format!("axis {}", axis.letter.letter());
-        refuse_axis(axis, &of, wrong);
-        refuse_slot(network, axis.ethercat.as_ref(), of, &mut taken, wrong);
-    }
-    for spindle in &file.spindles {
-        let of = format!("spindle \"{}\"", spindle.name);
-        refuse_spindle(spindle, &of, wrong);
-        refuse_slot(network, spindle.ethercat.as_ref(), of, &mut taken, wrong);
+        refuse_times(self.period, network, &mut wrong);
+        refuse_names(network, &mut wrong);
+        let mut taken: Vec<(&str, u8, String)> = Vec::new();
+        for axis in axes {
+            let of = format!("axis {}", axis.letter.letter());
+            refuse_axis(axis, &of, &mut wrong);
+            refuse_slot(network, axis.ethercat.as_ref(), of, &mut taken, &mut wrong);
+        }
+        for spindle in self.spindles {
+            let of = format!("spindle \"{}\"", spindle.name);
+            refuse_spindle(spindle, &of, &mut wrong);
+            refuse_slot(network, spindle.ethercat.as_ref(), of, &mut taken, &mut wrong);
+        }
+        wrong
     }
 }
 
-fn refuse_times(file: &MachineFile, network: &EthercatNetwork, wrong: &mut Vec<String>) {
-    let us = |time: units::Time| (time.value() * 1e9).round() / 1e3;
-    let (cycle, period) = (us(network.cycle), us(file.control.period));
+fn refuse_times(period: Time, network: &EthercatNetwork, wrong: &mut Vec<String>) {
+    let us = |time: Time| (time.value() * 1e9).round() / 1e3;
+    let (cycle, period) = (us(network.cycle), us(period));
     if cycle != period {
         wrong.push(format!(
             "`cycle_us` is {cycle} and control.period_us {period}: expected {period}, a frame a servo period"

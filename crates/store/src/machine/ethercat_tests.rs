@@ -1,3 +1,4 @@
+//! What machine files say of drives on a network, and what is refused.
 use crate::machine::{self, MachineFile};
 
 const MILL: &str = include_str!("../../../../machines/ethercat/mill.toml");

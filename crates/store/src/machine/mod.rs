@@ -86,6 +86,7 @@ pub use user_code::{CallEntry, CodeEntry, CodeEntryAction, OwnCodes};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;
+use ethercat_check::NetworkDrives;
 use scatter::StatedBefore;
 use std::path::Path;
 use units::Coordinate;
@@ -385,6 +386,26 @@ impl MachineFile {
                 keys.conflict("hal", text);
             }
         }
+    }
+
+    /// What drives on a network cannot be.
+    fn refuse_network(&self, keys: &Keys<'_>) {
+        let drives = NetworkDrives {
+            network: self.ethercat.as_ref(),
+            axes: &self.axes,
+            spindles: &self.spindles,
+            period: self.control.period,
+            has_hal: self.hal.is_some(),
+        };
+        let key = if self.ethercat.is_some() { "ethercat" } else { "axes" };
+        drives.problems().into_iter().for_each(|message| keys.conflict(key, message));
+    }
+
+    /// Drives on the network: of the axes by index, and of the spindles.
+    pub fn drive_slots(&self) -> (Vec<(usize, &DriveSlot)>, Vec<&DriveSlot>) {
+        let axes = self.axes.iter().enumerate();
+        let axes = axes.filter_map(|(at, axis)| Some((at, axis.as_ref()?.ethercat.as_ref()?)));
+        (axes.collect(), self.spindles.iter().filter_map(|one| one.ethercat.as_ref()).collect())
     }
 }
 
