@@ -45,7 +45,9 @@ fn emulate(args: &SimulatorArgs, interface: &str) -> Result<(), Refused> {
     };
     let mut unsaid = Ok(());
     emulate_drives(&options, interrupt::flag(), |machine, refused| {
-        refused.iter().for_each(|sentence| say::err(&format!("{sentence}\n")));
+        for sentence in refused {
+            say::err(&format!("{sentence}\n"));
+        }
         unsaid = say::out(&format!("answers on {interface} as the drives of {machine}\n"));
     })?;
     unsaid

@@ -16,7 +16,7 @@ pub use terminals::Terminal;
 
 use crate::bus::{Bus, Cycle, Reply};
 use crate::cia402::PdsState;
-use crate::drive::{DriveCommand, DriveFeedback};
+use crate::drive::{DriveAxis, DriveCommand, DriveFeedback};
 use crate::network::DriveMode;
 use bus::{AXES, AxisFeedback, Command, Feedback, SPINDLES, Signals, SpindleFeedback};
 use counts::Unwrapped;
@@ -170,7 +170,7 @@ impl MachineDrives {
             return self.feedback;
         }
         for led in &mut self.axes {
-            let Some(said) = bus.drives().get(led.of.drive).map(|drive| drive.feedback()) else {
+            let Some(said) = bus.drives().get(led.of.drive).map(DriveAxis::feedback) else {
                 continue;
             };
             let (place, ready) = led.take(said);
@@ -188,7 +188,7 @@ impl MachineDrives {
             };
         }
         for led in &mut self.spindles {
-            let Some(said) = bus.drives().get(led.of.drive).map(|drive| drive.feedback()) else {
+            let Some(said) = bus.drives().get(led.of.drive).map(DriveAxis::feedback) else {
                 continue;
             };
             let (turns, ready) = led.take(said);

@@ -74,10 +74,10 @@ impl EmulatedMachine {
             )));
         };
         let mut moved = Vec::new();
+        let drifts = (0..).map(|at| DRIFT_PPB * at);
         let (mut devices, mut terminals): (Vec<Device>, Vec<Terminal>) = (Vec::new(), Vec::new());
-        for (at, of) in network.devices.iter().enumerate() {
+        for ((at, of), drift_ppb) in network.devices.iter().enumerate().zip(drifts) {
             let [inputs_from, outputs_from] = of.signals_from;
-            let drift_ppb = DRIFT_PPB * at as i64;
             devices.push(match of.profile {
                 DeviceProfile::Plain => coupler(drift_ppb),
                 DeviceProfile::Cia402 => {

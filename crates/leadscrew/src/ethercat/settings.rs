@@ -110,7 +110,7 @@ pub fn expected_network(file: &MachineFile) -> Result<Network, Refused> {
             Device::plain(&device.name)
         } else {
             let slots: Vec<_> = slots.iter().map(|one| one.axis_slot(cycle_s)).collect();
-            let sdos = slots.iter().flat_map(|slot| start_values(file, ns(network.cycle), slot));
+            let sdos = slots.iter().flat_map(|slot| start_values(file, ns(network.cycle), *slot));
             let sdos = sdos.collect();
             Device { sdos, ..Device::drive(&device.name, &slots) }
         };
@@ -125,7 +125,7 @@ pub fn expected_network(file: &MachineFile) -> Result<Network, Refused> {
 
 /// What is written to a drive before it is used: the time from setpoint to setpoint, and what it
 /// does when the connection ends.
-fn start_values(file: &MachineFile, cycle_ns: u32, slot: &AxisSlot) -> Vec<Sdo> {
+fn start_values(file: &MachineFile, cycle_ns: u32, slot: AxisSlot) -> Vec<Sdo> {
     let offset = 0x800 * u16::from(slot.number);
     let entry = |index: u16, sub, bits| PdoEntry { index: index + offset, sub, bits };
     // as a number of up to 8 bits and a power of ten, s

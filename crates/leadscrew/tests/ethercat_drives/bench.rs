@@ -99,8 +99,8 @@ impl OnWire {
             let mut master = Master::new(&storage, &network).unwrap();
             let drives = machine_drives(&file).unwrap();
             let mut led = EthercatDrives::new(process, drives, &network, wire);
-            let is_to_end = |wire: &mut Wire| {
-                wire.breathe();
+            let is_to_end = |_: &mut Wire| {
+                Wire::breathe();
                 told.stop.load(Relaxed)
             };
             let say = |report| {

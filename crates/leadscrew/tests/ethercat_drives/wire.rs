@@ -66,7 +66,7 @@ impl Wire {
     }
 
     /// A period of the master is over: the test's thread comes to its turn.
-    pub(crate) fn breathe(&self) {
+    pub(crate) fn breathe() {
         std::thread::sleep(Duration::from_micros(20));
     }
 
