@@ -114,7 +114,7 @@ fn blocks(text: &str) -> Result<Vec<Block>, String> {
 
 fn block(console: bool, lines: &[&str]) -> Result<Block, String> {
     const MARK: &str = "# not run by the tests:";
-    if let Some(why) = lines.first().and_then(|line| line.strip_prefix(MARK)) {
+    if let Some(why) = lines.first().and_then(|line| line.trim_start().strip_prefix(MARK)) {
         let why = why.trim();
         return if why.len() > 3 { Ok(Block::NotRun(why.into())) } else { Err("no reason".into()) };
     }

@@ -65,7 +65,7 @@ fn status_and_signals_say_degrees_of_rotary_axes_and_millimetres_of_linear_ones(
     }
     let of_axis = |name: &&String| name[1..].starts_with('.');
     for name in names.iter().filter(of_axis) {
-        let is_linear = name.ends_with("mm") || name.ends_with("um");
+        let is_linear = ["mm", "um", "force_n"].iter().any(|unit| name.ends_with(unit));
         assert_eq!(is_linear, name.starts_with(['X', 'Y', 'Z']), "{name}");
     }
 }

@@ -156,6 +156,8 @@ pub struct Faulty<M> {
     /// The emergency stop chain has opened, and the stop that the drives began then goes on: also
     /// when the chain is closed meanwhile.
     is_chain_stop: bool,
+    /// Who commands has had the opened chain in a feedback before it commanded.
+    is_chain_heard: bool,
     switched_off: SwitchedOff,
     pending: Vec<Pending>,
     last: Command,
@@ -185,6 +187,7 @@ impl<M: Machine> Faulty<M> {
             run_down: None,
             silent: Time::ZERO,
             is_chain_stop: false,
+            is_chain_heard: false,
             switched_off: SwitchedOff::default(),
             pending,
             last: Command::default(),
@@ -247,9 +250,13 @@ impl<M: Machine> Faulty<M> {
     }
 
     /// A fault of this kind is over: a button is released, a drive is repaired. That the chain is
-    /// closed is said with the next period, so that who opened it for a single one has been heard.
+    /// closed is not said before it has been heard that it was open.
     pub fn repair(&mut self, fault: Fault) {
         self.pending.retain(|pending| pending.came.is_none() || pending.planned.fault != fault);
+        let is_open = self.has(|fault| matches!(fault, Fault::EmergencyStop));
+        if self.is_chain_heard && !is_open {
+            self.said.emergency_stop = self.machine.feedback().emergency_stop;
+        }
         if !self.is_stopping_alone() {
             self.obey_again();
         }
@@ -415,6 +422,7 @@ impl<M: Machine> Machine for Faulty<M> {
 
     fn exchange(&mut self, command: &Command) -> &Feedback {
         let now = *self.machine.feedback();
+        self.is_chain_heard = self.said.emergency_stop;
         let own = self
             .alone
             .as_ref()

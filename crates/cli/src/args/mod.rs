@@ -147,7 +147,7 @@ Examples:
   leadscrew simulator --listen /tmp/machine &   then: leadscrew run part.ngc --simulator /tmp/machine
   leadscrew simulator --listen /tmp/machine --real-time            time as on the wall
   leadscrew simulator --listen /tmp/machine --power-cut-at 7.2   the mains fail after 7.2 s of machine time
-  leadscrew simulator --ethercat veth1 --machine machines/ethercat/mill.toml   as its drives on a network
+  leadscrew simulator --ethercat veth1 --machine mill.toml   as its drives on a network
   leadscrew simulator --status /tmp/machine                        how it is, as JSON
   leadscrew simulator --quit /tmp/machine"
     )]

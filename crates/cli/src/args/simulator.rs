@@ -12,11 +12,10 @@ pub(crate) struct SimulatorArgs {
     /// Listen here, a Unix socket, for one control after the other
     #[arg(long, value_name = "PATH")]
     pub(crate) listen: Option<PathBuf>,
-    /// Answer as the EtherCAT drives of the machine on this network interface, such as one end of a
-    /// veth pair
+    /// Answer as its EtherCAT drives on this network interface
     #[arg(long, value_name = "IFACE")]
     pub(crate) ethercat: Option<String>,
-    /// Priority of the thread that answers under `SCHED_FIFO`, 1 to 99
+    /// Priority (`SCHED_FIFO`) of its thread, 1 to 99
     #[arg(long, value_name = "N", default_value_t = 81, requires = "ethercat", value_parser = clap::value_parser!(u8).range(1..=99))]
     pub(crate) priority: u8,
     /// Ask the machine simulator that listens here how it is

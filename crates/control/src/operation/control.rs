@@ -195,7 +195,7 @@ impl Control {
             kept,
             state_changes: Vec::new(),
             outside,
-            meters: Meters::new(config::ratings(&base.machine)),
+            meters: Meters::new(&config::ratings(&base.machine)),
             runs: None,
             ended: None,
             message: None,

@@ -66,9 +66,9 @@ pub(super) struct Meters {
 }
 
 impl Meters {
-    pub(super) fn new(ratings: Ratings) -> Self {
+    pub(super) fn new(ratings: &Ratings) -> Self {
         Self {
-            ratings,
+            ratings: *ratings,
             speeds: [Spin::ZERO; SPINDLES],
             axes: [None; AXES],
             spindles: [None; SPINDLES],
@@ -188,7 +188,7 @@ mod tests {
         ratings.spindles[0] = Some(spindle);
         let thermal_time = Time::s(30.0);
         ratings.axes[2] = Some(AxisRating { continuous: Force::n(1000.0), thermal_time });
-        Meters::new(ratings)
+        Meters::new(&ratings)
     }
 
     /// A spindle at 1200 rev/min that is told a torque, X and Y at 3 and 4 mm/s.

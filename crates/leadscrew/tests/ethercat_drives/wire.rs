@@ -112,7 +112,7 @@ impl Wire {
         shared.z_mm.store(z.to_bits(), Relaxed);
         shared.now_ns.store(self.now_ns, Relaxed);
         shared.in_op.store(devices().filter(|d| d.state() == esc::AlState::Op).count(), Relaxed);
-        let outputs = segment.device(5).map_or(0, |device| device.digital_outputs());
+        let outputs = segment.device(5).map_or(0, esc::Device::digital_outputs);
         shared.outputs.store(u64::from(outputs), Relaxed);
         self.lose_in_tap();
         let shared = &self.shared;

@@ -61,7 +61,11 @@ const REASONS: [(&str, &str, &str); 38] = [
     ),
     ("EMCIO", "TOOL_CHANGE", "a tool is changed where the machine file's [tool_change] says"),
     ("EMCIO", "", "iocontrol is not loaded"),
-    ("RS274NGC", "PARAMETER_FILE", "its parameters are read with --parameters"),
+    (
+        "RS274NGC",
+        "PARAMETER_FILE",
+        "its file of parameters is named beside the machine, when a program is run",
+    ),
     ("RS274NGC", "RS274NGC_STARTUP_CODE", "a program begins with the words that it states itself"),
     ("RS274NGC", "SUBROUTINE_PATH", "subprograms are found beside the program"),
     ("RS274NGC", "USER_M_PATH", "M100 to M199 are those of [user_codes]"),

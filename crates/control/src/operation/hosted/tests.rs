@@ -318,6 +318,7 @@ fn nothing_that_waits_begins_after_a_stop_that_was_asked_for_later() {
     assert_eq!(x(&client.latest()), at);
     // and what is asked for after the stop begins
     client.request(Request::EmergencyStop(false)).expect("it was pressed");
+    until(&client, "the chain is closed", |picture| picture.status.emergency_stop == "ARMED");
     client.request(Request::Reset).expect("nothing is under way");
     ready(&client);
     client.request(by_hand[1].clone()).expect("nothing stands in the way");
