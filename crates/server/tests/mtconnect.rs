@@ -205,7 +205,7 @@ fn what_was_true_at_an_observation_is_answered_as_long_as_it_is_kept() {
     let path = "path=//Axes//Linear[@name=%22X%22]";
     let (_, x) = get(&served, &format!("current?{path}"));
     let ids = texts(&x, |node| node.attribute("dataItemId").is_some());
-    assert_eq!(ids.len(), 3, "{x}");
+    assert_eq!(ids.len(), 4, "place by machine and work, homed, load: {x}");
     let (_, last) = get(&served, "sample?count=-2");
     assert_eq!(texts(&last, |node| node.attribute("dataItemId").is_some()).len(), 2);
     let (_, device) = get(&served, "tapping-center/probe");

@@ -13,7 +13,7 @@ use crate::axis::Axis;
 use crate::changer::Changer;
 use crate::cutting::Cutting;
 use crate::grinding::Grinder;
-use crate::measured::{MeasuredTorques, TorqueSensor};
+use crate::measured::{MeasuredTorques, TorqueSensors};
 use crate::rng::Rng;
 use crate::scatter::Draws;
 use crate::signals::{Input, Inputs};
@@ -23,7 +23,7 @@ use crate::touch::{Boss, ToolSetter, Touch};
 use crate::turning::{Turning, TurningLoad};
 use crate::wear::TapWear;
 use crate::{Bar, Config, Grinding, Hole, PlainDrive, PositionDrive, PowerOn};
-use bus::{AXES, Command, Feedback, Truth};
+use bus::{Command, Feedback, Truth};
 use core::f64::consts::TAU;
 use units::{Angle, Force, Length, Spin, Time, Torque};
 
@@ -49,8 +49,7 @@ pub struct SimulatedMachine {
     new_bar: Option<Turning>,
     /// Where X, Y and Z are among `axes`.
     x_y_z: [Option<usize>; 3],
-    /// By place among `axes`, and by spindle: what their drives say of what they give.
-    torque_sensors: (Vec<Option<TorqueSensor>>, Vec<Option<TorqueSensor>>),
+    torque_sensors: TorqueSensors,
     feedback: Feedback,
     truth: Truth,
 }
@@ -100,7 +99,7 @@ impl SimulatedMachine {
             turning: None,
             new_bar: None,
             x_y_z: [place(0), place(1), place(2)],
-            torque_sensors: (Vec::new(), Vec::new()),
+            torque_sensors: TorqueSensors::default(),
             feedback: Feedback::default(),
             truth: Truth::default(),
             config,
@@ -122,18 +121,8 @@ impl SimulatedMachine {
     /// The same machine whose drives say what they give.
     #[must_use]
     pub fn with_measured_torque(mut self, measured: &MeasuredTorques) -> Self {
-        let Config { seed, period, .. } = self.config;
-        let axes = self.config.axes.iter().map(|(index, model)| {
-            let sensor = measured.axes.get(*index)?.as_ref()?;
-            Some(TorqueSensor::new(sensor, model.peak_force().value(), period, seed, *index))
-        });
-        let spindles = self.config.spindles.iter().zip(&measured.spindles).enumerate();
-        let spindles = spindles.map(|(index, (model, sensor))| {
-            let (peak, place) = (model.peak_torque.value(), AXES + index);
-            Some(TorqueSensor::new(sensor.as_ref()?, peak, period, seed, place))
-        });
-        self.torque_sensors = (axes.collect(), spindles.collect());
-        self.measure();
+        self.torque_sensors = TorqueSensors::new(measured, &self.config);
+        self.torque_sensors.read(&self.truth, &mut self.feedback);
         self
     }
 
@@ -443,22 +432,7 @@ impl SimulatedMachine {
             self.truth.spins[index] = Spin::rev_per_s(spindle.omega() / TAU);
             self.truth.spindle_torques[index] = spindle.drive_torque();
         }
-        self.measure();
-    }
-
-    /// What the drives say of what they give.
-    fn measure(&mut self) {
-        let (axes, spindles) = &mut self.torque_sensors;
-        for ((index, _), sensor) in self.config.axes.iter().zip(axes) {
-            let given = self.truth.axis_forces[*index].value();
-            self.feedback.axes[*index].force =
-                sensor.as_mut().map(|sensor| Force::n(sensor.read(given)));
-        }
-        for (index, sensor) in spindles.iter_mut().enumerate() {
-            let given = self.truth.spindle_torques[index].value();
-            self.feedback.spindles[index].torque =
-                sensor.as_mut().map(|sensor| Torque::n_m(sensor.read(given)));
-        }
+        self.torque_sensors.read(&self.truth, &mut self.feedback);
     }
 }
 

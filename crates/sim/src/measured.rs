@@ -6,9 +6,10 @@
 //!
 //! s is the error of the motor's torque constant: the drive measures current. A share is one of the
 //! drive's peak, so that one description serves motors and linear motors alike.
+use crate::Config;
 use crate::rng::Rng;
-use bus::{AXES, SPINDLES};
-use units::Time;
+use bus::{AXES, Feedback, SPINDLES, Truth};
+use units::{Force, Time, Torque};
 
 /// The stream of what drives measure is another one than that of the plant.
 const OF_MEASURED: u64 = 0x544F_5251_5545_0000;
@@ -37,9 +38,45 @@ pub struct MeasuredTorques {
     pub spindles: [Option<MeasuredTorque>; SPINDLES],
 }
 
-/// One of them at work, in N or N·m.
+/// All of them at work: axes and spindles by their index on the bus.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TorqueSensors {
+    axes: Vec<(usize, TorqueSensor)>,
+    spindles: Vec<(usize, TorqueSensor)>,
+}
+
+impl TorqueSensors {
+    pub(crate) fn new(measured: &MeasuredTorques, config: &Config) -> Self {
+        let Config { seed, period, .. } = *config;
+        let axes = config.axes.iter().filter_map(|(index, model)| {
+            let sensor = measured.axes.get(*index)?.as_ref()?;
+            let peak = model.peak_force().value();
+            Some((*index, TorqueSensor::new(sensor, peak, period, seed, *index)))
+        });
+        let spindles = config.spindles.iter().zip(&measured.spindles).enumerate();
+        let spindles = spindles.filter_map(|(index, (model, sensor))| {
+            let (peak, place) = (model.peak_torque.value(), AXES + index);
+            Some((index, TorqueSensor::new(sensor.as_ref()?, peak, period, seed, place)))
+        });
+        Self { axes: axes.collect(), spindles: spindles.collect() }
+    }
+
+    /// A period is over: what the drives say of what they gave at last.
+    pub(crate) fn read(&mut self, truth: &Truth, said: &mut Feedback) {
+        for (index, sensor) in &mut self.axes {
+            let given = truth.axis_forces[*index].value();
+            said.axes[*index].force = Some(Force::n(sensor.read(given)));
+        }
+        for (index, sensor) in &mut self.spindles {
+            let given = truth.spindle_torques[*index].value();
+            said.spindles[*index].torque = Some(Torque::n_m(sensor.read(given)));
+        }
+    }
+}
+
+/// One of them, in N or N·m.
 #[derive(Clone, Debug)]
-pub(crate) struct TorqueSensor {
+struct TorqueSensor {
     scale: f64,
     step: f64,
     noise: f64,
@@ -51,13 +88,7 @@ pub(crate) struct TorqueSensor {
 
 impl TorqueSensor {
     /// `place` is 0 for X and so on, then that of spindles: each has draws of its own.
-    pub(crate) fn new(
-        model: &MeasuredTorque,
-        peak: f64,
-        period: Time,
-        seed: u64,
-        place: usize,
-    ) -> Self {
+    fn new(model: &MeasuredTorque, peak: f64, period: Time, seed: u64, place: usize) -> Self {
         let periods = (model.delay.value() / period.value()).round() as usize;
         Self {
             scale: 1.0 + model.constant_error,
@@ -70,7 +101,7 @@ impl TorqueSensor {
     }
 
     /// A period is over, in which the drive gave this at last.
-    pub(crate) fn read(&mut self, given: f64) -> f64 {
+    fn read(&mut self, given: f64) -> f64 {
         let late = match self.underway.get_mut(self.next) {
             Some(oldest) => core::mem::replace(oldest, given),
             None => given,

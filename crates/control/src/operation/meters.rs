@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn what_a_drive_holds_for_ever_is_a_load_of_one_whatever_its_sign() {
-        // above the base speed power is the limit: 7000 W at 1200 rev/min are 55.7 N·m, so torque is it
+        // 7000 W at 1200 rev/min are 55.7 N·m, so torque is the limit; then power is
         for (power, held) in [(7000.0, 20.0), (1200.0, 1200.0 / (40.0 * std::f64::consts::PI))] {
             let mut meters = rated(SpindleRating { power: Power::w(power), ..TORQUE_TOLD });
             see(&mut meters, 0.03, |t| sample(t, held));

@@ -37,6 +37,7 @@
 //! | `_n_per_mm2` | specific cutting force kc |
 //! | `_share` | a fraction of one; the file has percent |
 mod axis;
+mod axis_drive;
 mod change;
 mod control;
 mod drives;
@@ -56,9 +57,8 @@ mod tapping;
 mod user_code;
 
 pub(crate) use axis::n_per_um;
-pub use axis::{
-    Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
-};
+pub use axis::{Approach, Axis, AxisWindows, Friction, Loops, PositionFrom, Structure, Travel};
+pub use axis_drive::{Drive, Motor};
 pub use change::{changed, value};
 pub use control::{
     BoringAside, ChipRemoval, Control, CycleDepth, DIALECTS, Fanuc, Follows, Increments, Learning,

@@ -13,9 +13,9 @@
 //! | M, J | torque, inertia about the axis | N·m, kg·m² |
 //! | kt, ct | torsional stiffness, damping | N·m/rad, N·m·s/rad |
 use super::axis::{
-    Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
-    at_least, thermal_time,
+    Approach, Axis, AxisWindows, Friction, Loops, PositionFrom, Structure, Travel, at_least,
 };
+use super::axis_drive::{Drive, Motor, thermal_time};
 use super::ethercat::DriveSlot;
 use super::homing::{Ends, Homing};
 use super::measured_torque::MeasuredTorque;

@@ -8,7 +8,8 @@
 //!     └──────────┴──────────► ω
 //!              base speed Ppeak/Mpeak
 //! ```
-use super::axis::{Loops, thermal_time};
+use super::axis::Loops;
+use super::axis_drive::thermal_time;
 use super::{
     ethercat::DriveSlot, measured_torque::MeasuredTorque, plant::SpindleErrors, setup::percent,
 };
