@@ -15,7 +15,7 @@ fn memory() -> &'static (Made, File) {
     static MEMORY: OnceLock<(Made, File)> = OnceLock::new();
     MEMORY.get_or_init(|| {
         let name = format!("fuzz-{}", std::process::id());
-        let made = shm::make(&name, 0x1ff, 2).unwrap();
+        let made = shm::make(&name, 0x1ff, 2, None).unwrap();
         let path = format!("/dev/shm{}", shm::memory_name(&name));
         let file = OpenOptions::new().read(true).write(true).open(&path).unwrap();
         std::fs::remove_file(path).unwrap(); // the process ends without dropping it

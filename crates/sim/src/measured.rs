@@ -106,8 +106,8 @@ impl TorqueSensor {
             Some(oldest) => core::mem::replace(oldest, given),
             None => given,
         };
-        self.next = (self.next + 1) % self.underway.len().max(1);
-        let noise = if self.noise > 0.0 { self.noise * self.rng.normal() } else { 0.0 };
+        self.next = if self.next + 1 < self.underway.len() { self.next + 1 } else { 0 };
+        let noise = if self.noise > 0.0 { self.noise * self.rng.bell() } else { 0.0 };
         let seen = late * self.scale + noise;
         if self.step > 0.0 { (seen / self.step).round() * self.step } else { seen }
     }

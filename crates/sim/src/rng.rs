@@ -51,6 +51,17 @@ impl Rng {
         (-2.0 * u.ln()).sqrt() * (core::f64::consts::TAU * v).cos()
     }
 
+    /// Nearly normally distributed, mean 0 and standard deviation 1, within 3.5: the sum of four
+    /// even numbers of 16 bits, in a tenth of the time of [`Self::normal`].
+    pub(crate) fn bell(&mut self) -> f64 {
+        /// Of the sum of four numbers that are even over a range of 65,536.
+        const DEVIATION: f64 = 65_536.0 / 1.732_050_807_568_877_3;
+        const MEAN: f64 = 2.0 * 65_535.0;
+        let bits = self.bits();
+        let sum: u64 = (0..4).map(|part| bits >> (16 * part) & 0xFFFF).sum();
+        (sum as f64 - MEAN) / DEVIATION
+    }
+
     /// A factor near one: what scatters by `share` (0.03 is ±3 %).
     pub(crate) fn factor(&mut self, share: f64) -> f64 {
         1.0 + share * self.signed()
