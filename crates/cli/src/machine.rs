@@ -96,8 +96,8 @@ fn warnings(file: &MachineFile) -> impl Iterator<Item = String> {
     })
 }
 
-/// What stopped the machine in another control, and nobody has answered for: HAL's drives are not
-/// led before.
+/// Pins that stopped the machine in another control and have no answer yet: without one HAL's
+/// drives are not led.
 fn unanswered(file: &MachineFile) -> impl Iterator<Item = String> {
     let open = file.hal.iter().flat_map(|hal| &hal.unanswered);
     open.map(|what| format!("[hal.safety] {what}; no drive is led before it is answered"))

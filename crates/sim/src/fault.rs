@@ -270,10 +270,10 @@ impl<M: Machine> Faulty<M> {
         self.is_abandoned() || is_open || self.is_chain_stop && self.alone.is_some() && !rests
     }
 
-    /// The drives do what they are told from now on.
+    /// The drives obey commands from now on.
     fn obey_again(&mut self) {
         if self.is_chain_stop {
-            // they are off: what they were told before is of no meaning any more
+            // they are off since: the command before that counts no more
             self.last = Command { tool: self.last.tool, ..Command::default() };
         }
         (self.run_down, self.silent, self.is_chain_stop) = (None, Time::ZERO, false);

@@ -113,19 +113,23 @@ fn drives_that_are_off_already_stay_off() {
     assert_eq!(drives.command(machine.feedback()), nothing);
 }
 
-/// A tap's axis on its line, the chain opened for so many periods, and then what the control says:
-/// nothing, or what it said before. How far off the line at the worst, mm; whether the opened chain
-/// was heard.
-fn chain_opened_for(periods: u32, says: &Command) -> (f64, bool) {
-    let (machine, command, begin) = moving();
-    let alone = LeftAlone {
+/// Drives that brake together 5 ms after their control has fallen silent.
+fn coupled_stop() -> LeftAlone {
+    LeftAlone {
         config: tapping_center(),
         watchdog: Time::s(5e-3),
         on_silence: DriveReaction::CoupledStop,
         on_power_loss: DriveReaction::Off,
         bus: None,
-    };
-    let mut machine = Faulty::new(machine, &[], 1).left_alone(alone);
+    }
+}
+
+/// A tap's axis on its line, the chain opened for so many periods, and then what the control says:
+/// nothing, or what it said before. How far off the line at the worst, mm; whether the opened chain
+/// was heard.
+fn chain_opened_for(periods: u32, says: &Command) -> (f64, bool) {
+    let (machine, command, begin) = moving();
+    let mut machine = Faulty::new(machine, &[], 1).left_alone(coupled_stop());
     machine.exchange(&command);
     machine.strike(Fault::EmergencyStop);
     let (mut worst, mut is_heard, mut turned_before) = (0.0_f64, false, 0.0);
@@ -144,6 +148,31 @@ fn chain_opened_for(periods: u32, says: &Command) -> (f64, bool) {
         turned_before = turned;
     }
     (worst, is_heard)
+}
+
+#[test]
+fn drives_that_are_mended_while_they_stop_do_not_take_up_the_command_before() {
+    let (machine, command, begin) = moving();
+    for periods in [25, 60, 120] {
+        let mut machine = Faulty::new(machine.clone(), &[], 1).left_alone(coupled_stop());
+        machine.exchange(&command);
+        machine.strike(Fault::Kill);
+        for _ in 0..periods {
+            machine.wait();
+        }
+        machine.mend();
+        let spin = |from: &Feedback, to: &Feedback| {
+            (to.spindles[0].angle - from.spindles[0].angle).value() / 250e-6
+        };
+        let (mut before, mut slowest) = (*machine.feedback(), f64::INFINITY);
+        assert!(before.time > begin.time);
+        for _ in 0..400 {
+            let now = *machine.exchange(&Command::default());
+            let rev_per_s = spin(&before, &now);
+            assert!(rev_per_s < slowest + 0.1, "after {periods} periods it runs up: {rev_per_s}");
+            (before, slowest) = (now, slowest.min(rev_per_s));
+        }
+    }
 }
 
 #[test]

@@ -201,8 +201,8 @@ ordered_rpm: number,
  */
 measured_rpm: number, 
 /**
- * Torque that its drive measures, or else is told to make, N·m without its sign, over 20 ms;
- * `None`: its drive is told a speed, and does not say its torque.
+ * Torque that its drive measures, else the torque commanded, N·m without its sign, over 20 ms;
+ * `None`: its drive is commanded by speed, and does not say its torque.
  */
 torque_n_m: number | null, 
 /**

@@ -21,8 +21,8 @@ pub struct SpindleRating {
     pub power: Power,
     /// Time in which it warms.
     pub thermal_time: Time,
-    /// It is told a torque. Otherwise its load is known only where it measures it.
-    pub is_told_torque: bool,
+    /// It is commanded by torque. Otherwise its load is known only where it measures it.
+    pub is_torque_commanded: bool,
 }
 
 impl SpindleRating {
@@ -59,7 +59,7 @@ pub fn ratings(machine: &MachineFile) -> Ratings {
             continuous: spindle.continuous_torque,
             power: Power::w(spindle.peak_power.value() * share),
             thermal_time: spindle.thermal_time,
-            is_told_torque: spindle.own_ramps.is_none() && !spindle.closes_position,
+            is_torque_commanded: spindle.own_ramps.is_none() && !spindle.closes_position,
         });
     }
     ratings

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!   speed     n = Δθ/Δt                         encoder of the spindle
-//!   load      |F|/Fc,  |M|/min(Mc, Pc/|ω|)      F, M: as the drive measures them, else the torque that it is told
+//!   load      |F|/Fc,  |M|/min(Mc, Pc/|ω|)      F, M: as the drive measures them, else the torque commanded
 //!   thermal   θ' = (load² − θ)/T                Fc, Mc, Pc: what it can hold for ever; at θ = 1 it is as warm as it may get
 //!   path      v = √(Δx² + Δy² + Δz²)/Δt         setpoints of the linear axes
 //! ```
@@ -48,8 +48,8 @@ struct Span {
     forces: [Option<f64>; AXES],
     /// The same of measured torques, N·m.
     torques: [Option<f64>; SPINDLES],
-    /// Sizes of torques that drives were told, N·m.
-    told: [f64; SPINDLES],
+    /// Sizes of commanded torques, N·m.
+    commanded: [f64; SPINDLES],
     periods: u32,
 }
 
@@ -128,8 +128,8 @@ impl Meters {
         self.axes[axis.index()]
     }
 
-    /// How hard the drive of a spindle works; `None`: it is told a speed, and does not say its
-    /// torque.
+    /// How hard the drive of a spindle works; `None`: it is commanded by speed, and does not say
+    /// its torque.
     pub(super) fn spindle(&self, spindle: usize) -> Option<DriveLoad> {
         self.spindles.get(spindle).copied().flatten()
     }
@@ -143,7 +143,7 @@ impl Span {
             place: PATH_AXES.map(|axis| sample.command.axes[axis.index()].position.value()),
             forces: [Some(0.0); AXES],
             torques: [Some(0.0); SPINDLES],
-            told: [0.0; SPINDLES],
+            commanded: [0.0; SPINDLES],
             periods: 0,
         }
     }
@@ -159,14 +159,14 @@ impl Span {
         for (sum, spindle) in self.torques.iter_mut().zip(&sample.feedback.spindles) {
             *sum = added(*sum, spindle.torque.map(Torque::value));
         }
-        for (sum, spindle) in self.told.iter_mut().zip(&sample.command.spindles) {
+        for (sum, spindle) in self.commanded.iter_mut().zip(&sample.command.spindles) {
             *sum += spindle.torque.value().abs();
         }
     }
 
     /// Sum of a spindle's torques, N·m, as far as they are known.
     fn torque(&self, spindle: usize, rating: &SpindleRating) -> Option<f64> {
-        self.torques[spindle].or(rating.is_told_torque.then_some(self.told[spindle]))
+        self.torques[spindle].or(rating.is_torque_commanded.then_some(self.commanded[spindle]))
     }
 }
 
@@ -176,11 +176,11 @@ mod tests {
     use crate::config::{AxisRating, ratings};
     use units::Power;
 
-    const TORQUE_TOLD: SpindleRating = SpindleRating {
+    const TORQUE_COMMANDED: SpindleRating = SpindleRating {
         continuous: Torque::n_m(20.0),
         power: Power::w(7000.0),
         thermal_time: Time::s(60.0),
-        is_told_torque: true,
+        is_torque_commanded: true,
     };
 
     fn rated(spindle: SpindleRating) -> Meters {
@@ -191,12 +191,12 @@ mod tests {
         Meters::new(&ratings)
     }
 
-    /// A spindle at 1200 rev/min that is told a torque, X and Y at 3 and 4 mm/s.
-    fn sample(t: f64, told: f64) -> Sample {
+    /// A spindle at 1200 rev/min with a torque commanded, X and Y at 3 and 4 mm/s.
+    fn sample(t: f64, commanded: f64) -> Sample {
         let mut sample = Sample::default();
         sample.feedback.time = Time::s(t);
         sample.feedback.spindles[0].angle = Angle::rev(20.0 * t);
-        sample.command.spindles[0].torque = Torque::n_m(-told);
+        sample.command.spindles[0].torque = Torque::n_m(-commanded);
         sample.command.axes[0].position = units::Coordinate::new(3.0 * t);
         sample.command.axes[1].position = units::Coordinate::new(4.0 * t);
         sample
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn speed_is_turns_by_time_and_the_path_is_the_root_of_the_squares() {
-        let mut meters = rated(TORQUE_TOLD);
+        let mut meters = rated(TORQUE_COMMANDED);
         see(&mut meters, 0.03, |t| sample(t, 0.0));
         assert!((meters.speed(0).in_rpm() - 1200.0).abs() < 1e-6);
         assert!((meters.path_speed() - 5.0).abs() < 1e-9);
@@ -221,7 +221,7 @@ mod tests {
     fn what_a_drive_holds_for_ever_is_a_load_of_one_whatever_its_sign() {
         // 7000 W at 1200 rev/min are 55.7 N·m, so torque is the limit; then power is
         for (power, held) in [(7000.0, 20.0), (1200.0, 1200.0 / (40.0 * std::f64::consts::PI))] {
-            let mut meters = rated(SpindleRating { power: Power::w(power), ..TORQUE_TOLD });
+            let mut meters = rated(SpindleRating { power: Power::w(power), ..TORQUE_COMMANDED });
             see(&mut meters, 0.03, |t| sample(t, held));
             let load = meters.spindle(0).unwrap().load;
             assert!((load - 1.0).abs() < 1e-9, "{load}");
@@ -229,14 +229,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_measured_counts_and_what_is_told_stands_for_it_only_where_a_torque_is_told() {
+    fn the_commanded_torque_stands_for_a_measured_one_only_where_torque_is_commanded() {
         let measuring = |t| {
             let mut sample = sample(t, 3.0);
             sample.feedback.spindles[0].torque = Some(Torque::n_m(-10.0));
             sample.feedback.axes[2].force = Some(Force::n(-1500.0));
             sample
         };
-        let own_ramps = SpindleRating { is_told_torque: false, ..TORQUE_TOLD };
+        let own_ramps = SpindleRating { is_torque_commanded: false, ..TORQUE_COMMANDED };
         let mut meters = rated(own_ramps);
         see(&mut meters, 0.03, |t| sample(t, 3.0));
         assert_eq!((meters.spindle(0), meters.axis(Axis::Z)), (None, None));
@@ -244,12 +244,12 @@ mod tests {
         let (spindle, z) = (meters.spindle(0).unwrap(), meters.axis(Axis::Z).unwrap());
         assert!((spindle.load - 0.5).abs() < 1e-9, "{spindle:?}");
         assert!((z.load - 1.5).abs() < 1e-9, "{z:?}");
-        assert_eq!(meters.axis(Axis::X), None, "nobody says what it can hold");
+        assert_eq!(meters.axis(Axis::X), None, "its continuous force is not stated");
     }
 
     #[test]
     fn a_drive_warms_by_the_square_of_its_load_over_its_thermal_time() {
-        let mut meters = rated(TORQUE_TOLD);
+        let mut meters = rated(TORQUE_COMMANDED);
         see(&mut meters, 60.0, |t| sample(t, 30.0));
         let thermal = meters.spindle(0).unwrap().thermal;
         let closed = 1.5 * 1.5 * (1.0 - (-1.0_f64).exp());

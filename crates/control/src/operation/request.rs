@@ -197,19 +197,8 @@ const START: &[Need] = &[
     Homed(None),
 ];
 
-/// What blocks that are typed need.
-const TYPED: &[Need] = &[
-    StateAcknowledged,
-    EmergencyStopArmed,
-    NoAlarm,
-    PowerOn,
-    NoProgramUnderWay,
-    NoManualMotion,
-    NoTapInThread,
-    FeedNotInhibited,
-    SpindleNotInhibited,
-    Homed(None),
-];
+/// What blocks that are typed need: the same without a loaded program, which comes first.
+const TYPED: &[Need] = START.split_at(1).1;
 
 impl Request {
     /// What it needs, in the order in which it is asked: the one table of what is allowed when.

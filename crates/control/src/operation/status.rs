@@ -41,8 +41,8 @@ pub struct SpindleStatus {
     pub ordered_rpm: f64,
     /// Speed by its encoder, rev/min, over 20 ms; positive is M3.
     pub measured_rpm: f64,
-    /// Torque that its drive measures, or else is told to make, N·m without its sign, over 20 ms;
-    /// `None`: its drive is told a speed, and does not say its torque.
+    /// Torque that its drive measures, else the torque commanded, N·m without its sign, over 20 ms;
+    /// `None`: its drive is commanded by speed, and does not say its torque.
     pub torque_n_m: Option<f64>,
     /// The same in percent of what the drive can hold for ever at this speed.
     pub load_percent: Option<f64>,

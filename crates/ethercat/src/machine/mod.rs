@@ -56,7 +56,7 @@ pub struct LedDrive {
 /// How long drives take to obey.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ahead {
-    /// Time after which each axis is where its drive was told to be.
+    /// Time after which each axis is where its drive was commanded to be.
     pub axes: [Time; AXES],
     /// The same of spindles.
     pub spindles: [Time; SPINDLES],

@@ -17,7 +17,7 @@ pub struct Hal {
     pub component: String,
     /// A control that shows no sign of life for so long is gone: the component stops the machine.
     pub silent_after: Time,
-    /// Servo periods after which an axis is where its drive was told to be.
+    /// Servo periods after which an axis is where its drive was commanded to be.
     pub obeys_after_periods: f64,
     /// Inputs that something must drive: the emergency stop chain unless `estop = "none"`, `ready`
     /// of these drives, and pins that are answers of `[hal.safety]`.
