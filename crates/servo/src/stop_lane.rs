@@ -56,6 +56,11 @@ impl StopLane {
         self.0.fetch_or(flags, Ordering::Release);
     }
 
+    /// Takes back the flag of a stop, which the next period would act on.
+    pub fn withdraw(&self, stop: LaneStop) {
+        self.0.fetch_and(!stop.bit(), Ordering::AcqRel);
+    }
+
     /// Takes all flags that are set.
     pub fn take(&self) -> u32 {
         // a period in which nothing is asked writes nothing
@@ -104,6 +109,17 @@ mod tests {
             let set = LaneStop::ALL.into_iter().filter(|other| other.is_in(flags));
             assert!(set.eq([stop]), "{stop:?}");
             assert_eq!(lane.take(), 0, "{stop:?}");
+        }
+    }
+
+    #[test]
+    fn a_stop_that_is_taken_back_leaves_the_others() {
+        let lane = StopLane::default();
+        LaneStop::ALL.into_iter().for_each(|stop| lane.ask(stop));
+        lane.withdraw(LaneStop::EmergencyStop);
+        let flags = lane.take();
+        for stop in LaneStop::ALL {
+            assert_eq!(stop.is_in(flags), stop != LaneStop::EmergencyStop, "{stop:?}");
         }
     }
 }

@@ -158,6 +158,8 @@ pub struct Faulty<M> {
     is_chain_stop: bool,
     /// Who commands has had the opened chain in a feedback before it commanded.
     is_chain_heard: bool,
+    /// The button is released, and the opened chain has not been heard yet.
+    is_released: bool,
     switched_off: SwitchedOff,
     pending: Vec<Pending>,
     last: Command,
@@ -188,6 +190,7 @@ impl<M: Machine> Faulty<M> {
             silent: Time::ZERO,
             is_chain_stop: false,
             is_chain_heard: false,
+            is_released: false,
             switched_off: SwitchedOff::default(),
             pending,
             last: Command::default(),
@@ -218,8 +221,15 @@ impl<M: Machine> Faulty<M> {
         &mut self.machine
     }
 
-    /// Let a fault come now.
+    /// Let a fault come now. A button that is pressed already is pressed once.
     pub fn strike(&mut self, fault: Fault) {
+        if fault == Fault::EmergencyStop {
+            self.is_released = false;
+            if self.has_open_chain() {
+                return;
+            }
+            self.is_chain_heard = false;
+        }
         let now = *self.machine.feedback();
         let planned = Planned { trigger: Trigger::At(now.time), fault };
         self.pending.push(Pending { planned, came: Some(now.time), then: now });
@@ -245,16 +255,21 @@ impl<M: Machine> Faulty<M> {
     pub fn mend(&mut self) {
         self.pending.retain(|pending| pending.came.is_none());
         self.obey_again();
+        self.is_released = false;
         self.switched_off = SwitchedOff::default();
         self.said = *self.machine.feedback();
     }
 
-    /// A fault of this kind is over: a button is released, a drive is repaired. That the chain is
-    /// closed is not said before it has been heard that it was open.
+    /// A fault of this kind is over: a button is released, a drive is repaired. The chain is closed
+    /// when it has been heard that it was open.
     pub fn repair(&mut self, fault: Fault) {
+        if fault == Fault::EmergencyStop && self.has_open_chain() && !self.is_chain_heard {
+            self.is_released = true;
+            return;
+        }
         self.pending.retain(|pending| pending.came.is_none() || pending.planned.fault != fault);
-        let is_open = self.has(|fault| matches!(fault, Fault::EmergencyStop));
-        if self.is_chain_heard && !is_open {
+        if fault == Fault::EmergencyStop {
+            self.is_released = false;
             self.said.emergency_stop = self.machine.feedback().emergency_stop;
         }
         if !self.is_stopping_alone() {
@@ -262,12 +277,17 @@ impl<M: Machine> Faulty<M> {
         }
     }
 
+    fn has_open_chain(&self) -> bool {
+        self.has(|fault| matches!(fault, Fault::EmergencyStop))
+    }
+
     /// The drives stop by themselves, whatever the control says: it is gone, or the chain was
     /// opened and not everything stands.
     fn is_stopping_alone(&self) -> bool {
-        let is_open = self.has(|fault| matches!(fault, Fault::EmergencyStop));
         let rests = self.run_down.as_ref().is_some_and(RunDown::is_over);
-        self.is_abandoned() || is_open || self.is_chain_stop && self.alone.is_some() && !rests
+        self.is_abandoned()
+            || self.has_open_chain()
+            || self.is_chain_stop && self.alone.is_some() && !rests
     }
 
     /// The drives obey commands from now on.
@@ -423,6 +443,9 @@ impl<M: Machine> Machine for Faulty<M> {
     fn exchange(&mut self, command: &Command) -> &Feedback {
         let now = *self.machine.feedback();
         self.is_chain_heard = self.said.emergency_stop;
+        if self.is_released && self.is_chain_heard {
+            self.repair(Fault::EmergencyStop);
+        }
         let own = self
             .alone
             .as_ref()
@@ -434,7 +457,7 @@ impl<M: Machine> Machine for Faulty<M> {
             return &self.said;
         }
         self.trip();
-        self.is_chain_stop |= self.has(|fault| matches!(fault, Fault::EmergencyStop));
+        self.is_chain_stop |= self.has_open_chain();
         if self.is_stopping_alone() {
             return self.wait();
         }

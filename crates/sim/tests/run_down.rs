@@ -176,8 +176,28 @@ fn drives_that_are_mended_while_they_stop_do_not_take_up_the_command_before() {
 }
 
 #[test]
+fn a_button_that_is_pressed_again_before_its_release_is_heard_stays_pressed() {
+    let (machine, command, _) = moving();
+    let mut machine = Faulty::new(machine, &[], 1).left_alone(coupled_stop());
+    for exchanges in 0..4 {
+        machine.strike(Fault::EmergencyStop);
+        for _ in 0..exchanges {
+            machine.exchange(&command);
+        }
+        machine.repair(Fault::EmergencyStop);
+        machine.strike(Fault::EmergencyStop);
+        for _ in 0..3 {
+            assert!(machine.exchange(&command).emergency_stop, "after {exchanges} exchanges");
+        }
+        machine.strike(Fault::EmergencyStop);
+        machine.repair(Fault::EmergencyStop);
+        assert!(!machine.exchange(&command).emergency_stop, "released after {exchanges}");
+    }
+}
+
+#[test]
 fn a_chain_that_is_closed_again_is_heard_and_the_stop_goes_on_together() {
-    for periods in [1, 2, 9, 20, 21, 60, 120, 400] {
+    for periods in [0, 1, 2, 9, 20, 21, 60, 120, 400] {
         let (worst, is_heard) = chain_opened_for(periods, &Command::default());
         assert!(is_heard, "{periods} periods");
         assert!(worst < 0.030, "{worst} mm after {periods} periods");

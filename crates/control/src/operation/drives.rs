@@ -9,6 +9,7 @@ use crate::recovery::WayOut;
 use crate::stops::RecoverySettings;
 use canon::Axis;
 use kernel::{Order, WithdrawalPlan};
+use servo::LaneStop;
 use sim::Fault;
 
 impl Control {
@@ -44,10 +45,11 @@ impl Control {
         if self.outside.is_some() {
             return self.stop_instead(pressed);
         }
-        let already = self.emergency_stop() == EmergencyStop::Triggered;
-        if pressed && !already {
+        if pressed {
             self.executor.machine.strike(Fault::EmergencyStop);
-        } else if !pressed {
+        } else {
+            // what was pressed before does not open the chain again afterwards
+            self.executor.stops.withdraw(LaneStop::EmergencyStop);
             self.executor.machine.repair(Fault::EmergencyStop);
         }
         Ok(Accepted::default())

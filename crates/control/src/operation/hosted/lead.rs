@@ -355,6 +355,9 @@ impl Lead {
         for (request, askers) in self.shared.stops.take() {
             self.asked = now();
             let mut answered = self.control.request(&request);
+            if !self.is_real_time {
+                self.shared.stops.is_dealt_with(&request);
+            }
             if request == Request::Stop && self.break_off(BrokenOff::Stop) {
                 answered = answered.or_else(|_| Ok(Accepted::default()));
             }

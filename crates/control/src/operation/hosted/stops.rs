@@ -151,6 +151,16 @@ impl Stops {
         Ok(())
     }
 
+    /// The control in this thread has dealt with a stop between two periods: its flag does not act
+    /// on what begins before the next one. A stop that is asked for meanwhile is dealt with before.
+    pub(super) fn is_dealt_with(&self, request: &Request) {
+        match kind(request) {
+            // its flag stops at once, where the chain opens in the next period
+            None | Some(LaneStop::EmergencyStop | LaneStop::NotTaken) => {}
+            Some(stop) => self.lane.withdraw(stop),
+        }
+    }
+
     fn act(&self, stop: LaneStop) {
         if stop == LaneStop::EmergencyStop && !self.has_chain {
             self.lane.ask(LaneStop::Stop);

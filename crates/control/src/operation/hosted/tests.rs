@@ -324,3 +324,44 @@ fn nothing_that_waits_begins_after_a_stop_that_was_asked_for_later() {
     client.request(by_hand[1].clone()).expect("nothing stands in the way");
     until(&client, "it moves", |picture| (x(picture) - at).abs() > 1.0);
 }
+
+/// Between two periods everything is asked for; the flags of stops act in the next one.
+#[test]
+fn a_stop_does_not_act_on_what_was_asked_for_after_it_in_the_same_period() {
+    let hosted = hosted();
+    let client = hosted.client();
+    ready(&client);
+    let asked = client.with(|control| {
+        let (lane, _) = control.stops();
+        let ask = |control: &mut Control, request| control.request(&request).is_ok();
+        ask(control, Request::EmergencyStop(true));
+        control.period();
+        control.period();
+        // pressed again by another one, and dealt with
+        lane.ask(servo::LaneStop::EmergencyStop);
+        ask(control, Request::EmergencyStop(true));
+        let begun = [Request::EmergencyStop(false), Request::Reset, Request::Power(true)]
+            .map(|request| ask(control, request));
+        (begun, control.now().value())
+    });
+    let (begun, asked_s) = asked.expect("it is on");
+    assert_eq!(begun, [true; 3]);
+    until(&client, "the drives come up again", |picture| {
+        picture.status.is_ready && picture.status.time_s > asked_s
+    });
+    assert!(client.latest().status.alarms.is_empty(), "{:?}", client.latest().status.alarms);
+    let at = x(&client.latest());
+    let jogged = client.with({
+        let stops = client.clone();
+        move |_| {
+            let (sender, receiver) = std::sync::mpsc::channel();
+            stops.ask(Request::JogStop, |_| ()).expect("there is room");
+            let jog = Request::Jog(Axis::X, Jog::Increment(units::Coordinate::new(5.0)));
+            stops.ask(jog, move |answer| drop(sender.send(answer))).expect("there is room");
+            receiver
+        }
+    });
+    let jogged = jogged.expect("it is on").recv().expect("an answer");
+    jogged.expect("nothing stands in the way");
+    until(&client, "it has moved", |picture| (x(picture) - at - 5.0).abs() < 0.01);
+}
