@@ -97,8 +97,31 @@ const COMMON: [&str; 10] = [
     "seed",
 ];
 
+/// Options that are about programs, and mean nothing where a machine alone is led.
+const PROGRAMS_ALONE: &[&str] = &[
+    "missing_tools",
+    "pre_drilled",
+    "stock",
+    "tapping",
+    "clutch_dwell",
+    "dialect",
+    "decimal_point",
+    "accept",
+    "block_skip",
+    "subprograms",
+    "cams",
+    "phase_table",
+    "compensation",
+    "estimator",
+    "work_speed",
+    "feed_forward",
+    "tapping_preset",
+];
+
 /// Options that mean nothing to a command, which shares its arguments with others.
-const MEANINGLESS: [(&str, &[&str]); 6] = [
+const MEANINGLESS: [(&str, &[&str]); 8] = [
+    ("drives", PROGRAMS_ALONE),
+    ("simulator", PROGRAMS_ALONE),
     ("check", &["inputs", "compensation", "estimator"]),
     ("time", &["inputs", "compensation", "estimator"]),
     ("lsp", &["inputs", "compensation", "estimator", "progress", "quiet"]),

@@ -32,6 +32,7 @@ mod codes_of;
 mod compare;
 mod compensation;
 mod console;
+mod doctor;
 mod drives;
 mod explain;
 mod format;
@@ -155,6 +156,9 @@ fn execute(cli: &Cli) -> Result<u8, Refused> {
         Command::Serve(args) => serve::command(args).map(|()| SUCCESS),
         Command::Explain(args) => explain::command(args).map(|()| SUCCESS),
         Command::Drives(args) => drives::command(args).map(|()| SUCCESS),
+        Command::Doctor(args) => {
+            Ok(if doctor::command(args, cli.quiet)? { SUCCESS } else { OUT_OF_TOLERANCE })
+        }
         Command::Simulator(args) => simulator::command(args).map(|()| SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => {

@@ -59,7 +59,9 @@ fn a_refusal_is_json_where_json_is_asked_for() {
     std::fs::write(&bad, "G21\nG1 X10 Q5\nM2\n").unwrap();
     let bad = bad.to_str().unwrap();
     let none = "/nowhere/none.ngc";
-    let commands: [&[&str]; 9] = [
+    let commands: [&[&str]; 11] = [
+        &["doctor", "--machine", "nothing-like-it"],
+        &["doctor", "--seconds", "4000"],
         &["run", bad],
         &["run", none],
         &["run", PLATE, "--machine", "nothing-like-it"],
@@ -133,5 +135,26 @@ fn no_control_character_of_a_program_or_a_name_reaches_the_terminal() {
             let obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
             assert!(!text.contains(obeyed), "{command:?}: {text:?}");
         }
+    }
+}
+
+#[test]
+fn the_doctor_answers_by_its_exit_code_whether_a_machine_can_be_led() {
+    let output = leadscrew(&["doctor", "--seconds", "0.05", "--format", "json"]);
+    let found: Value = serde_json::from_str(&said(&output)).unwrap();
+    let wrong = |found: &Value| found["health"] == "wrong";
+    let is_wrong = found["findings"].as_array().unwrap().iter().any(wrong);
+    assert_eq!(output.status.code(), Some(i32::from(is_wrong)), "{found}");
+    assert_eq!(found["can_lead"], !is_wrong);
+    // 50 ms of the machine's period of 250 µs
+    assert_eq!(found["latency"]["periods"], 200, "{found}");
+}
+
+#[test]
+fn options_of_programs_are_refused_where_a_machine_alone_is_led() {
+    for command in ["drives", "simulator"] {
+        let output = leadscrew(&[command, "--dialect", "fanuc"]);
+        assert_eq!(output.status.code(), Some(2), "{command}");
+        assert!(complained(&output).contains("--dialect"), "{}", complained(&output));
     }
 }

@@ -46,7 +46,10 @@ pub use handles::{KernelHandle, MachineHandle};
 pub use observers::Observers;
 pub use operation::{Control, ControlOptions};
 pub use outcome::{EndedRun, Outcome};
-pub use real_time::{RealTimeFigures, RealTimeOptions, run_by_deadline, run_last};
+pub use real_time::{
+    RealTimeFigures, RealTimeOptions, WAKE_UP_FILE, numbers_of_list, run_by_deadline, run_last,
+    servo_core,
+};
 pub use refused::Refused;
 pub use run::{Loaded, ProgramRun, Running};
 pub use services::Services;

@@ -19,6 +19,7 @@
 //!                        └─ run   ─► Finished ─► certificate, report
 //!   DrivesProcess: kernel and servo thread as a process of their own
 //!   simulator: the simulated machine as a process of its own, for controls that connect
+//!   doctor: whether this computer can lead a machine
 //!   studies: compare (holders), compensation (cams), polygon (from a form to the block that cuts it)
 //! ```
 #![forbid(unsafe_code)]
@@ -26,6 +27,7 @@
 mod certificate;
 pub mod compare;
 pub mod compensation;
+pub mod doctor;
 pub mod editor;
 pub mod ethercat;
 mod link;

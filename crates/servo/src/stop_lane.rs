@@ -115,7 +115,9 @@ mod tests {
     #[test]
     fn a_stop_that_is_taken_back_leaves_the_others() {
         let lane = StopLane::default();
-        LaneStop::ALL.into_iter().for_each(|stop| lane.ask(stop));
+        for stop in LaneStop::ALL {
+            lane.ask(stop);
+        }
         lane.withdraw(LaneStop::EmergencyStop);
         let flags = lane.take();
         for stop in LaneStop::ALL {

@@ -68,8 +68,7 @@ impl ControlSide {
         };
         let word = |at: usize| memory.words()[at].load(Acquire);
         let (magic, version) = (word(head::MAGIC), word(head::VERSION));
-        if (magic, version, word(head::BUILD)) != (layout::MAGIC, layout::VERSION, layout::build())
-        {
+        if (magic, version, word(head::BUILD)) != (layout::MAGIC, layout::VERSION, layout::BUILD) {
             return Err(Error::OtherBuild(named()));
         }
         Ok(Self {

@@ -92,8 +92,8 @@ pub(crate) const LONGEST_RECORD: usize = 4096;
 /// Words of it all.
 pub(crate) const SIZE: usize = RECORDS.at + RECORDS.size();
 
-/// What two builds must have in common.
-pub(crate) fn build() -> u64 {
+/// What two builds must have in common: version and sizes of what crosses.
+pub(crate) const BUILD: u64 = {
     let sizes = [
         size_of::<servo::Record>(),
         size_of::<servo::Replied>(),
@@ -103,19 +103,46 @@ pub(crate) fn build() -> u64 {
         size_of::<motion::Step<motion::Inline>>(),
         SIZE,
     ];
-    let numbers = sizes.iter().flat_map(|size| size.to_le_bytes());
-    fnv1a(env!("CARGO_PKG_VERSION").bytes().chain(numbers))
-}
+    let mut sum = fnv1a(FNV_BASIS, env!("CARGO_PKG_VERSION").as_bytes());
+    let mut at = 0;
+    while at < sizes.len() {
+        sum = fnv1a(sum, &sizes[at].to_le_bytes());
+        at += 1;
+    }
+    sum
+};
+
+/// Text before the build in [`BUILD_MARK`].
+pub const BUILD_WORDS: [u8; 16] = *b"leadscrew-build:";
+
+/// The build as text within the component's file, so that one that does not fit is recognised
+/// before it is loaded: [`BUILD_WORDS`], and sixteen hexadecimal digits.
+pub const BUILD_MARK: [u8; 32] = {
+    let mut mark = [0; 32];
+    let mut at = 0;
+    while at < 16 {
+        mark[at] = BUILD_WORDS[at];
+        let digit = (BUILD >> (60 - 4 * at)) as u8 & 15;
+        mark[16 + at] = if digit < 10 { b'0' + digit } else { b'a' + digit - 10 };
+        at += 1;
+    }
+    mark
+};
 
 /// Key of a machine's name, by which a control knows whether it is led here; never 0.
 pub(crate) fn machine_key(name: &str) -> u64 {
-    fnv1a(name.bytes()).max(1)
+    fnv1a(FNV_BASIS, name.as_bytes()).max(1)
 }
 
-fn fnv1a(bytes: impl Iterator<Item = u8>) -> u64 {
-    bytes.fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
-        (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+
+const fn fnv1a(mut sum: u64, bytes: &[u8]) -> u64 {
+    let mut at = 0;
+    while at < bytes.len() {
+        sum = (sum ^ bytes[at] as u64).wrapping_mul(0x0000_0100_0000_01b3);
+        at += 1;
+    }
+    sum
 }
 
 /// The name of the shared memory of a component. A HAL session ends at its IPC namespace, and so

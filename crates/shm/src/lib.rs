@@ -21,7 +21,7 @@ mod servo_side;
 mod session;
 
 pub use control_side::{ControlSide, Error};
-pub use layout::{STEPS_BEFORE, STEPS_USUAL, memory_name};
+pub use layout::{BUILD_MARK, BUILD_WORDS, STEPS_BEFORE, STEPS_USUAL, memory_name};
 pub use mapping::Mapping;
 pub use retained::{RetainedMemory, RetainedState, TiedPeriod};
 pub use ring::{Damaged, Place, RingReader, RingWriter};

@@ -26,7 +26,7 @@ pub fn make(name: &str, axes: u16, spindles: u8, machine: Option<&str>) -> Resul
     let memory = Mapping::create(&layout::memory_name(name), layout::SIZE)?;
     let words = memory.words();
     words[head::VERSION].store(layout::VERSION, Relaxed);
-    words[head::BUILD].store(layout::build(), Relaxed);
+    words[head::BUILD].store(layout::BUILD, Relaxed);
     words[head::LOADED].store(RandomState::new().build_hasher().finish(), Relaxed);
     words[head::HAS].store(u64::from(axes) | u64::from(spindles) << 16, Relaxed);
     words[head::MACHINE].store(machine.map_or(0, layout::machine_key), Relaxed);

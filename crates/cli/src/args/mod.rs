@@ -4,6 +4,7 @@ mod common;
 mod compare;
 mod compensation;
 mod control;
+mod doctor;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)] // a test may panic
 mod documented;
@@ -24,6 +25,7 @@ pub(crate) use common::{DialectChoice, Format, ProgramArgs, Switch, WorkSpeedCho
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use control::ControlArgs;
+pub(crate) use doctor::{DoctorArgs, DoctorOutput};
 pub(crate) use drives::DrivesArgs;
 pub(crate) use lists::{CodesArgs, CodesFormat, ExplainArgs, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
@@ -165,6 +167,20 @@ Examples:
   leadscrew drives --machine machines/ethercat/mill.toml --interface eth1"
     )]
     Drives(DrivesArgs),
+    /// Say whether this computer can lead a machine, and what to change
+    #[command(
+        after_help = "Kernel, rights, cores, interrupts, idle states, clock, network card and HAL are looked at; then a servo thread \
+that leads nothing shows how late its periods begin, and what that means at the tap. Nothing is changed.
+
+Exit code: 0 a machine can be led; 1 something is wrong, and is said with the command that changes it; 2 refused.
+
+Examples:
+  leadscrew doctor                                   a minute
+  leadscrew doctor --machine machines/hal/mill.toml --load   beside a busy computer
+  leadscrew doctor --machine machines/ethercat/mill.toml --interface eth1 --out doctor.html
+  leadscrew doctor --seconds 0 --format json         without the measurement"
+    )]
+    Doctor(DoctorArgs),
     /// Take a tap out of its hole after the control died, or say why that is not safe
     #[command(
         after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto \
@@ -297,6 +313,7 @@ impl Command {
             Self::Cam(args) => args.format == CamOutput::Json,
             Self::Compensation(args) => args.format == CompensationOutput::Json,
             Self::Codes(args) => args.format == CodesFormat::Json,
+            Self::Doctor(args) => args.format == DoctorOutput::Json,
             Self::Drives(_)
             | Self::Explain(_)
             | Self::Simulator(_)

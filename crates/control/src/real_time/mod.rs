@@ -27,7 +27,7 @@ pub(crate) use kernel_link::KernelLink;
 pub(crate) use machine_link::MachineLink;
 pub use metrics::RealTimeFigures;
 pub(crate) use metrics::ServoMetrics;
-pub use scheduling::{run_by_deadline, run_last};
+pub use scheduling::{WAKE_UP_FILE, numbers_of_list, run_by_deadline, run_last, servo_core};
 pub(crate) use servo::{ServoThread, prepare, strike};
 
 /// Steps on their way to the kernel, beside those in its own queue.

@@ -15,6 +15,7 @@
 mod cams;
 mod comparison;
 mod compensation;
+mod doctor;
 pub(crate) mod features;
 mod figures;
 mod listing;
@@ -33,6 +34,7 @@ pub use comparison::{Comparison, TappingMethod, comparison_html};
 pub use compensation::{
     CompensationPage, CompensationRow, WayOfCompensation, compensation_html, um_figure,
 };
+pub use doctor::{DoctorPage, DoctorRow, LatencyPicture, doctor_html};
 pub use features::name as feature_name;
 pub use polygon::{Named, PolygonPlan, Side, polygon_html};
 
