@@ -18,7 +18,7 @@ mod panel;
 mod watched;
 
 pub use engaged_tool::{EngagedTool, EngagementEvidence, RunDownKind, STANDSTILL, SpindleSense};
-pub use panel::Panel;
+pub use panel::{OverrideDial, Panel, WHEEL_STEPS_PER_UNIT, WheelTravel};
 pub use watched::{WatchedInput, WatchedInputs};
 
 use units::{

@@ -3,11 +3,44 @@
 //! ```text
 //!   levels   feed_inhibit, spindle_inhibit ─► kernel, in the same period
 //!   keys     cycle_start, hold, stop, reset ─► control: as the page asks, when one is pressed
+//!   dials, wheel, jog keys                  ─► control: as they are turned or held
 //! ```
-use crate::SPINDLES;
+use crate::{AXES, SPINDLES};
+use units::{Coordinate, CoordinateSpeed};
+
+/// A dial of an override.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct OverrideDial {
+    /// Percent that it has been turned by since the panel was there.
+    pub turned: f32,
+    /// Percent at which it is set; `None`: only its turns count.
+    pub at: Option<f32>,
+}
+
+/// What a handwheel has asked an axis to move by since the panel was there, in steps of 1e-4 mm or
+/// degrees; it goes on from its largest value at its smallest one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WheelTravel(i32);
+
+impl WheelTravel {
+    /// Steps of it.
+    pub const fn of_steps(steps: i32) -> Self {
+        Self(steps)
+    }
+
+    /// The way from an earlier reading to this one.
+    pub fn since(self, before: Self) -> Coordinate {
+        Coordinate::new(f64::from(self.0.wrapping_sub(before.0)) / WHEEL_STEPS_PER_UNIT)
+    }
+}
+
+/// Steps of a [`WheelTravel`] in a mm or a degree.
+pub const WHEEL_STEPS_PER_UNIT: f64 = 1e4;
 
 /// What is pressed, open or set at present.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[allow(clippy::struct_excessive_bools)] // keys and levels, any of them with any other
 pub struct Panel {
@@ -25,4 +58,12 @@ pub struct Panel {
     pub reset: bool,
     /// Hold after each block, while it is set.
     pub single_block: bool,
+    /// Dials of the overrides of feed, rapid and spindle.
+    pub overrides: [OverrideDial; 3],
+    /// Handwheel, by bus index of the axis.
+    pub wheel: [WheelTravel; AXES],
+    /// Jog keys that are held, by bus index: −1, 1, or 0 for none.
+    pub jog: [i8; AXES],
+    /// Speed at which jog keys jog.
+    pub jog_speed: CoordinateSpeed,
 }

@@ -1,5 +1,5 @@
 //! Inputs that must not be believed while nothing drives them: what stops the machine, and what
-//! says that a drive is ready.
+//! drives say of themselves: that they are ready, and their torque.
 use crate::{AXES, SPINDLES};
 use core::fmt;
 use units::Axis;
@@ -21,6 +21,10 @@ pub enum WatchedInput {
     AxisReady(u8),
     /// The drive of this spindle is ready.
     SpindleReady(u8),
+    /// The force that the drive of this axis measures.
+    AxisForce(u8),
+    /// The torque that the drive of this spindle measures.
+    SpindleTorque(u8),
 }
 
 const SPINDLES_U8: u8 = SPINDLES as u8;
@@ -28,7 +32,9 @@ const AXES_U8: u8 = AXES as u8;
 const FIRST_INHIBIT: u8 = 4;
 const FIRST_SPINDLE: u8 = FIRST_INHIBIT + SPINDLES_U8;
 const FIRST_AXIS: u8 = FIRST_SPINDLE + SPINDLES_U8;
-const END: u8 = FIRST_AXIS + AXES_U8;
+const FIRST_FORCE: u8 = FIRST_AXIS + AXES_U8;
+const FIRST_TORQUE: u8 = FIRST_FORCE + AXES_U8;
+const END: u8 = FIRST_TORQUE + SPINDLES_U8;
 
 impl WatchedInput {
     const fn bit(self) -> u8 {
@@ -40,6 +46,8 @@ impl WatchedInput {
             Self::SpindleInhibit(number) => FIRST_INHIBIT + number % SPINDLES_U8,
             Self::SpindleReady(number) => FIRST_SPINDLE + number % SPINDLES_U8,
             Self::AxisReady(axis) => FIRST_AXIS + axis % AXES_U8,
+            Self::AxisForce(axis) => FIRST_FORCE + axis % AXES_U8,
+            Self::SpindleTorque(number) => FIRST_TORQUE + number % SPINDLES_U8,
         }
     }
 
@@ -50,11 +58,17 @@ impl WatchedInput {
             1 => Self::FeedInhibit,
             2 => Self::Hold,
             3 => Self::Stop,
+            FIRST_TORQUE.. => Self::SpindleTorque(bit - FIRST_TORQUE),
+            FIRST_FORCE.. => Self::AxisForce(bit - FIRST_FORCE),
             FIRST_AXIS.. => Self::AxisReady(bit - FIRST_AXIS),
             FIRST_SPINDLE.. => Self::SpindleReady(bit - FIRST_SPINDLE),
             _ => Self::SpindleInhibit(bit - FIRST_INHIBIT),
         })
     }
+}
+
+fn letter(axis: u8) -> char {
+    Axis::ALL[usize::from(axis % AXES_U8)].letter().to_ascii_lowercase()
 }
 
 /// As a pin of HAL is named.
@@ -67,10 +81,9 @@ impl fmt::Display for WatchedInput {
             Self::Stop => f.write_str("stop"),
             Self::SpindleInhibit(number) => write!(f, "spindle.{number}.inhibit"),
             Self::SpindleReady(number) => write!(f, "spindle.{number}.ready"),
-            Self::AxisReady(axis) => {
-                let letter = Axis::ALL[usize::from(axis % AXES_U8)].letter().to_ascii_lowercase();
-                write!(f, "{letter}.ready")
-            }
+            Self::SpindleTorque(number) => write!(f, "spindle.{number}.torque-fb"),
+            Self::AxisReady(axis) => write!(f, "{}.ready", letter(axis)),
+            Self::AxisForce(axis) => write!(f, "{}.torque-fb", letter(axis)),
         }
     }
 }

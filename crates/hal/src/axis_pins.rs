@@ -3,7 +3,14 @@ use crate::driven::DrivenPin;
 use crate::ffi::{Hal, Pin};
 use crate::new_pin::{input, output};
 use bus::AxisFeedback;
-use units::Coordinate;
+use units::{Coordinate, Force};
+
+/// What a drive says of itself by pins that something must drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ReliedOn {
+    pub(crate) ready: bool,
+    pub(crate) torque: bool,
+}
 
 /// Pins of an axis.
 #[derive(Debug)]
@@ -13,7 +20,8 @@ pub(crate) struct AxisPins {
     enable: Pin<bool>,
     pos_fb: Pin<f64>,
     fault: Pin<bool>,
-    ready: DrivenPin,
+    ready: DrivenPin<bool>,
+    torque: DrivenPin<f64>,
     home_sw: Pin<bool>,
     limits: [Pin<bool>; 2],
 }
@@ -28,25 +36,27 @@ impl AxisPins {
             pos_fb: input(hal, &name("pos-fb"))?,
             fault: input(hal, &name("fault"))?,
             ready: DrivenPin::new(hal, &name("ready"))?,
+            torque: DrivenPin::new(hal, &name("torque-fb"))?,
             home_sw: input(hal, &name("home-sw"))?,
             limits: [input(hal, &name("limit-neg"))?, input(hal, &name("limit-pos"))?],
         })
     }
 
-    /// `awaits`: the drive says by its pin that it is ready.
-    pub(crate) fn read(&self, enabled: bool, awaits: bool) -> AxisFeedback {
+    /// `relied_on`: the pins of this drive that the machine's file relies on.
+    pub(crate) fn read(&self, enabled: bool, relied_on: ReliedOn) -> AxisFeedback {
         AxisFeedback {
             position: Coordinate::new(self.pos_fb.get()),
-            ready: enabled && !self.fault.get() && (!awaits || self.ready.says()),
+            ready: enabled && !self.fault.get() && (!relied_on.ready || self.ready.says()),
+            force: self.torque.said().filter(|_| relied_on.torque).map(Force::n),
             home_switch: self.home_sw.get(),
             limit_switches: [self.limits[0].get(), self.limits[1].get()],
             ..AxisFeedback::default()
         }
     }
 
-    /// Something drives the pin by which the drive says that it is ready.
-    pub(crate) fn is_ready_driven(&self) -> bool {
-        self.ready.is_driven()
+    /// Whether something drives the pins of its drive.
+    pub(crate) fn driven(&self) -> ReliedOn {
+        ReliedOn { ready: self.ready.is_driven(), torque: self.torque.is_driven() }
     }
 
     pub(crate) fn write(&self, enable: bool, position: f64, speed: f64) {

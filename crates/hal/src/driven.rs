@@ -10,7 +10,7 @@
 //! Places are offsets from where the memory begins. Whether the records are as they are read here
 //! is seen when the pin is made, and, of a signal, each time it is asked: one that is otherwise
 //! drives nothing.
-use crate::ffi::{Direction, Hal, Pin};
+use crate::ffi::{Direction, Hal, Pin, PinKind};
 use std::ffi::c_int;
 
 const DATA_PLACE: usize = 8;
@@ -22,29 +22,27 @@ const NAME: usize = 56;
 const SIGNAL_DATA: usize = 8;
 const WRITERS: usize = 24;
 const BOTH_WAYS: usize = 28;
-/// `HAL_BIT`.
-const BIT: c_int = 1;
 /// HAL's memory is smaller than this.
 const LARGEST: i64 = 1 << 28;
 
-/// An input of one bit.
+/// An input.
 #[derive(Debug)]
-pub(crate) struct DrivenPin {
-    pin: Pin<bool>,
+pub(crate) struct DrivenPin<T> {
+    pin: Pin<T>,
     /// Where its record is, and where HAL's memory begins.
     record: usize,
     base: usize,
 }
 
-impl DrivenPin {
-    /// An input of this name, which begins false.
+impl<T: PinKind> DrivenPin<T> {
+    /// An input of this name, which begins false, or at 0.
     ///
     /// # Errors
     /// HAL refuses it, or keeps other records of its pins.
     pub(crate) fn new(hal: &Hal, name: &str) -> Result<Self, String> {
         let full = format!("leadscrew.{name}");
-        let pin = hal.pin::<bool>(&full, Direction::In)?;
-        pin.set(false);
+        let pin = hal.pin::<T>(&full, Direction::In)?;
+        pin.set(T::default());
         // a pin without a signal has its value in its record
         let record = (pin.data() as usize).wrapping_sub(OWN_VALUE);
         let base = (pin.place() as usize).wrapping_sub(word(record, DATA_PLACE) as usize);
@@ -52,7 +50,7 @@ impl DrivenPin {
             // SAFETY: as for `word`; the name stands in the record.
             byte == unsafe { ((record + NAME + at) as *const u8).read_volatile() }
         });
-        let is_input = number(record, KIND) == BIT
+        let is_input = number(record, KIND) == T::KIND
             && number(record, DIRECTION) == Direction::In as c_int
             && word(record, SIGNAL) == 0;
         if !(is_named && is_input) {
@@ -64,7 +62,7 @@ impl DrivenPin {
     }
 
     /// Its value.
-    pub(crate) fn get(&self) -> bool {
+    pub(crate) fn get(&self) -> T {
         self.pin.get()
     }
 
@@ -80,7 +78,14 @@ impl DrivenPin {
         writes && data == self.pin.data() as usize
     }
 
-    /// True where something says so: what is not driven says nothing.
+    /// Its value where something drives it: what is not driven says nothing.
+    pub(crate) fn said(&self) -> Option<T> {
+        self.is_driven().then(|| self.get())
+    }
+}
+
+impl DrivenPin<bool> {
+    /// True where something says so.
     pub(crate) fn says(&self) -> bool {
         self.get() && self.is_driven()
     }
@@ -110,7 +115,7 @@ mod tests {
     fn a_pin_is_driven_while_a_signal_with_a_writer_is_on_it() {
         let _one = fake::one_at_a_time();
         let hal = Hal::begin("leadscrew").unwrap();
-        let pin = DrivenPin::new(&hal, "estop-ok").unwrap();
+        let pin = DrivenPin::<bool>::new(&hal, "estop-ok").unwrap();
         assert!(!pin.get() && !pin.is_driven(), "false at load");
         fake::with(|hal| hal.set_bit("estop-ok", true)); // setp
         assert!(pin.get() && !pin.says(), "a value that was set by hand is nobody's word");

@@ -138,12 +138,17 @@ impl Asked {
         unsafe { self.at::<i32>(name, 's').read_volatile() }
     }
 
+    pub(crate) fn set_s32(&self, name: &str, value: i32) {
+        // SAFETY: as for `s32`.
+        unsafe { self.at::<i32>(name, 's').write_volatile(value) }
+    }
+
     pub(crate) fn set_bit(&self, name: &str, value: bool) {
         // SAFETY: as for `bit`.
         unsafe { self.at::<bool>(name, 'b').write_volatile(value) }
     }
 
-    /// A signal with so many writers is on an input of one bit, which is false.
+    /// A signal with this many writers is on an input, which is false, or 0.
     pub(crate) fn link(&self, name: &str, writers: c_int) {
         let (place, record) = self.record(name);
         let signal = recorded(SignalRecord {

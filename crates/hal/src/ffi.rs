@@ -90,6 +90,9 @@ pub(crate) fn leave(member: Member) {
 
 /// A type of pin.
 pub(crate) trait PinKind: Copy + Default {
+    /// `HAL_BIT`, `HAL_FLOAT`, `HAL_S32`, `HAL_U32`.
+    const KIND: c_int;
+
     /// `hal_pin_…_new`.
     ///
     /// # Safety
@@ -103,8 +106,10 @@ pub(crate) trait PinKind: Copy + Default {
 }
 
 macro_rules! kind {
-    ($type:ty, $new:ident) => {
+    ($type:ty, $new:ident, $kind:literal) => {
         impl PinKind for $type {
+            const KIND: c_int = $kind;
+
             unsafe fn new_pin(
                 name: *const c_char,
                 direction: c_int,
@@ -118,10 +123,10 @@ macro_rules! kind {
     };
 }
 
-kind!(bool, hal_pin_bit_new);
-kind!(f64, hal_pin_float_new);
-kind!(u32, hal_pin_u32_new);
-kind!(i32, hal_pin_s32_new);
+kind!(bool, hal_pin_bit_new, 1);
+kind!(f64, hal_pin_float_new, 2);
+kind!(u32, hal_pin_u32_new, 4);
+kind!(i32, hal_pin_s32_new, 3);
 
 /// A pin: HAL's memory holds where its value is now, which changes when it is linked to a signal.
 #[derive(Debug)]

@@ -4,7 +4,7 @@
 use crate::bench::*;
 use crate::fake;
 use control::Control;
-use control::operation::{Event, Execution, Request};
+use control::operation::{Event, Execution, Request, Signals};
 use std::path::PathBuf;
 use test_support::size;
 
@@ -168,13 +168,17 @@ fn a_door_that_the_machines_file_relies_on_is_open_while_nothing_drives_it() {
 fn press(control: &mut Control, key: &str) {
     for is_down in [true, false] {
         fake::with(|hal| hal.set_bit(key, is_down));
-        // so long that what was recorded before is looked at
-        let mut seen = 0;
-        while seen < 200 || control.periods_waiting() > 0 {
-            control.period();
-            control.answer_panel();
-            seen += 1;
-        }
+        live(control);
+    }
+}
+
+/// Lives through periods that are enough for what was recorded before to be looked at.
+fn live(control: &mut Control) {
+    let mut seen = 0;
+    while seen < 200 || control.periods_waiting() > 0 {
+        control.period();
+        control.answer_panel();
+        seen += 1;
     }
 }
 
@@ -194,7 +198,7 @@ fn keys_of_a_panel_ask_for_what_the_page_asks_for() {
             said.push(text);
         }
     }
-    let refused = "a key of the panel was pressed: no program is loaded: load one first";
+    let refused = "the panel: no program is loaded: load one first";
     assert!(said.iter().any(|text| text == refused), "{said:#?}");
 
     asked(&mut control, &Request::Load(program));
@@ -215,6 +219,97 @@ fn keys_of_a_panel_ask_for_what_the_page_asks_for() {
 
     fake::with(|hal| hal.set_bit("single-block", true));
     until(&mut control, |control| control.status().switches.single_block);
+    drop(control);
+    until_free();
+    running.end();
+}
+
+#[test]
+fn dials_a_handwheel_and_jog_keys_move_what_the_page_would() {
+    let _one = fake::one_at_a_time();
+    let running = Running::start();
+    let mut control = homed();
+    let set = |name: &str, value: i32| fake::with(|hal| hal.set_s32(name, value));
+    let number = |name: &str, value: f64| fake::with(|hal| hal.set_float(name, value));
+    number("feed-override.scale", 0.01);
+    number("spindle-override.scale", 0.05);
+    set("feed-override.counts", -30);
+    set("spindle-override.counts", 2);
+    live(&mut control);
+    let overrides = control.status().overrides;
+    assert!((overrides.feed_percent - 70.0).abs() < 1e-3, "{overrides:?}");
+    assert!((overrides.spindle_percent - 110.0).abs() < 1e-3, "{overrides:?}");
+    fake::with(|hal| hal.set_bit("feed-override.direct-value", true));
+    set("feed-override.counts", 55);
+    live(&mut control);
+    assert!((control.status().overrides.feed_percent - 55.0).abs() < 1e-3);
+
+    // 25 counts of 0.02 mm; counts of a wheel that is not for this axis move nothing
+    let x = || fake::with(|hal| hal.float("x.pos-cmd"));
+    let began = x();
+    number("x.jog-scale", -0.02); // X stands at its positive end
+    set("x.jog-counts", 1000);
+    live(&mut control);
+    fake::with(|hal| hal.set_bit("x.jog-enable", true));
+    for counts in 1001..=1025 {
+        set("x.jog-counts", counts);
+        live(&mut control);
+    }
+    until(&mut control, |control| control.is_at_standstill());
+    assert!((x() - began + 0.5).abs() < 1e-6, "{} mm", x() - began);
+
+    // 5 mm/s until the key is released; its writer is lost as well as it is released
+    number("jog-speed", 300.0);
+    fake::with(|hal| hal.link("x.jog-minus", 1));
+    fake::with(|hal| hal.set_bit("x.jog-minus", true));
+    live(&mut control);
+    assert!(control.is_at_standstill(), "jog-enable is FALSE");
+    fake::with(|hal| hal.set_bit("jog-enable", true));
+    let began = x();
+    while x() > began - 3.0 {
+        live(&mut control);
+    }
+    fake::with(|hal| hal.lose_writer("x.jog-minus"));
+    live(&mut control);
+    let after = x();
+    live(&mut control);
+    assert!((x() - after).abs() < 1e-9, "it stands");
+    drop(control);
+    until_free();
+    running.end();
+}
+
+#[test]
+fn the_torque_of_a_drive_counts_where_the_file_says_so_while_something_drives_its_pin() {
+    let _one = fake::one_at_a_time();
+    let folder = Folder::new();
+    let running = Running::start();
+    let mill = mill_with(&folder, "torque = [\"z\", \"spindle.0\"]");
+    let why = led(&mill).err().unwrap();
+    assert!(why.contains("z.torque-fb") && why.contains("spindle.0.torque-fb"), "{why}");
+    fake::with(|hal| {
+        hal.link("z.torque-fb", 1);
+        hal.link("spindle.0.torque-fb", 1);
+        hal.set_float("z.torque-fb", 123.0);
+        hal.set_float("spindle.0.torque-fb", -4.5);
+        hal.set_float("x.torque-fb", 9.0);
+    });
+    let mut control = home(led(&mill).unwrap());
+    live(&mut control);
+    let scope = Signals::of(&control);
+    let shown = |control: &Control, name: &str| {
+        let mut values = Vec::new();
+        scope.read(control, &mut values);
+        scope.names().iter().position(|other| other == name).map(|at| values[at])
+    };
+    assert_eq!(shown(&control, "Z.measured_force_n"), Some(123.0));
+    let of_x = shown(&control, "X.measured_force_n");
+    assert!(of_x.is_none_or(f32::is_nan), "the file does not name it: {of_x:?}");
+    assert_eq!(shown(&control, "spindle0.measured_torque_n_m"), Some(-4.5));
+    assert_eq!(control.status().spindles[0].torque_n_m, Some(4.5));
+    fake::with(|hal| hal.lose_writer("spindle.0.torque-fb"));
+    live(&mut control);
+    assert_eq!(control.status().spindles[0].torque_n_m, None, "what is not driven says nothing");
     drop(control);
     until_free();
     running.end();

@@ -16,6 +16,7 @@
 mod axis_pins;
 #[cfg(test)]
 mod bench;
+mod dial_pins;
 mod driven;
 #[cfg(test)]
 mod fake;
@@ -23,6 +24,7 @@ mod ffi;
 #[cfg(test)]
 mod guarded_tests;
 mod index;
+mod jog_pins;
 #[cfg(test)]
 mod man;
 mod new_pin;

@@ -1,22 +1,36 @@
 //! Pins of a panel beside the machine, and of a door that inhibits the feed.
+use crate::dial_pins::DialPins;
 use crate::driven::DrivenPin;
 use crate::ffi::{Hal, Pin};
+use crate::jog_pins::JogPins;
 use crate::new_pin::input;
-use bus::{Panel, WatchedInput, WatchedInputs};
+use crate::parameters::{LETTERS, LoadParameters};
+use bus::{AXES, Panel, WatchedInput, WatchedInputs};
+use units::CoordinateSpeed;
 
 /// See the module's header.
 #[derive(Debug)]
 pub(crate) struct PanelPins {
-    feed_inhibit: DrivenPin,
-    hold: DrivenPin,
-    stop: DrivenPin,
+    feed_inhibit: DrivenPin<bool>,
+    hold: DrivenPin<bool>,
+    stop: DrivenPin<bool>,
     cycle_start: Pin<bool>,
     reset: Pin<bool>,
     single_block: Pin<bool>,
+    /// Feed, rapid, spindle.
+    dials: [DialPins; 3],
+    axes: [Option<JogPins>; AXES],
+    jog_enable: Pin<bool>,
+    jog_speed: Pin<f64>,
 }
 
 impl PanelPins {
-    pub(crate) fn new(hal: &Hal) -> Result<Self, String> {
+    pub(crate) fn new(hal: &Hal, of: &LoadParameters) -> Result<Self, String> {
+        let mut axes = [const { None }; AXES];
+        for ((slot, letter), _) in axes.iter_mut().zip(LETTERS).zip(of.axes).filter(|(_, has)| *has)
+        {
+            *slot = Some(JogPins::new(hal, letter.to_ascii_lowercase())?);
+        }
         Ok(Self {
             feed_inhibit: DrivenPin::new(hal, "feed-inhibit")?,
             hold: DrivenPin::new(hal, "hold")?,
@@ -24,22 +38,43 @@ impl PanelPins {
             cycle_start: input(hal, "cycle-start")?,
             reset: input(hal, "reset")?,
             single_block: input(hal, "single-block")?,
+            dials: [
+                DialPins::new(hal, "feed-override")?,
+                DialPins::new(hal, "rapid-override")?,
+                DialPins::new(hal, "spindle-override")?,
+            ],
+            axes,
+            jog_enable: input(hal, "jog-enable")?,
+            jog_speed: input(hal, "jog-speed")?,
         })
     }
 
     /// What is pressed or open: what the machine's file relies on counts as such, too, while
     /// nothing drives it.
-    pub(crate) fn read(&self, watched: WatchedInputs) -> Panel {
-        let is_set = |pin: &DrivenPin, input| pin.get() || watched.has(input) && !pin.is_driven();
-        Panel {
+    pub(crate) fn read(&mut self, watched: WatchedInputs) -> Panel {
+        let is_set =
+            |pin: &DrivenPin<bool>, input| pin.get() || watched.has(input) && !pin.is_driven();
+        let mut panel = Panel {
             feed_inhibit: is_set(&self.feed_inhibit, WatchedInput::FeedInhibit),
             hold: is_set(&self.hold, WatchedInput::Hold),
             stop: is_set(&self.stop, WatchedInput::Stop),
             cycle_start: self.cycle_start.get(),
             reset: self.reset.get(),
             single_block: self.single_block.get(),
+            jog_speed: CoordinateSpeed::new(self.jog_speed.get() / 60.0),
             ..Panel::default()
+        };
+        for (dial, pins) in panel.overrides.iter_mut().zip(&mut self.dials) {
+            *dial = pins.read();
         }
+        let keys_count = self.jog_enable.get();
+        for (index, pins) in self.axes.iter_mut().enumerate() {
+            if let Some(pins) = pins {
+                panel.wheel[index] = pins.wheel();
+                panel.jog[index] = if keys_count { pins.key() } else { 0 };
+            }
+        }
+        panel
     }
 
     pub(crate) fn driven(&self) -> WatchedInputs {

@@ -5,7 +5,7 @@
 //!   leadscrew.spindle.0.speed-cmd …revs  spindles by number: rev/min, revolutions
 //!   leadscrew.estop-ok …din-00           the machine as a whole
 //! ```
-use crate::axis_pins::AxisPins;
+use crate::axis_pins::{AxisPins, ReliedOn};
 use crate::driven::DrivenPin;
 use crate::ffi::{Direction, Hal, Pin};
 use crate::new_pin::{input, output, row};
@@ -29,7 +29,7 @@ struct ToolPins {
 pub(crate) struct Pins {
     axes: [Option<AxisPins>; AXES],
     spindles: [Option<SpindlePins>; SPINDLES],
-    estop_ok: DrivenPin,
+    estop_ok: DrivenPin<bool>,
     panel: PanelPins,
     /// Inputs that the machine's file relies on.
     watched: WatchedInputs,
@@ -70,7 +70,7 @@ impl Pins {
             axes,
             spindles,
             estop_ok: DrivenPin::new(hal, "estop-ok")?,
-            panel: PanelPins::new(hal)?,
+            panel: PanelPins::new(hal, of)?,
             watched: WatchedInputs::default(),
             probe: input(hal, "probe-in")?,
             din: row(hal, "din", of.digital.0, Direction::In)?,
@@ -109,6 +109,12 @@ impl Pins {
     }
 }
 
+/// The set with those that are true.
+fn with_all(set: WatchedInputs, inputs: &[(bool, WatchedInput)]) -> WatchedInputs {
+    let has = inputs.iter().filter(|(has, _)| *has);
+    has.fold(set, |all, (_, input)| all.with(*input))
+}
+
 impl Fieldbus for Pins {
     fn driven(&self) -> WatchedInputs {
         let mut driven = self.panel.driven();
@@ -116,18 +122,23 @@ impl Fieldbus for Pins {
             driven = driven.with(WatchedInput::EmergencyStop);
         }
         for (index, pins) in (0..).zip(&self.axes) {
-            if pins.as_ref().is_some_and(AxisPins::is_ready_driven) {
-                driven = driven.with(WatchedInput::AxisReady(index));
-            }
+            let Some(ReliedOn { ready, torque }) = pins.as_ref().map(AxisPins::driven) else {
+                continue;
+            };
+            let inputs =
+                [(ready, WatchedInput::AxisReady(index)), (torque, WatchedInput::AxisForce(index))];
+            driven = with_all(driven, &inputs);
         }
         for (index, pins) in (0..).zip(&self.spindles) {
-            let (ready, inhibit) = pins.as_ref().map_or((false, false), SpindlePins::are_driven);
-            if ready {
-                driven = driven.with(WatchedInput::SpindleReady(index));
-            }
-            if inhibit {
-                driven = driven.with(WatchedInput::SpindleInhibit(index));
-            }
+            let Some((of_drive, inhibit)) = pins.as_ref().map(SpindlePins::driven) else {
+                continue;
+            };
+            let inputs = [
+                (of_drive.ready, WatchedInput::SpindleReady(index)),
+                (of_drive.torque, WatchedInput::SpindleTorque(index)),
+                (inhibit, WatchedInput::SpindleInhibit(index)),
+            ];
+            driven = with_all(driven, &inputs);
         }
         driven
     }
@@ -142,14 +153,20 @@ impl Fieldbus for Pins {
         feedback.panel = self.panel.read(watched);
         for (index, pins) in self.axes.iter().enumerate() {
             if let Some(pins) = pins {
-                let awaits = watched.has(WatchedInput::AxisReady(index as u8));
-                feedback.axes[index] = pins.read(self.enabled.0[index], awaits);
+                let relied_on = ReliedOn {
+                    ready: watched.has(WatchedInput::AxisReady(index as u8)),
+                    torque: watched.has(WatchedInput::AxisForce(index as u8)),
+                };
+                feedback.axes[index] = pins.read(self.enabled.0[index], relied_on);
             }
         }
         for (index, pins) in self.spindles.iter_mut().enumerate() {
             if let Some(pins) = pins {
-                let awaits = watched.has(WatchedInput::SpindleReady(index as u8));
-                feedback.spindles[index] = pins.read(self.enabled.1[index], awaits);
+                let relied_on = ReliedOn {
+                    ready: watched.has(WatchedInput::SpindleReady(index as u8)),
+                    torque: watched.has(WatchedInput::SpindleTorque(index as u8)),
+                };
+                feedback.spindles[index] = pins.read(self.enabled.1[index], relied_on);
                 let is_watched = watched.has(WatchedInput::SpindleInhibit(index as u8));
                 feedback.panel.spindle_inhibit[index] = pins.is_inhibited(is_watched);
             }

@@ -1,10 +1,11 @@
 //! Pins of a spindle: rev/min, revolutions.
+use crate::axis_pins::ReliedOn;
 use crate::driven::DrivenPin;
 use crate::ffi::{Direction, Hal, Pin};
 use crate::index::Unwrapped;
 use crate::new_pin::{input, named, output};
 use bus::{SpindleCommand, SpindleFeedback};
-use units::{Angle, Orientation, Time, TurnDirection};
+use units::{Angle, Orientation, Time, Torque, TurnDirection};
 
 /// Pins of a spindle.
 #[derive(Debug)]
@@ -18,8 +19,9 @@ pub(crate) struct SpindlePins {
     revs: Pin<f64>,
     index_enable: Pin<bool>,
     fault: Pin<bool>,
-    ready: DrivenPin,
-    inhibit: DrivenPin,
+    ready: DrivenPin<bool>,
+    torque: DrivenPin<f64>,
+    inhibit: DrivenPin<bool>,
     pos_cmd: Pin<f64>,
     orient: Pin<bool>,
     orient_angle: Pin<f64>,
@@ -46,6 +48,7 @@ impl SpindlePins {
             index_enable: named(hal, &name("index-enable"), Direction::Io)?,
             fault: input(hal, &name("fault"))?,
             ready: DrivenPin::new(hal, &name("ready"))?,
+            torque: DrivenPin::new(hal, &name("torque-fb"))?,
             inhibit: DrivenPin::new(hal, &name("inhibit"))?,
             pos_cmd: output(hal, &name("pos-cmd"))?,
             orient: output(hal, &name("orient"))?,
@@ -59,15 +62,16 @@ impl SpindlePins {
         })
     }
 
-    /// `awaits`: the drive says by its pin that it is ready.
-    pub(crate) fn read(&mut self, enabled: bool, awaits: bool) -> SpindleFeedback {
+    /// `relied_on`: the pins of this drive that the machine's file relies on.
+    pub(crate) fn read(&mut self, enabled: bool, relied_on: ReliedOn) -> SpindleFeedback {
         let is_set = self.index_enable.get();
         let (angle, index) = self.counted.read(self.revs.get(), is_set);
         self.at = angle;
         SpindleFeedback {
             angle,
             index,
-            ready: enabled && !self.fault.get() && (!awaits || self.ready.says()),
+            ready: enabled && !self.fault.get() && (!relied_on.ready || self.ready.says()),
+            torque: self.torque.said().filter(|_| relied_on.torque).map(Torque::n_m),
             saturated: false,
             oriented: self.is_oriented.get(),
             orient_fault: self.orient_fault.get(),
@@ -80,10 +84,10 @@ impl SpindlePins {
         self.inhibit.get() || is_watched && !self.inhibit.is_driven()
     }
 
-    /// Something drives the pins by which the drive says that it is ready, and by which the spindle
-    /// is inhibited.
-    pub(crate) fn are_driven(&self) -> (bool, bool) {
-        (self.ready.is_driven(), self.inhibit.is_driven())
+    /// Whether something drives the pins of its drive, and the one by which it is inhibited.
+    pub(crate) fn driven(&self) -> (ReliedOn, bool) {
+        let of_drive = ReliedOn { ready: self.ready.is_driven(), torque: self.torque.is_driven() };
+        (of_drive, self.inhibit.is_driven())
     }
 
     /// The next index mark is looked for, or not any more.

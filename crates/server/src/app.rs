@@ -92,7 +92,9 @@ impl App {
 
     /// Sessions, for a moment: never across an await.
     pub(crate) fn rights(&self) -> MutexGuard<'_, Rights> {
-        self.rights.lock().unwrap_or_else(PoisonError::into_inner)
+        let mut rights = self.rights.lock().unwrap_or_else(PoisonError::into_inner);
+        rights.see_panel(self.client.panel_count(), self.clock.now());
+        rights
     }
 
     /// The fields of a picture's status.

@@ -12,7 +12,9 @@
 //! looked up. What a session may do is looked up at its credential each time, so that it ends when
 //! the token is taken out of the file, and when its time is over.
 //!
-//! What stops the machine is allowed to every session of the role operator.
+//! What stops the machine is allowed to every session of the role operator. Who presses a key of
+//! the panel stands at the machine: the panel commands from then on, until no key of it has been
+//! pressed for [`HANDS_OVER`].
 use crate::clock::Clock;
 use crate::role::Role;
 use crate::tokens::{Known, NoToken, Tokens, hash, random};
@@ -33,6 +35,8 @@ const FORGOTTEN: Duration = Duration::from_hours(1);
 const LONGEST_NAME: usize = 40;
 /// Name of clients on this computer that do not give one.
 const LOCAL: &str = "local";
+/// How the panel beside the machine is named.
+const PANEL: &str = "the panel";
 
 /// What helps where a token has expired.
 pub(crate) const NEW_TOKEN: &str =
@@ -173,6 +177,8 @@ pub(crate) struct Rights {
     count: u64,
     holder: Option<SessionId>,
     asked: Option<(SessionId, Instant)>,
+    /// Keys of the panel that have been pressed, and when the last one was.
+    panel: (u64, Option<Instant>),
 }
 
 impl Rights {
@@ -283,7 +289,8 @@ impl Rights {
             _ => name == LOCAL,
         };
         let is_taken = |name: &str| {
-            (is_chosen && is_of_another(name))
+            name == PANEL
+                || (is_chosen && is_of_another(name))
                 || self.sessions.values().any(|session| session.name == name)
         };
         let numbered = (2..).map(|n| format!("{name} {n}"));
@@ -369,6 +376,18 @@ impl Rights {
         }
     }
 
+    /// Keys of the panel that have been pressed until now: a new one takes the right.
+    pub(crate) fn see_panel(&mut self, count: u64, now: Instant) {
+        if count != self.panel.0 {
+            self.panel = (count, Some(now));
+            self.holder = None;
+        }
+    }
+
+    fn panel_commands(&self, now: Instant) -> bool {
+        self.panel.1.is_some_and(|last| now - last < HANDS_OVER)
+    }
+
     /// What time has decided.
     fn settle(&mut self, now: Instant) {
         let is_gone = |id: SessionId| {
@@ -380,6 +399,7 @@ impl Rights {
         let holder = self.holder.filter(|id| !is_gone(*id));
         (self.asked, self.holder) = (asked, holder);
         if let Some((id, since)) = self.asked
+            && !self.panel_commands(now)
             && (self.holder.is_none() || now - since >= HANDS_OVER)
         {
             self.holder = Some(id);
@@ -406,6 +426,7 @@ impl Rights {
             Some(holder) if holder == id => Ok(()),
             _ if is_stop => Ok(()),
             Some(holder) => Err(Denied::Held(self.name_of(holder))),
+            None if self.panel_commands(now) => Err(Denied::Held(PANEL.to_owned())),
             None => {
                 self.holder = Some(id);
                 Ok(())
@@ -435,10 +456,11 @@ impl Rights {
             return Err(Denied::Viewer);
         }
         let holds = self.holder == Some(id);
+        let is_free = self.holder.is_none() && !self.panel_commands(now);
         match order {
-            OperatorOrder::Ask {} => match (&self.holder, &self.asked) {
-                (None, _) => self.holder = Some(id),
-                (Some(_), None) if !holds => self.asked = Some((id, now)),
+            OperatorOrder::Ask {} => match &self.asked {
+                _ if is_free => self.holder = Some(id),
+                None if !holds => self.asked = Some((id, now)),
                 _ => {} // it has it, or another one has asked before
             },
             _ if !holds => return Err(Denied::NotHolder),
@@ -461,7 +483,10 @@ impl Rights {
         self.settle(now);
         let left = |since: Instant| HANDS_OVER.saturating_sub(now - since).as_secs_f64();
         OperatorBody {
-            holder: self.holder.map(|id| self.name_of(id)),
+            holder: match self.holder {
+                None => self.panel_commands(now).then(|| PANEL.to_owned()),
+                Some(id) => Some(self.name_of(id)),
+            },
             asked_by: self.asked.map(|(id, _)| self.name_of(id)),
             hands_over_in_s: self.asked.map(|(_, since)| left(since)),
         }
@@ -501,6 +526,35 @@ mod tests {
         let viewer = Tokens::add(&path, "wall", Role::Viewer, valid).expect("made");
         let rights = Rights::new(Some(Tokens::read(&path).expect("read")), Clock::default());
         (rights, operator, viewer, dir)
+    }
+
+    #[test]
+    fn a_key_of_the_panel_takes_the_right_until_none_has_been_pressed_for_a_while() {
+        let now = control::clock::now();
+        let (mut rights, a, b) = of_two(now);
+        assert_eq!(rights.may_command(a, false, now), Ok(()));
+        rights.see_panel(0, now);
+        assert_eq!(rights.may_command(a, false, now), Ok(()), "no key has been pressed");
+        rights.see_panel(1, now);
+        let held = Err(Denied::Held(PANEL.to_owned()));
+        for id in [a, b] {
+            assert_eq!(rights.may_command(id, false, now), held);
+            assert_eq!(rights.may_command(id, true, now), Ok(()), "everyone may stop");
+        }
+        assert_eq!(rights.shown(now).holder.as_deref(), Some(PANEL));
+        let later = now + HANDS_OVER / 2;
+        rights.see_panel(2, later);
+        rights.order(b, OperatorOrder::Ask {}, later).expect("an operator");
+        let over = later + HANDS_OVER;
+        assert_eq!(rights.may_command(b, false, over - Duration::from_millis(1)), held);
+        assert_eq!(
+            rights.may_command(a, false, over).map_err(|why| why.to_string()),
+            Err("desk b commands the machine".to_owned())
+        );
+        assert_eq!(rights.may_command(b, false, over), Ok(()), "who has asked has it");
+        let shown = rights.shown_by(None, now).expect("this computer");
+        let named = rights.open(PANEL, shown, over).expect("room").name;
+        assert_eq!(named, "the panel 2", "no session is taken for the panel");
     }
 
     #[test]

@@ -45,9 +45,9 @@ pub struct Ratings {
 /// The ratings of a machine's drives.
 pub fn ratings(machine: &MachineFile) -> Ratings {
     let mut ratings = Ratings::default();
-    for (rating, axis) in ratings.axes.iter_mut().zip(&machine.axes) {
+    for (index, (rating, axis)) in ratings.axes.iter_mut().zip(&machine.axes).enumerate() {
         let drive = axis.as_ref().map(|axis| axis.drive);
-        let drive = drive.filter(|drive| drive.measured_torque.is_some());
+        let drive = drive.filter(|_| machine.measures_force(index));
         *rating = drive.and_then(|drive| {
             let continuous = drive.continuous_force?;
             Some(AxisRating { continuous, thermal_time: drive.thermal_time })

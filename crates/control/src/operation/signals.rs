@@ -37,7 +37,7 @@ impl Signals {
             all.push((format!("{letter}.setpoint_{unit}"), Source::Setpoint(axis)));
             all.push((format!("{letter}.position_{unit}"), Source::Position(axis)));
             all.push((format!("{letter}.following_error_{error}"), Source::FollowingError(axis)));
-            if file.drive.measured_torque.is_some() {
+            if control.machine().measures_force(axis.index()) {
                 let what = match axis.kind() {
                     AxisKind::Linear => "force_n",
                     AxisKind::Rotary => "torque_n_m",
@@ -45,10 +45,10 @@ impl Signals {
                 all.push((format!("{letter}.measured_{what}"), Source::MeasuredForce(axis)));
             }
         }
-        for (spindle, file) in control.machine().spindles.iter().enumerate() {
+        for spindle in 0..control.machine().spindles.len() {
             all.push((format!("spindle{spindle}.ordered_rpm"), Source::OrderedSpeed(spindle)));
             all.push((format!("spindle{spindle}.angle_deg"), Source::SpindleAngle(spindle)));
-            if file.measured_torque.is_some() {
+            if control.machine().measures_torque(spindle) {
                 let name = format!("spindle{spindle}.measured_torque_n_m");
                 all.push((name, Source::MeasuredTorque(spindle)));
             }
@@ -64,7 +64,7 @@ impl Signals {
     }
 
     /// The values as they are now, at the end of a row; a signal that has none is NaN.
-    pub(super) fn read(&self, control: &Control, row: &mut Vec<f32>) {
+    pub fn read(&self, control: &Control, row: &mut Vec<f32>) {
         let kernel = &control.executor.kernel;
         let feedback = control.executor.machine.feedback();
         let position =

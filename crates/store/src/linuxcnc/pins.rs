@@ -23,7 +23,8 @@ const BY_ITSELF: &str = "Leadscrew sees it from revs";
 const HOMES: &str = "Leadscrew homes with the switch, or where the drive counts from";
 const PAGE: &str = "this is on Leadscrew's page and in its API, no pin shows or asks for it";
 const SHOWN: &str = "nothing is moved by it: the page and the API show it";
-const NO_WHEEL: &str = "a handwheel on HAL is not read: jog on the page";
+const WHEEL: &str =
+    "a count is always a way: the wheel has no speed, and jogs as fast as the axis may";
 const NO_OFFSET: &str = "offsets from outside are not superposed on a program";
 const POCKET: &str = "Leadscrew asks for a tool by tool-change and tool-number alone";
 const CHANGER: &str = "a changer that does not answer within tool_change_s is an alarm";
@@ -44,13 +45,19 @@ const PINS: &[(&str, Fate)] = &[
     ("joint.N.index-enable", Nothing("index marks of axes are not read through HAL: the home switch alone counts")),
     ("joint.N.is-unlocked", Unguarded("an axis that is locked at rest is moved without waiting for its lock: keep its lock open, or leave the axis out")),
     ("joint.N.unlock", Unguarded("an axis that is locked at rest is moved without opening its lock: keep its lock open, or leave the axis out")),
-    ("joint.N.jog-*", Nothing(NO_WHEEL)),
+    ("joint.N.jog-counts", Pin("leadscrew.L.jog-counts")),
+    ("joint.N.jog-scale", Pin("leadscrew.L.jog-scale")),
+    ("joint.N.jog-enable", Pin("leadscrew.L.jog-enable")),
+    ("joint.N.jog-*", Nothing(WHEEL)),
     ("joint.N.pos-fb", Pin("leadscrew.L.pos-fb")),
     ("joint.N.homing", Nothing(HOMES)),
     ("joint.N.homed", Nothing(SHOWN)),
     ("joint.N.posthome-cmd", Nothing("an extra joint is no axis: it stays with what moves it")),
     ("joint.N.motor-offset", Nothing(SHOWN)),
-    ("axis.L.jog-*", Nothing(NO_WHEEL)),
+    ("axis.L.jog-counts", Pin("leadscrew.L.jog-counts")),
+    ("axis.L.jog-scale", Pin("leadscrew.L.jog-scale")),
+    ("axis.L.jog-enable", Pin("leadscrew.L.jog-enable")),
+    ("axis.L.jog-*", Nothing(WHEEL)),
     ("axis.L.eoffset*", Nothing(NO_OFFSET)),
     ("axis.L.pos-cmd", Nothing("Leadscrew's axes are its joints: leadscrew.L.pos-cmd")),
     ("spindle.N.inhibit", Guard("leadscrew.spindle.N.inhibit")),
@@ -131,6 +138,27 @@ const PINS: &[(&str, Fate)] = &[
     ("halui.machine.off", Unguarded(CHAIN)),
     ("halui.spindle.N.stop", Unguarded("no pin stops a spindle alone: leadscrew.stop ends the program, leadscrew.spindle.N.inhibit stops the spindle while it is set")),
     ("halui.spindle-stop", Unguarded("no pin stops a spindle alone: leadscrew.stop ends the program, leadscrew.spindle.0.inhibit stops the spindle while it is set")),
+    ("halui.feed-override.counts", Pin("leadscrew.feed-override.counts")),
+    ("halui.feed-override.scale", Pin("leadscrew.feed-override.scale")),
+    ("halui.feed-override.count-enable", Pin("leadscrew.feed-override.count-enable")),
+    ("halui.feed-override.direct-value", Pin("leadscrew.feed-override.direct-value")),
+    ("halui.rapid-override.counts", Pin("leadscrew.rapid-override.counts")),
+    ("halui.rapid-override.scale", Pin("leadscrew.rapid-override.scale")),
+    ("halui.rapid-override.count-enable", Pin("leadscrew.rapid-override.count-enable")),
+    ("halui.rapid-override.direct-value", Pin("leadscrew.rapid-override.direct-value")),
+    ("halui.spindle.0.override.counts", Pin("leadscrew.spindle-override.counts")),
+    ("halui.spindle.0.override.scale", Pin("leadscrew.spindle-override.scale")),
+    ("halui.spindle.0.override.count-enable", Pin("leadscrew.spindle-override.count-enable")),
+    ("halui.spindle.0.override.direct-value", Pin("leadscrew.spindle-override.direct-value")),
+    ("halui.spindle-override.counts", Pin("leadscrew.spindle-override.counts")),
+    ("halui.spindle-override.scale", Pin("leadscrew.spindle-override.scale")),
+    ("halui.spindle-override.count-enable", Pin("leadscrew.spindle-override.count-enable")),
+    ("halui.spindle-override.direct-value", Pin("leadscrew.spindle-override.direct-value")),
+    ("halui.axis.jog-speed", Pin("leadscrew.jog-speed")),
+    ("halui.axis.L.plus", Pin("leadscrew.L.jog-plus: with leadscrew.jog-enable TRUE")),
+    ("halui.axis.L.minus", Pin("leadscrew.L.jog-minus: with leadscrew.jog-enable TRUE")),
+    ("halui.joint.N.plus", Pin("leadscrew.L.jog-plus: with leadscrew.jog-enable TRUE")),
+    ("halui.joint.N.minus", Pin("leadscrew.L.jog-minus: with leadscrew.jog-enable TRUE")),
     ("halui.joint.N.has-fault", Nothing(SHOWN)),
     ("halui.*.is-*", Nothing(SHOWN)),
     ("halui.estop.reset", Nothing("a closed chain is enough: leadscrew.reset clears the alarm")),
@@ -156,7 +184,8 @@ pub fn fate(pin: &str, letter: impl Fn(usize) -> Option<char>) -> Option<(Fate, 
         let Some(number) = fits(pin, theirs) else { continue };
         return Some(match fate {
             Pin(ours) | Guard(ours) if ours.contains(".L.") => {
-                let Some(of) = number.parse().ok().and_then(&letter) else {
+                let by_letter = number.chars().next().filter(char::is_ascii_alphabetic);
+                let Some(of) = by_letter.or_else(|| number.parse().ok().and_then(&letter)) else {
                     let none = "its joint moves no axis of this machine";
                     return Some((Nothing(none), none.into()));
                 };
@@ -223,6 +252,9 @@ mod tests {
         assert_eq!(name("spindle.1.revs"), "leadscrew.spindle.1.revs");
         assert_eq!(name("motion.digital-in-03"), "leadscrew.din-03");
         assert_eq!(name("motion.probe-input"), "leadscrew.probe-in");
+        assert_eq!(name("axis.y.jog-counts"), "leadscrew.y.jog-counts");
+        assert_eq!(name("joint.2.jog-enable"), "leadscrew.z.jog-enable");
+        assert_eq!(name("halui.spindle.0.override.counts"), "leadscrew.spindle-override.counts");
         assert_eq!(of("encoder.0.position"), None);
         for (_, fate) in PINS {
             if let Pin(ours) | Guard(ours) = fate {
@@ -245,7 +277,7 @@ mod tests {
             assert!(matches!(of(pin), Some((Unguarded(_), _))), "{pin}");
         }
         for pin in [
-            "axis.x.jog-enable",
+            "axis.x.jog-vel-mode",
             "axis.x.eoffset-enable",
             "joint.0.jog-counts",
             "halui.machine.is-on",

@@ -20,7 +20,7 @@ pub struct Hal {
     /// Servo periods after which an axis is where its drive was commanded to be.
     pub obeys_after_periods: f64,
     /// Inputs that something must drive: the emergency stop chain unless `estop = "none"`, `ready`
-    /// of these drives, and pins that are answers of `[hal.safety]`.
+    /// and `torque-fb` of these drives, and pins that are answers of `[hal.safety]`.
     pub watched: WatchedInputs,
     /// What stopped the machine in another control, and has no answer yet: in a sentence each.
     pub unanswered: Vec<String>,
@@ -36,13 +36,15 @@ impl Hal {
         if has_chain.unwrap_or(true) {
             watched = watched.with(WatchedInput::EmergencyStop);
         }
-        for name in keys.optional_texts("ready") {
-            match named(&format!("{name}.ready")) {
-                Some(input) => watched = watched.with(input),
-                None => keys.unknown_name(
-                    "ready",
-                    format!("`ready`: found `{name}`, expected letters of axes, or spindle.0"),
-                ),
+        for (key, pin) in [("ready", "ready"), ("torque", "torque-fb")] {
+            for name in keys.optional_texts(key) {
+                match named(&format!("{name}.{pin}")) {
+                    Some(input) => watched = watched.with(input),
+                    None => keys.unknown_name(
+                        key,
+                        format!("`{key}`: found `{name}`, expected letters of axes, or spindle.0"),
+                    ),
+                }
             }
         }
         let answers = keys.optional_section("safety", answers).unwrap_or_default();
@@ -90,10 +92,16 @@ fn named(name: &str) -> Option<WatchedInput> {
 
 /// Pins that stop something.
 fn guards() -> String {
-    let is_ready = |input: &WatchedInput| {
-        matches!(input, WatchedInput::AxisReady(_) | WatchedInput::SpindleReady(_))
+    let is_of_drive = |input: &WatchedInput| {
+        matches!(
+            input,
+            WatchedInput::AxisReady(_)
+                | WatchedInput::SpindleReady(_)
+                | WatchedInput::AxisForce(_)
+                | WatchedInput::SpindleTorque(_)
+        )
     };
-    let names = WatchedInput::all().filter(|input| !is_ready(input));
+    let names = WatchedInput::all().filter(|input| !is_of_drive(input));
     names.map(|input| format!("{COMPONENT}{input}")).collect::<Vec<_>>().join(", ")
 }
 

@@ -338,7 +338,7 @@ impl MachineFile {
         }
         if let Some(hal) = &self.hal {
             self.refuse_drives_of_hal(keys);
-            self.refuse_ready_of_nothing(hal, keys);
+            self.refuse_drives_of_nothing(hal, keys);
         }
         self.refuse_network(keys);
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
@@ -369,20 +369,45 @@ impl MachineFile {
 }
 
 impl MachineFile {
-    /// A drive that says that it is ready is one of the machine's.
-    fn refuse_ready_of_nothing(&self, hal: &Hal, keys: &Keys<'_>) {
+    /// Whether the drive of an axis, by its index on the bus, measures its force.
+    pub fn measures_force(&self, axis: usize) -> bool {
+        let file = self.axes.get(axis).and_then(Option::as_ref);
+        file.is_some_and(|file| {
+            let input = bus::WatchedInput::AxisForce(axis as u8);
+            file.drive.measured_torque.is_some() || self.has_in_hal(input)
+        })
+    }
+
+    /// Whether the drive of a spindle measures its torque.
+    pub fn measures_torque(&self, spindle: usize) -> bool {
+        self.spindles.get(spindle).is_some_and(|file| {
+            let input = bus::WatchedInput::SpindleTorque(spindle as u8);
+            file.measured_torque.is_some() || self.has_in_hal(input)
+        })
+    }
+
+    fn has_in_hal(&self, input: bus::WatchedInput) -> bool {
+        self.hal.as_ref().is_some_and(|hal| hal.watched.has(input))
+    }
+
+    /// Drives that say something of themselves are the machine's.
+    fn refuse_drives_of_nothing(&self, hal: &Hal, keys: &Keys<'_>) {
+        use bus::WatchedInput::{AxisForce, AxisReady, SpindleReady, SpindleTorque};
         for (axis, letter) in self.axes.iter().zip(canon::Axis::ALL) {
-            let is_said = hal.watched.has(bus::WatchedInput::AxisReady(letter.index() as u8));
-            if is_said && axis.is_none() {
-                let text = format!("`ready`: the machine has no axis {}", letter.letter());
-                keys.conflict("hal", text);
+            let index = letter.index() as u8;
+            for (key, input) in [("ready", AxisReady(index)), ("torque", AxisForce(index))] {
+                if hal.watched.has(input) && axis.is_none() {
+                    let text = format!("`{key}`: the machine has no axis {}", letter.letter());
+                    keys.conflict("hal", text);
+                }
             }
         }
         let spindles = self.spindles.len();
-        for number in spindles..bus::SPINDLES {
-            if hal.watched.has(bus::WatchedInput::SpindleReady(number as u8)) {
+        for number in (spindles..bus::SPINDLES).map(|number| number as u8) {
+            let said = [("ready", SpindleReady(number)), ("torque", SpindleTorque(number))];
+            for (key, _) in said.into_iter().filter(|(_, input)| hal.watched.has(*input)) {
                 let text =
-                    format!("`ready`: the machine has {spindles} spindle, from spindle.0 on");
+                    format!("`{key}`: the machine has {spindles} spindle, from spindle.0 on");
                 keys.conflict("hal", text);
             }
         }

@@ -130,15 +130,8 @@ impl Columns {
 
 impl MeasuredDrives {
     fn of(machine: &MachineFile) -> Self {
-        let axes = machine.axes.iter().enumerate();
-        let axes = axes.filter(|(_, axis)| {
-            axis.as_ref().is_some_and(|axis| axis.drive.measured_torque.is_some())
-        });
-        let spindles = machine.spindles.iter().enumerate();
-        let spindles = spindles.filter(|(_, spindle)| spindle.measured_torque.is_some());
-        Self {
-            axes: axes.map(|(index, _)| index).collect(),
-            spindles: spindles.map(|(index, _)| index).collect(),
-        }
+        let axes = (0..machine.axes.len()).filter(|index| machine.measures_force(*index));
+        let spindles = (0..machine.spindles.len()).filter(|index| machine.measures_torque(*index));
+        Self { axes: axes.collect(), spindles: spindles.collect() }
     }
 }

@@ -16,6 +16,7 @@ use crate::operation::{
     Accepted, Begun, Control, ControlOptions, EndedProgram, Event, Proven, Proving, Refusal,
     Request, Signals, Timed,
 };
+use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -119,6 +120,7 @@ pub(super) fn run(
         machine: control.machine().clone(),
         signals,
         stops: Stops::new(lane, has_chain),
+        panel_count: AtomicU64::default(),
     });
     if up.send(Ok(Arc::clone(&shared))).is_ok() {
         let mut lead = Lead::new(control, (texts, jobs), shared, host);

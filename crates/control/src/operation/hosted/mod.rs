@@ -41,6 +41,7 @@ use crate::Refused;
 use crate::job::Interruption;
 use lead::{Job, WaitingRequest};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -93,6 +94,8 @@ struct Shared {
     machine: MachineFile,
     signals: Signals,
     stops: Stops,
+    /// [`Client::panel_count`].
+    panel_count: AtomicU64,
 }
 
 /// A control in a thread; when it is dropped the control comes to rest and is switched off.
@@ -141,6 +144,12 @@ impl Drop for Hosted {
 }
 
 impl Client {
+    /// How often a panel beside the machine has begun or changed something: who presses its keys
+    /// commands the machine.
+    pub fn panel_count(&self) -> u64 {
+        self.shared.panel_count.load(Ordering::Acquire)
+    }
+
     /// Ask for something and go on; the answer is handed to `answer` in a thread of the control's,
     /// which must not wait there. A stop waits behind nothing: it acts from the next servo period
     /// on.

@@ -1,9 +1,9 @@
 //! What a panel beside the machine asks for goes where the requests of clients go.
-use super::lead::Lead;
-use super::{Client, held};
-use crate::operation::panel_keys::said_of_panel;
-use crate::operation::{Event, Request};
+use super::Client;
+use super::lead::{Job, Lead};
+use crate::operation::{Control, Request};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 impl Lead {
     /// Asks for what was pressed.
@@ -11,22 +11,24 @@ impl Lead {
         while let Some(request) = self.control.next_of_panel() {
             self.ask_as_client(request);
         }
+        self.shared.panel_count.store(self.control.panel_count(), Ordering::Release);
     }
 
     fn ask_as_client(&self, request: Request) {
-        let (time, shared) = (self.control.now(), Arc::clone(&self.shared));
         let client = Client { jobs: self.jobs.clone(), shared: Arc::clone(&self.shared) };
-        let say = move |why: &str| {
-            held(&shared.journal).push(time, Event::Notice(said_of_panel(why)));
+        let jobs = self.jobs.clone();
+        let say = move |why: String| {
+            let work = move |control: &mut Control| control.say_of_panel(&why);
+            let _ = jobs.try_send(Job::Work(Box::new(work))); // the queue is full: others wait, too
         };
-        let told = say.clone();
+        let answered = say.clone();
         let asked = client.ask(request, move |answer| {
             if let Err(refusal) = answer {
-                told(&refusal.sentence());
+                answered(refusal.sentence());
             }
         });
         if let Err(refusal) = asked {
-            say(&refusal.sentence());
+            say(refusal.sentence());
         }
     }
 }
