@@ -158,7 +158,7 @@ fn axis(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisModel 
         force_lag: file.drive.force_lag,
         stiffness: file.structure.stiffness,
         damping_ratio: file.structure.damping_ratio,
-        backlash: file.structure.backlash,
+        backlash: super::compensation::play_behind_drive(file),
         friction: sim::Lugre {
             bristle_stiffness: friction.bristle_stiffness,
             bristle_damping_n_s_per_m: friction.bristle_damping_n_s_per_m,
