@@ -7,11 +7,13 @@
 //! ```
 //!
 //! **Flank.** w is 1 after a motion towards plus, 0 after one towards minus. It is known once the
-//! axis has been commanded a way longer than the dead band since the kernel was made; until then w
-//! is ½, and half of the play is not known. When the commanded motion turns back by more than the
-//! dead band, w goes to its other end as a motion of limited speed, acceleration and jerk, so that
-//! the setpoint has no jump: the play b takes about 2·√(b/a) at the acceleration a that compensation
-//! may take.
+//! axis has been commanded a way longer than s since the kernel was made; until then w is ½, and
+//! half of the play is not known. A slide that turns back first relaxes what its guideway has given
+//! (s = friction over stiffness of the contact), with the nut on the same flank: only then does the
+//! play open. w goes to its other end so that half of its way is over when the commanded position has
+//! gone back by s, by what the axis does at present (but not before 0.3·s), as a motion of limited
+//! speed, acceleration and jerk: the setpoint has no jump, and the play b takes T ≈ 2·√(b/a) at the
+//! acceleration a that compensation may take.
 //!
 //! **Homing.** The points count from machine zero: an axis that is not homed is not compensated.
 //! When it is homed its positions get other names by ε, and nothing moves.
@@ -26,8 +28,12 @@ use motion::{Goal, OnlineLimits, OnlineState};
 use sync::{Deviation, DeviationTable};
 use units::{Angle, Coordinate, CoordinateAccel, CoordinateSpeed, Force, Length, Mass, Spin};
 
-/// Time in which the acceleration of a reversal is built up, s.
-const RISE_S: f64 = 0.002;
+/// Time in which the acceleration of a change of flank is built up, s.
+const RISE_S: f64 = 0.004;
+/// Share of the acceleration that it is planned with: arrival takes the rest.
+const PLANNED: f64 = 0.85;
+/// Share of the way back that must be over before the flank changes, however fast the axis goes.
+const GONE_BACK: f64 = 0.3;
 /// Time in which a spindle's correction fades in, s.
 const FADE_S: f64 = 0.25;
 /// Steps to the encoder's angle from the true one: each leaves a thousandth or less.
@@ -41,8 +47,8 @@ pub struct AxisCompensation {
     pub table: DeviationTable,
     /// Speed and acceleration that a change of flank may take.
     pub reversal: (CoordinateSpeed, CoordinateAccel),
-    /// Way back from the farthest setpoint that is no change of flank.
-    pub dead_band: Coordinate,
+    /// Way back from the farthest setpoint at which the flank changes.
+    pub turns_after: Coordinate,
 }
 
 /// What the control takes off of the readings of one spindle.
@@ -85,14 +91,16 @@ enum Sense {
 }
 
 impl Sense {
-    /// After a setpoint.
-    fn next(self, setpoint: f64, dead_band: f64) -> Self {
+    /// After a setpoint that will have gone on by so much when half of a change of flank is over.
+    fn next(self, setpoint: f64, ahead: f64, turns_after: f64) -> Self {
+        let most_ahead = (1.0 - GONE_BACK) * turns_after;
+        let is_over = |way: f64, ahead: f64| way + ahead.clamp(0.0, most_ahead) > turns_after;
         match self {
             Self::Unmoved => Self::Unknown(setpoint),
-            Self::Unknown(from) if setpoint > from + dead_band => Self::Up(setpoint),
-            Self::Unknown(from) if setpoint < from - dead_band => Self::Down(setpoint),
-            Self::Up(most) if setpoint < most - dead_band => Self::Down(setpoint),
-            Self::Down(least) if setpoint > least + dead_band => Self::Up(setpoint),
+            Self::Unknown(from) if is_over(setpoint - from, ahead) => Self::Up(setpoint),
+            Self::Unknown(from) if is_over(from - setpoint, -ahead) => Self::Down(setpoint),
+            Self::Up(most) if is_over(most - setpoint, -ahead) => Self::Down(setpoint),
+            Self::Down(least) if is_over(setpoint - least, ahead) => Self::Up(setpoint),
             Self::Unknown(from) => Self::Unknown(from),
             Self::Up(most) => Self::Up(most.max(setpoint)),
             Self::Down(least) => Self::Down(least.min(setpoint)),
@@ -109,13 +117,37 @@ impl Sense {
     }
 }
 
+/// What compensation must know of an axis beside its command.
+pub(crate) struct Moved {
+    /// By how much its positions have got other names, in all, without any motion.
+    pub(crate) renamed: f64,
+    /// Commanded acceleration.
+    pub(crate) accel: f64,
+    /// Motor and screw.
+    pub(crate) motor: Mass,
+}
+
+/// Time that a change of flank takes from rest to rest, s.
+fn duration_s(limits: &OnlineLimits, period_s: f64) -> f64 {
+    const LONGEST_S: f64 = 10.0;
+    let goal = Goal::Position(1.0);
+    let (mut flank, mut time_s) = (OnlineState::at_rest(0.0), 0.0);
+    while !flank.has_reached(goal) && time_s < LONGEST_S {
+        flank = flank.next(goal, limits, (0.0, 1.0), period_s);
+        time_s += period_s;
+    }
+    time_s
+}
+
 #[derive(Clone, Debug)]
 struct AxisRun {
     deviation: Deviation,
     /// It is homed.
     counts: bool,
     sense: Sense,
-    dead_band: f64,
+    turns_after: f64,
+    /// Half of the time that a change of flank takes, s.
+    half_s: f64,
     /// The flank and how it changes, and the one by which the last readings were taken.
     flank: OnlineState,
     read_flank: f64,
@@ -128,20 +160,21 @@ struct AxisRun {
 }
 
 impl AxisRun {
-    fn new(axis: &AxisCompensation) -> Self {
+    fn new(axis: &AxisCompensation, period_s: f64) -> Self {
         let deviation = Deviation::new(&axis.table);
         let height = deviation.reversal();
         let (speed, accel) = (axis.reversal.0.value(), axis.reversal.1.value());
         let limits = (height > 0.0).then(|| OnlineLimits {
             speed: speed / height,
-            accel: accel / height,
-            jerk: accel / height / RISE_S,
+            accel: PLANNED * accel / height,
+            jerk: PLANNED * accel / height / RISE_S,
         });
         Self {
             deviation,
             counts: true,
             sense: Sense::Unmoved,
-            dead_band: axis.dead_band.value(),
+            turns_after: axis.turns_after.value(),
+            half_s: limits.map_or(0.0, |limits| duration_s(&limits, period_s) / 2.0),
             flank: OnlineState::at_rest(0.5),
             read_flank: 0.5,
             limits,
@@ -166,9 +199,12 @@ impl AxisRun {
         }
     }
 
-    /// The flank follows the setpoint.
-    fn follow(&mut self, setpoint: f64, period_s: f64) {
-        self.sense = self.sense.next(setpoint, self.dead_band);
+    /// The flank follows where the setpoint is half a change of flank later.
+    fn follow(&mut self, command: &AxisCommand, moved: &Moved, period_s: f64) {
+        let t = self.half_s;
+        let ahead = t * (command.speed.value() + t * moved.accel / 2.0);
+        let setpoint = command.position.value() - moved.renamed;
+        self.sense = self.sense.next(setpoint, ahead, self.turns_after);
         let goal = Goal::Position(self.sense.flank());
         if let Some(limits) = self.limits.filter(|_| !self.flank.has_reached(goal)) {
             self.flank = self.flank.next(goal, &limits, (0.0, 1.0), period_s);
@@ -252,9 +288,8 @@ impl SpindleRun {
 
     fn give(&self, command: &mut SpindleCommand) {
         command.angle = self.encoder_angle(command.angle);
-        command.spin = Spin::rev_per_s(
-            command.spin.value() / (1.0 + self.at(command.angle.value()).1),
-        );
+        command.spin =
+            Spin::rev_per_s(command.spin.value() / (1.0 + self.at(command.angle.value()).1));
     }
 
     fn take_back(&self, command: &mut SpindleCommand) {
@@ -265,12 +300,12 @@ impl SpindleRun {
 }
 
 impl Compensating {
-    pub(crate) fn new(compensation: &Compensation) -> Self {
+    pub(crate) fn new(compensation: &Compensation, period_s: f64) -> Self {
         let Compensation { axes, spindles } = compensation;
         let any = axes.iter().any(Option::is_some) || spindles.iter().any(Option::is_some);
         Self(any.then(|| {
             Box::new(Running {
-                axes: axes.each_ref().map(|axis| axis.as_ref().map(AxisRun::new)),
+                axes: axes.each_ref().map(|axis| Some(AxisRun::new(axis.as_ref()?, period_s))),
                 spindles: spindles.each_ref().map(|one| one.as_ref().map(SpindleRun::new)),
             })
         }))
@@ -295,7 +330,12 @@ impl Compensating {
 
     /// An axis counts if it is homed. By how much its positions get other names, where that has
     /// changed; `position` is where it is commanded to be, by the names of before.
-    pub(crate) fn count_homed(&mut self, homing: &Homing, axis: usize, position: f64) -> Option<f64> {
+    pub(crate) fn count_homed(
+        &mut self,
+        homing: &Homing,
+        axis: usize,
+        position: f64,
+    ) -> Option<f64> {
         let run = self.0.as_mut()?.axes[axis].as_mut()?;
         let is_homed = homing.is_homed(axis);
         if run.counts == is_homed {
@@ -303,11 +343,8 @@ impl Compensating {
         }
         run.counts = is_homed;
         let flank = run.flank.position;
-        let encoder = if is_homed {
-            position
-        } else {
-            run.deviation.encoder_position(position, flank)
-        };
+        let encoder =
+            if is_homed { position } else { run.deviation.encoder_position(position, flank) };
         let deviation = run.deviation.at(encoder, flank).value;
         (run.faster, run.force) = (0.0, 0.0);
         run.read = if is_homed { deviation } else { 0.0 };
@@ -345,27 +382,26 @@ impl Compensating {
         }
     }
 
-    /// What is wanted of the slides becomes what is wanted of the drives. `moved` says of an axis
-    /// by how much its positions have got other names, and what its motor weighs.
+    /// What is wanted of the slides becomes what is wanted of the drives.
     pub(crate) fn give(
         &mut self,
         command: &mut Command,
         period_s: f64,
-        moved: impl Fn(usize) -> Option<(f64, Mass)>,
+        moved: impl Fn(usize) -> Option<Moved>,
     ) {
         let Some(running) = &mut self.0 else { return };
         if let Some(coupled) = &mut command.coupled {
             running.tie(coupled, command.axes[usize::from(coupled.axis)].position);
         }
         for (index, (run, wanted)) in running.axes.iter_mut().zip(&mut command.axes).enumerate() {
-            let (Some(run), Some((renamed, mass))) = (run, moved(index)) else { continue };
+            let (Some(run), Some(moved)) = (run, moved(index)) else { continue };
             if !wanted.enable {
                 (run.faster, run.force) = (0.0, 0.0);
                 continue;
             }
-            run.follow(wanted.position.value() - renamed, period_s);
+            run.follow(wanted, &moved, period_s);
             if run.counts {
-                run.give(wanted, mass, period_s);
+                run.give(wanted, moved.motor, period_s);
             }
         }
         for (run, wanted) in running.spindles.iter().zip(&mut command.spindles) {

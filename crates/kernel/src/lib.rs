@@ -82,8 +82,8 @@ pub use recovering::RecoveryPlan;
 pub use requests::{Reply, Request};
 pub use signals::{Answer, Answered};
 pub use sync::{
-    CELLS, Correction, Deviation, DeviationPoint, DeviationTable, DeviationWave, Figures, Learning, LearningRecord, MAX_TRANSPORT, Periodic, Prediction,
-    StrokeKey, SyncMode, Windows,
+    CELLS, Correction, Deviation, DeviationPoint, DeviationTable, DeviationWave, Figures, Learning,
+    LearningRecord, MAX_TRANSPORT, Periodic, Prediction, StrokeKey, SyncMode, Windows,
 };
 pub use waiting::{WaitFor, Waiting};
 pub use withdrawing::WithdrawalPlan;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
 
 mod attacks;
+mod compensated;
 mod ethercat_drives;
 mod feedback_faults;
 mod held;

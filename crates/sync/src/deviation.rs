@@ -270,8 +270,11 @@ impl Branch {
         };
         let (before, slopes) = (self.values[piece], (self.slopes[piece], self.slopes[piece + 1]));
         if from < 0.0 || from > length {
-            let (value, slope, out) =
-                if from < 0.0 { (before, slopes.0, from) } else { (*next, slopes.1, from - length) };
+            let (value, slope, out) = if from < 0.0 {
+                (before, slopes.0, from)
+            } else {
+                (*next, slopes.1, from - length)
+            };
             let bend = slope / length;
             let sign = if out < 0.0 { -1.0 } else { 1.0 };
             let ends = fabs(out) >= length;

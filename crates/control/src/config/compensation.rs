@@ -4,9 +4,9 @@ use kernel::{AxisCompensation, Compensation, SpindleCompensation};
 use store::machine::{self, Axis, MachineFile, Spindle, TakesUpPlay};
 use units::Coordinate;
 
-/// Least dead band of a change of flank, mm or degrees: what a setpoint that follows an encoder
+/// Least way back at which the flank changes, mm or degrees: what a setpoint that follows an encoder
 /// may waver by.
-const LEAST_DEAD_BAND: f64 = 1e-4;
+const LEAST_WAY_BACK: f64 = 1e-4;
 
 /// What the kernel takes off of readings.
 pub(super) fn compensation(machine: &MachineFile) -> Compensation {
@@ -24,7 +24,7 @@ fn axis(file: &Axis) -> Option<AxisCompensation> {
     Some(AxisCompensation {
         table: stated.of_control(),
         reversal: stated.reversal,
-        dead_band: Coordinate::new(count.max(LEAST_DEAD_BAND)),
+        turns_after: Coordinate::new(stated.turns_after.value().max(count).max(LEAST_WAY_BACK)),
     })
 }
 
@@ -50,6 +50,12 @@ pub(super) fn play_behind_drive(file: &Axis) -> Coordinate {
         }
         _ => play,
     }
+}
+
+/// True where play or errors of a screw are compensated of an axis that is said to have a scale: its
+/// drive, of HAL or of a network, reports the motor.
+pub(super) fn is_at_motor(file: &Axis) -> bool {
+    file.compensation.as_ref().is_some_and(machine::Compensation::is_of_motor)
 }
 
 fn takes_up(file: &Axis) -> Option<machine::TakesUpPlay> {

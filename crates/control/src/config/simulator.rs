@@ -173,6 +173,11 @@ fn axis(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisModel 
             PositionFrom::Motor { counts_per_rev, .. } => {
                 sim::AxisEncoder::Motor { counts_per_rev }
             }
+            // errors of what a scale would see are compensated: what the drive reports is its motor's
+            PositionFrom::Scale { resolution, .. } if super::compensation::is_at_motor(file) => {
+                let counts = (screw_lead.value() / resolution.value()).round();
+                sim::AxisEncoder::Motor { counts_per_rev: (counts as u32).max(1) }
+            }
             PositionFrom::Scale { resolution, motor } => sim::AxisEncoder::Scale {
                 resolution,
                 motor_counts_per_rev: motor.map(|(counts, _)| counts),

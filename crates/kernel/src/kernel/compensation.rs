@@ -1,5 +1,6 @@
 //! Between encoders and positions: where encoders count from, and the errors that are taken off.
 use super::Kernel;
+use crate::compensation::Moved;
 use bus::{Command, Feedback, Sample};
 use units::{Angle, Axis, Coordinate};
 
@@ -41,7 +42,9 @@ impl Kernel {
         if !self.compensation.is_none() {
             let axes = &self.drives.axes;
             self.compensation.give(command, self.config.period.value(), |index| {
-                axes[index].as_ref().map(|axis| (axis.renamed, axis.control.motor_mass))
+                let axis = axes[index].as_ref()?;
+                let accel = axis.target.accel + axis.superposed.accel;
+                Some(Moved { renamed: axis.renamed, accel, motor: axis.control.motor_mass })
             });
         }
         if self.homing.is_shifted() {

@@ -257,8 +257,7 @@ impl Axis {
             friction: &self.friction,
         };
         let homing = Homing::read(&of, keys);
-        let compensation =
-            keys.optional_section("compensation", |k| Compensation::read(&self, k));
+        let compensation = keys.optional_section("compensation", |k| Compensation::read(&self, k));
         Self { homing, compensation, ..self }
     }
 }

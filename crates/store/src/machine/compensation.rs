@@ -47,6 +47,8 @@ pub struct Compensation {
     pub takes_up: Option<TakesUpPlay>,
     /// Speed and acceleration that a change of flank takes.
     pub reversal: (CoordinateSpeed, CoordinateAccel),
+    /// Way back at which the flank changes: what the guideway gives before it slides.
+    pub turns_after: Coordinate,
 }
 
 /// Units in which the file has one kind of axis.
@@ -57,6 +59,7 @@ struct Units {
     down: &'static str,
     size: &'static str,
     backlash: &'static str,
+    turns_after: &'static str,
     /// Of what is small, in a unit of the axis.
     per_unit: f64,
 }
@@ -68,6 +71,7 @@ const LINEAR: Units = Units {
     down: "down_um",
     size: "um",
     backlash: "backlash_um",
+    turns_after: "turns_after_um",
     per_unit: 1e3,
 };
 const ROTARY: Units = Units {
@@ -77,6 +81,7 @@ const ROTARY: Units = Units {
     down: "down_arcsec",
     size: "arcsec",
     backlash: "backlash_arcsec",
+    turns_after: "turns_after_arcsec",
     per_unit: 3600.0,
 };
 
@@ -121,9 +126,8 @@ impl Compensation {
     pub(super) fn read(axis: &Axis, keys: &mut Keys<'_>) -> Self {
         let units = Units::of(axis.letter.kind());
         let points = keys.optional_sections("table", COMPENSATION_POINTS, |k| units.point(k));
-        let waves = keys.optional_sections("per_turn", MOST_WAVES, |k| {
-            wave(k, units.size, units.per_unit)
-        });
+        let waves =
+            keys.optional_sections("per_turn", MOST_WAVES, |k| wave(k, units.size, units.per_unit));
         let backlash =
             keys.optional(units.backlash, 0.0..=10.0 * units.per_unit).map(|b| b / units.per_unit);
         let kinds = [("control", TakesUpPlay::Control), ("drive", TakesUpPlay::Drive)];
@@ -140,11 +144,19 @@ impl Compensation {
             backlash: backlash.unwrap_or(0.0),
         };
         let takes_up = backlash.map(|_| stated.unwrap_or(TakesUpPlay::Control));
-        let mut read = Self { table, takes_up, reversal: axis.reach() };
+        let friction = &axis.friction;
+        let gives = friction.coulomb.value() / friction.bristle_stiffness.value();
+        let turns_after = keys.optional(units.turns_after, 0.0..=units.per_unit);
+        let turns_after = turns_after.map_or(gives, |way| way / units.per_unit);
+        let turns_after = Coordinate::new(turns_after);
+        let mut read = Self { table, takes_up, reversal: axis.reach(), turns_after };
         if stated.is_some() && backlash.is_none() {
             keys.conflict(
                 "backlash",
-                format!("`backlash` says who takes the play up: expected `{}` as well", units.backlash),
+                format!(
+                    "`backlash` says who takes the play up: expected `{}` as well",
+                    units.backlash
+                ),
             );
         }
         if turn <= 0.0 && !read.table.waves.is_empty() {
