@@ -15,11 +15,16 @@
 //! speed, acceleration and jerk: the setpoint has no jump, and the play b takes T ≈ 2·√(b/a) at the
 //! acceleration a that compensation may take.
 //!
+//! Where inertia and weight push the slide harder than friction, they decide on which flank the nut
+//! stands: an axis that brakes hard is held by the other one, one that hangs on its screw never
+//! changes it.
+//!
 //! **Homing.** The points count from machine zero: an axis that is not homed is not compensated.
 //! When it is homed its positions get other names by ε, and nothing moves.
 //!
 //! **Spindles.** An encoder's error per turn counts from its index mark, at which it is taken as
 //! zero: θ = φ + ε(φ) − ε(0). It fades in once the mark has passed.
+use crate::config::{AxisControl, Config};
 use crate::homing::Homing;
 use alloc::boxed::Box;
 use bus::{AXES, AxisCommand, AxisFeedback, Command, Feedback, SPINDLES, SpindleCommand};
@@ -123,6 +128,10 @@ pub(crate) struct Moved {
     pub(crate) renamed: f64,
     /// Commanded acceleration.
     pub(crate) accel: f64,
+    /// What the nut gives the slide beside friction: for its acceleration and against its weight, N.
+    pub(crate) push: f64,
+    /// Friction of sliding and of breaking away, N.
+    pub(crate) friction: (f64, f64),
     /// Motor and screw.
     pub(crate) motor: Mass,
 }
@@ -146,6 +155,8 @@ struct AxisRun {
     counts: bool,
     sense: Sense,
     turns_after: f64,
+    /// More than friction pushes the slide onto a flank.
+    is_pushed: bool,
     /// Half of the time that a change of flank takes, s.
     half_s: f64,
     /// The flank and how it changes, and the one by which the last readings were taken.
@@ -160,7 +171,10 @@ struct AxisRun {
 }
 
 impl AxisRun {
-    fn new(axis: &AxisCompensation, period_s: f64) -> Self {
+    fn new(axis: &AxisCompensation, control: Option<&AxisControl>, period_s: f64) -> Self {
+        // one that hangs on its screw stands on the flank that bears it
+        let hangs = control.filter(|of| of.weight.abs() > of.friction.breakaway);
+        let flank = hangs.map_or(0.5, |of| if of.weight.value() < 0.0 { 1.0 } else { 0.0 });
         let deviation = Deviation::new(&axis.table);
         let height = deviation.reversal();
         let (speed, accel) = (axis.reversal.0.value(), axis.reversal.1.value());
@@ -175,8 +189,9 @@ impl AxisRun {
             sense: Sense::Unmoved,
             turns_after: axis.turns_after.value(),
             half_s: limits.map_or(0.0, |limits| duration_s(&limits, period_s) / 2.0),
-            flank: OnlineState::at_rest(0.5),
-            read_flank: 0.5,
+            is_pushed: hangs.is_some(),
+            flank: OnlineState::at_rest(flank),
+            read_flank: flank,
             limits,
             read: 0.0,
             faster: 0.0,
@@ -205,7 +220,14 @@ impl AxisRun {
         let ahead = t * (command.speed.value() + t * moved.accel / 2.0);
         let setpoint = command.position.value() - moved.renamed;
         self.sense = self.sense.next(setpoint, ahead, self.turns_after);
-        let goal = Goal::Position(self.sense.flank());
+        let least = if self.is_pushed { moved.friction.0 } else { moved.friction.1 };
+        self.is_pushed = moved.push.abs() > least;
+        let flank = match self.is_pushed {
+            true if moved.push > 0.0 => 1.0,
+            true => 0.0,
+            false => self.sense.flank(),
+        };
+        let goal = Goal::Position(flank);
         if let Some(limits) = self.limits.filter(|_| !self.flank.has_reached(goal)) {
             self.flank = self.flank.next(goal, &limits, (0.0, 1.0), period_s);
         }
@@ -300,12 +322,16 @@ impl SpindleRun {
 }
 
 impl Compensating {
-    pub(crate) fn new(compensation: &Compensation, period_s: f64) -> Self {
-        let Compensation { axes, spindles } = compensation;
+    pub(crate) fn new(config: &Config) -> Self {
+        let Compensation { axes, spindles } = &config.compensation;
+        let period_s = config.period.value();
+        let of_axis = |index: usize| {
+            Some(AxisRun::new(axes[index].as_ref()?, config.axes[index].as_ref(), period_s))
+        };
         let any = axes.iter().any(Option::is_some) || spindles.iter().any(Option::is_some);
         Self(any.then(|| {
             Box::new(Running {
-                axes: axes.each_ref().map(|axis| Some(AxisRun::new(axis.as_ref()?, period_s))),
+                axes: core::array::from_fn(of_axis),
                 spindles: spindles.each_ref().map(|one| one.as_ref().map(SpindleRun::new)),
             })
         }))

@@ -150,7 +150,7 @@ impl Kernel {
             off_s: None,
             manual: Manual::default(),
             homing: Homing::default(),
-            compensation: Compensating::new(&config.compensation, config.period.value()),
+            compensation: Compensating::new(&config),
             recovering: None,
             retreating: None,
             way_out: None,

@@ -67,6 +67,15 @@ impl Config {
                 }
             });
         }
+        for (index, axis) in self.compensation.axes.iter().enumerate() {
+            let points = axis.as_ref().map_or(&[][..], |axis| &axis.table.points);
+            let wrong = points.windows(2).find(|pair| !(pair[0].at < pair[1].at));
+            if let Some(pair) = wrong {
+                let (of, value) = (Subject::Axis(Axis::ALL[index]), pair[1].at);
+                let (field, must_be) = ("compensation.table", "positions that rise");
+                report(Problem { of, field, value, must_be });
+            }
+        }
         for (index, spindle) in self.spindles.iter().enumerate() {
             let Some(spindle) = spindle else { continue };
             let of = Subject::Spindle(index as u8);

@@ -22,11 +22,13 @@ const TURNS_AFTER: f64 = 2e-3;
 /// A table with what is left for turning back.
 fn axis(table: DeviationTable) -> AxisCompensation {
     let (speed, accel) = shares(&table);
+    let left = (SHARE - accel) * LIMITS.accel;
+    let accel = Deviation::new(&table).reversal_acceleration(left, LIMITS.speed);
     AxisCompensation {
         table,
         reversal: (
             CoordinateSpeed::new((SHARE - speed) * LIMITS.speed),
-            CoordinateAccel::new((SHARE - accel) * LIMITS.accel),
+            CoordinateAccel::new(accel),
         ),
         turns_after: Coordinate::new(TURNS_AFTER),
     }

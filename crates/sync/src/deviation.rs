@@ -25,7 +25,7 @@
 //! (1984) 300–304 (slopes of the cubics).
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
-use libm::{fabs, floor, fmax, fmin, sincos};
+use libm::{fabs, floor, fmax, fmin, sincos, sqrt};
 
 /// Steps of Newton's method at most.
 const STEPS: u32 = 8;
@@ -253,6 +253,30 @@ impl Deviation {
             }
         }
         most
+    }
+
+    /// The acceleration that is left for turning back of all that compensation may take beside its
+    /// points and waves, for an axis that may go at this speed meanwhile:
+    /// r + 2·|ε′up − ε′down|·v·√(r/b) = left.
+    pub fn reversal_acceleration(&self, left: f64, speed: f64) -> f64 {
+        let (mut apart, reversal) = (0.0, self.reversal());
+        for piece in 0..self.at.len().saturating_sub(1) {
+            let length = self.at[piece + 1] - self.at[piece];
+            let values = |branch: &Branch| [branch.values[piece], branch.values[piece + 1]];
+            let slopes = |branch: &Branch| [branch.slopes[piece], branch.slopes[piece + 1]];
+            let off = |of: &dyn Fn(&Branch) -> [f64; 2]| {
+                let (up, down) = (of(&self.up), of(&self.down));
+                Vec::from([up[0] - down[0], up[1] - down[1]])
+            };
+            let difference = Branch { values: off(&values), slopes: off(&slopes) };
+            apart = fmax(apart, difference.bounds(0, length).0);
+        }
+        if reversal <= 0.0 {
+            return left;
+        }
+        let half = apart * speed / sqrt(reversal);
+        let root = sqrt(half * half + left) - half;
+        root * root
     }
 
     /// Positions of the points.

@@ -43,8 +43,15 @@ impl Kernel {
             let axes = &self.drives.axes;
             self.compensation.give(command, self.config.period.value(), |index| {
                 let axis = axes[index].as_ref()?;
-                let accel = axis.target.accel + axis.superposed.accel;
-                Some(Moved { renamed: axis.renamed, accel, motor: axis.control.motor_mass })
+                let (accel, control) = (axis.target.accel + axis.superposed.accel, &axis.control);
+                let friction = &control.friction;
+                Some(Moved {
+                    renamed: axis.renamed,
+                    accel,
+                    push: control.table_mass.value() * 1e-3 * accel - control.weight.value(),
+                    friction: (friction.coulomb.value(), friction.breakaway.value()),
+                    motor: control.motor_mass,
+                })
             });
         }
         if self.homing.is_shifted() {

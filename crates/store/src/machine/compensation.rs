@@ -284,7 +284,9 @@ impl Compensation {
         let (of_speed, of_accel) = self.share(axis);
         let left = |taken: f64| (COMPENSATION_SHARE - taken).max(REVERSAL_SHARE);
         let (speed, accel) = axis.reach();
-        self.reversal = (speed * left(of_speed), accel * left(of_accel));
+        let accel = accel.value() * left(of_accel);
+        let accel = Deviation::new(&self.of_control()).reversal_acceleration(accel, speed.value());
+        self.reversal = (speed * left(of_speed), CoordinateAccel::new(accel));
     }
 }
 
