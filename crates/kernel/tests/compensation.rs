@@ -112,7 +112,14 @@ impl Bench {
         while self.kernel.is_moving_manually() {
             self.run(1);
         }
-        self.run(400);
+        // until the flank has changed
+        for _ in 0..400 {
+            self.run(50);
+            let since = &self.wire[self.wire.len() - 50..];
+            if since.iter().all(|wire| wire == &since[0]) {
+                break;
+            }
+        }
     }
 
     fn x(&self) -> f64 {
