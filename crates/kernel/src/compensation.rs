@@ -247,7 +247,7 @@ impl AxisRun {
         self.faster = faster;
         command.position = Coordinate::new(position);
         command.speed = CoordinateSpeed::new(speed + faster);
-        command.force = command.force + Force::n(self.force);
+        command.force += Force::n(self.force);
     }
 
     /// What [`Self::give`] has made of it, as it was.
@@ -256,7 +256,7 @@ impl AxisRun {
         let value = self.deviation.at(position, self.flank.position).value;
         command.position = Coordinate::new(position + value);
         command.speed = CoordinateSpeed::new(command.speed.value() - self.faster);
-        command.force = command.force - Force::n(self.force);
+        command.force -= Force::n(self.force);
     }
 }
 

@@ -173,7 +173,7 @@ fn circularity(places: &[Place]) -> f64 {
         let at = places.iter().map(|place| place.commanded[axis]);
         at.fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)))
     };
-    let centre = [0, 1].map(|axis| (span(axis).0 + span(axis).1) / 2.0);
+    let centre = [0, 1].map(|axis| f64::midpoint(span(axis).0, span(axis).1));
     let radius = |at: [f64; 2]| (at[0] - centre[0]).hypot(at[1] - centre[1]);
     // without the ways in and out, as ISO 230-4 has it: 9° of a turn that begins at -30°
     let way = places.len() / 40;

@@ -33,6 +33,7 @@ impl<'i> Stated<'i> {
         let kind = axis.of_joint(w, ini, "COMP_FILE_TYPE");
         let measured = kind.is_none_or(|kind| kind.value == 0.0);
         let mut rows = Vec::new();
+        w.section("", &axis.key());
         if let Some(entry) = file {
             match ini.compensation(&entry.value) {
                 Ok(text) => rows = read_rows(text, axis.scale, measured),

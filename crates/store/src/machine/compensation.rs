@@ -262,11 +262,11 @@ impl Compensation {
             let factor = most / (points + waves);
             let key = if waves > points { "per_turn" } else { "table" };
             let mut text = format!(
-                "`{key}` of {}: its corrections take {:.1} % of {what}: expected {:.0} % at most; {:.3} times these values would do",
+                "`{key}` of {}: its corrections take {:.1} % of {what}: expected {:.0} % at most; {} times these values would do",
                 axis.letter.letter(),
                 100.0 * (points + waves),
                 100.0 * most,
-                (factor * 1000.0).floor() / 1000.0
+                three_digits(factor)
             );
             if let ([wave], true) = (self.table.waves.as_slice(), waves > points) {
                 let works = (wave.amplitude * factor * units.per_unit * 100.0).floor() / 100.0;
@@ -310,6 +310,13 @@ impl Axis {
             )
         })
     }
+}
+
+/// A number below one with three digits, rounded down.
+fn three_digits(factor: f64) -> String {
+    let places = (2 - factor.log10().floor() as i32).clamp(3, 12);
+    let scale = 10_f64.powi(places);
+    format!("{}", (factor * scale).floor() / scale)
 }
 
 /// Errors per turn of a spindle's encoder, rev: `[spindles.encoder]`.
