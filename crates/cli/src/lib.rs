@@ -31,6 +31,7 @@ mod codes;
 mod codes_of;
 mod compare;
 mod compensation;
+mod compensation_chart;
 mod console;
 mod doctor;
 mod drives;

@@ -76,7 +76,9 @@ pub(crate) fn shown(
     part: u32,
 ) -> Result<String, Refused> {
     let source = source.into();
-    let plant = load(&source).map(|file| crate::plant_table::lines(&file, seed, part));
+    let plant = load(&source).map(|file| {
+        crate::compensation_chart::lines(&file) + &crate::plant_table::lines(&file, seed, part)
+    });
     Ok(text(&source)? + &plant.unwrap_or_default())
 }
 

@@ -87,6 +87,7 @@ seen_of_axis! {
     tool_side, tool_sides: Option<Coordinate>,
     is_homed, is_homed: bool,
     zero, zeros: Coordinate,
+    shift, shifts: Coordinate,
 }
 
 /// What is done at once, or asked for: a thread that has ended does nothing any more.
@@ -201,6 +202,16 @@ impl KernelHandle {
             Self::Here(kernel) => kernel.ordered_spin(spindle),
             Self::There(link) => {
                 link.picture().ordered_spins.get(spindle).copied().unwrap_or_default()
+            }
+        }
+    }
+
+    /// [`Kernel::spindle_shift`].
+    pub fn spindle_shift(&self, spindle: usize) -> Angle {
+        match self {
+            Self::Here(kernel) => kernel.spindle_shift(spindle),
+            Self::There(link) => {
+                link.picture().spindle_shifts.get(spindle).copied().unwrap_or_default()
             }
         }
     }

@@ -38,6 +38,8 @@ pub struct Config {
     pub probe_guard: bool,
     /// Repeated taps learn from one another; `None`: they do not.
     pub learning: Option<sync::Learning>,
+    /// Errors of screws and encoders that are taken off.
+    pub compensation: crate::Compensation,
 }
 
 /// Longest duration of each wait; beyond it is an alarm.

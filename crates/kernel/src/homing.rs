@@ -114,6 +114,8 @@ pub(crate) enum HomingOutcome {
 #[derive(Clone, Debug)]
 pub(crate) struct Homing {
     homed: [bool; AXES],
+    /// What [`Self::begin`] finds homed.
+    was_homed: [bool; AXES],
     /// What a reading is short of the position.
     zeros: [f64; AXES],
     shifted: bool,
@@ -127,6 +129,7 @@ impl Default for Homing {
     fn default() -> Self {
         Self {
             homed: [true; AXES],
+            was_homed: [false; AXES],
             zeros: [0.0; AXES],
             shifted: false,
             runs: [None; AXES],
@@ -166,6 +169,12 @@ impl Homing {
     /// Nothing is known of where it is, nor of how its encoder is connected.
     pub(crate) const fn forget_home(&mut self, index: usize) {
         (self.homed[index], self.proven[index]) = (false, false);
+    }
+
+    /// It is about to be homed: until that is done nothing goes by where it is.
+    pub(crate) const fn begin_anew(&mut self, index: usize) {
+        self.was_homed[index] = self.homed[index];
+        self.homed[index] = false;
     }
 
     /// All homing ends where it is.
@@ -250,7 +259,8 @@ impl Homing {
             HomingMethod::Index => Phase::Index { from: at, edge: None },
             _ => Phase::Search { from: at },
         };
-        let was_homed = core::mem::replace(&mut self.homed[index], false);
+        let was_homed = core::mem::take(&mut self.was_homed[index]);
+        self.homed[index] = false;
         self.runs[index] = Some(HomingRun {
             order,
             phase,

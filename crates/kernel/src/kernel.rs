@@ -8,6 +8,7 @@
 //!
 //! A fault is a state, not a `Result`: the machine is stopped the way the fault asks for, and from
 //! then on the kernel only holds it.
+mod compensation;
 mod encoder;
 mod exchange;
 mod faults;
@@ -20,6 +21,7 @@ mod tap;
 mod waiting;
 mod way_out;
 
+use crate::compensation::Compensating;
 use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding};
 use crate::encoder_plausibility::EncoderPlausibility;
@@ -100,6 +102,8 @@ pub struct Kernel {
     manual: Manual,
     /// Where encoders count from; axes that look for that.
     homing: Homing,
+    /// Errors of screws and encoders, which are taken off.
+    compensation: Compensating,
     /// A tool is being taken out; nothing else is done.
     recovering: Option<Recovering>,
     /// The tool leaves the work before the spindles stop.
@@ -146,6 +150,7 @@ impl Kernel {
             off_s: None,
             manual: Manual::default(),
             homing: Homing::default(),
+            compensation: Compensating::new(&config),
             recovering: None,
             retreating: None,
             way_out: None,
@@ -231,10 +236,7 @@ impl Kernel {
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;
         let age = self.check_age(feedback);
-        let mut taken = *feedback;
-        if self.homing.is_shifted() {
-            taken = self.positions(feedback);
-        }
+        let mut taken = self.positions(feedback);
         self.bridge(&mut taken);
         self.read_interlocks(feedback);
         let feedback = &taken;
@@ -261,9 +263,7 @@ impl Kernel {
         }
         command.coupled = self.kept_together();
         self.probe_before = feedback.probe;
-        if self.homing.is_shifted() {
-            self.homing.readings(&mut command);
-        }
+        self.readings(&mut command);
         self.summarise();
         command
     }

@@ -19,6 +19,7 @@ extern crate std;
 
 mod axis;
 mod chips;
+mod compensation;
 mod config;
 mod coupled;
 mod drives;
@@ -59,6 +60,7 @@ mod waiting;
 mod waits;
 mod withdrawing;
 
+pub use compensation::{AxisCompensation, Compensation, SpindleCompensation};
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
     FeedForward, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows,
@@ -80,8 +82,8 @@ pub use recovering::RecoveryPlan;
 pub use requests::{Reply, Request};
 pub use signals::{Answer, Answered};
 pub use sync::{
-    CELLS, Correction, Figures, Learning, LearningRecord, MAX_TRANSPORT, Periodic, Prediction,
-    StrokeKey, SyncMode, Windows,
+    CELLS, Correction, Deviation, DeviationPoint, DeviationTable, DeviationWave, Figures, Learning,
+    LearningRecord, MAX_TRANSPORT, Periodic, Prediction, StrokeKey, SyncMode, Windows,
 };
 pub use waiting::{WaitFor, Waiting};
 pub use withdrawing::WithdrawalPlan;

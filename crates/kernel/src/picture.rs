@@ -5,7 +5,7 @@ use crate::operator::Operator;
 use crate::waiting::Waiting;
 use bus::{AXES, Report, SPINDLES};
 use motion::WayOut;
-use units::{Axis, Coordinate, Length, Spin};
+use units::{Angle, Axis, Coordinate, Length, Spin};
 
 /// What the methods of these names answer after the last tick.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +58,10 @@ pub struct Picture {
     pub is_homed: [bool; AXES],
     /// [`Kernel::zero`], by axis.
     pub zeros: [Coordinate; AXES],
+    /// [`Kernel::shift`], by axis.
+    pub shifts: [Coordinate; AXES],
+    /// [`Kernel::spindle_shift`], by spindle.
+    pub spindle_shifts: [Angle; SPINDLES],
     /// It looks for where its encoder counts from ([`Kernel::homing`]), by axis.
     pub is_homing: [bool; AXES],
     /// [`Kernel::ordered_spin`], by spindle.
@@ -101,6 +105,8 @@ impl Kernel {
             tool_sides: Axis::ALL.map(|axis| self.tool_side(axis)),
             is_homed: Axis::ALL.map(|axis| self.is_homed(axis)),
             zeros: Axis::ALL.map(|axis| self.zero(axis)),
+            shifts: Axis::ALL.map(|axis| self.shift(axis)),
+            spindle_shifts: core::array::from_fn(|spindle| self.spindle_shift(spindle)),
             is_homing,
             ordered_spins: core::array::from_fn(|spindle| self.ordered_spin(spindle)),
             faults,

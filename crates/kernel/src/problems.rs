@@ -4,7 +4,7 @@
 //!   axis Z: position_gain is NaN, expected a finite number above zero
 //! ```
 use crate::config::{AxisControl, Config, FeedForward, SpindleControl, Subject};
-use sync::{MAX_TRANSPORT, SyncMode};
+use sync::{DeviationPoint, MAX_TRANSPORT, SyncMode};
 use units::Axis;
 
 /// Something in a [`Config`] that cannot be meant: the field, what it is, and what it must be.
@@ -66,6 +66,16 @@ impl Config {
                     report(Problem { of, field, value, must_be });
                 }
             });
+        }
+        for (index, axis) in self.compensation.axes.iter().enumerate() {
+            let points = axis.as_ref().map_or(&[][..], |axis| &axis.table.points);
+            let rises = |pair: &&[DeviationPoint]| pair[1].at.total_cmp(&pair[0].at).is_gt();
+            let wrong = points.windows(2).find(|pair| !rises(pair));
+            if let Some(pair) = wrong {
+                let (of, value) = (Subject::Axis(Axis::ALL[index]), pair[1].at);
+                let (field, must_be) = ("compensation.table", "positions that rise");
+                report(Problem { of, field, value, must_be });
+            }
         }
         for (index, spindle) in self.spindles.iter().enumerate() {
             let Some(spindle) = spindle else { continue };

@@ -12,6 +12,7 @@ mod common;
 mod operated;
 
 mod chip_removal;
+mod compensation;
 mod config;
 mod coupled;
 mod curves;

@@ -3,6 +3,7 @@
 
 mod attacks;
 mod doctor;
+mod compensated;
 mod ethercat_drives;
 mod feedback_faults;
 mod held;

@@ -76,7 +76,7 @@ const fn after(place: Place, slots: usize, words: usize) -> Place {
     Place { at: place.at + place.size(), slots, words }
 }
 
-pub(crate) const SET_UPS: Place = Place { at: head::SIZE, slots: 2, words: 8192 / WORD };
+pub(crate) const SET_UPS: Place = Place { at: head::SIZE, slots: 2, words: LONGEST_SET_UP / WORD };
 pub(crate) const VERDICTS: Place = after(SET_UPS, 4, 2048 / WORD);
 pub(crate) const REQUESTS: Place = after(VERDICTS, 16, 1024 / WORD);
 pub(crate) const REPLIES: Place = after(REQUESTS, 16, LONGEST_RECORD / WORD);
@@ -84,6 +84,8 @@ pub(crate) const STEPS: Place = after(REPLIES, STEPS_BEFORE + STEPS_USUAL, LONGE
 pub(crate) const SAID: Place = after(STEPS, 1024, 512 / WORD);
 pub(crate) const RECORDS: Place = after(SAID, 2048, LONGEST_RECORD / WORD);
 
+/// Bytes of the longest set-up: nine axes with as long tables of their errors as a file may have.
+pub(crate) const LONGEST_SET_UP: usize = 131_072;
 /// Bytes of the longest step: a tap with both strokes of its spindle.
 pub(crate) const LONGEST_STEP: usize = 6144;
 /// Bytes of the longest record or reply.

@@ -20,6 +20,7 @@ extern crate std;
 mod blend;
 mod compensate;
 mod coupling;
+mod deviation;
 mod drive_ramp;
 mod gear;
 mod halting;
@@ -46,6 +47,7 @@ pub use compensate::{
     DriveLoops, MOST_BOOST, NotMeasured, Response, ShiftOverSpeed, advanced, whole_addresses,
 };
 pub use coupling::{Coupling, Follower, Line, Rotation};
+pub use deviation::{Deviation, DeviationPoint, DeviationTable, DeviationValue, DeviationWave};
 pub use drive_ramp::DriveRamp;
 pub use gear::{Engagement, Engaging, Gear, Travel};
 pub use halting::{Braking, Course, Goal, Halt, Halting};

@@ -54,7 +54,14 @@ pub fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: bool) -> C
         pause: Pause::GoOn,
         probe_guard: true,
         learning: learns.then(|| crate::services::learning::how(machine)),
+        compensation: super::compensation::compensation(machine),
     }
+}
+
+/// The control of this machine as long as nothing is homed: it goes by what the encoders read, and
+/// takes no errors off that count from machine zero.
+pub fn unreferenced(machine: &MachineFile) -> Config {
+    Config { compensation: kernel::Compensation::default(), ..control(machine, None, false) }
 }
 
 /// What the machine's file says a follower follows.
@@ -108,7 +115,7 @@ fn axis(file: &Axis) -> AxisControl {
             viscous_n_s_per_m: friction.viscous_n_s_per_m,
         },
         stiffness: file.structure.stiffness,
-        backlash: file.structure.backlash,
+        backlash: super::compensation::modelled_play(file),
         encoder: AxisEncoder { place, count: file.position_from.resolution(), motor_count },
         peak_force: file.drive.peak_force(),
         force_lag: file.drive.force_lag,

@@ -9,6 +9,7 @@
 //!                      ├─► ratings     Ratings              what drives can hold for ever
 //!                      └─► judge       verify::Config       what was asked of the work
 //! ```
+mod compensation;
 mod control;
 mod homing;
 mod judge;
@@ -18,7 +19,7 @@ mod ratings;
 mod scatter;
 mod simulator;
 
-pub use control::{control, encoder};
+pub use control::{control, encoder, unreferenced};
 pub use homing::{AxisHoming, homing};
 pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};

@@ -158,7 +158,7 @@ fn axis(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisModel 
         force_lag: file.drive.force_lag,
         stiffness: file.structure.stiffness,
         damping_ratio: file.structure.damping_ratio,
-        backlash: file.structure.backlash,
+        backlash: super::compensation::play_behind_drive(file),
         friction: sim::Lugre {
             bristle_stiffness: friction.bristle_stiffness,
             bristle_damping_n_s_per_m: friction.bristle_damping_n_s_per_m,
@@ -172,6 +172,11 @@ fn axis(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisModel 
         encoder: match file.position_from {
             PositionFrom::Motor { counts_per_rev, .. } => {
                 sim::AxisEncoder::Motor { counts_per_rev }
+            }
+            // errors of what a scale would see are compensated: what the drive reports is its motor's
+            PositionFrom::Scale { resolution, .. } if super::compensation::is_at_motor(file) => {
+                let counts = (screw_lead.value() / resolution.value()).round();
+                sim::AxisEncoder::Motor { counts_per_rev: (counts as u32).max(1) }
             }
             PositionFrom::Scale { resolution, motor } => sim::AxisEncoder::Scale {
                 resolution,

@@ -203,7 +203,10 @@ impl Control {
                 // the thread was cut in the coordinates that homing has found
                 let mut now = *self.executor.machine.feedback();
                 for (axis, letter) in now.axes.iter_mut().zip(Axis::ALL) {
-                    axis.position += kernel.zero(letter);
+                    axis.position += kernel.shift(letter);
+                }
+                for (index, spindle) in now.spindles.iter_mut().enumerate() {
+                    spindle.angle += kernel.spindle_shift(index);
                 }
                 let plan = settings.plan(stored, surface, &now).map_err(Refusal::because)?;
                 kernel.recover(plan);

@@ -68,7 +68,7 @@ impl Signals {
         let kernel = &control.executor.kernel;
         let feedback = control.executor.machine.feedback();
         let position =
-            |axis: Axis| (feedback.axes[axis.index()].position + kernel.zero(axis)).value();
+            |axis: Axis| (feedback.axes[axis.index()].position + kernel.shift(axis)).value();
         let setpoint = |axis: Axis| kernel.setpoint(axis).map_or(f64::NAN, Coordinate::value);
         row.extend(self.sources.iter().map(|source| {
             match *source {
@@ -79,7 +79,8 @@ impl Signals {
                 Source::SpindleAngle(spindle) => feedback
                     .spindles
                     .get(spindle)
-                    .map_or(f32::NAN, |s| (s.angle.value().rem_euclid(1.0) * 360.0) as f32),
+                    .map(|said| said.angle + kernel.spindle_shift(spindle))
+                    .map_or(f32::NAN, |angle| (angle.value().rem_euclid(1.0) * 360.0) as f32),
                 Source::MeasuredForce(axis) => {
                     let unit = match axis.kind() {
                         AxisKind::Linear => 1.0,

@@ -309,7 +309,7 @@ impl Control {
         let status = |axis: &store::machine::Axis| {
             let letter = axis.letter;
             let counted = feedback.axes[letter.index()].position;
-            let read = counted + self.executor.kernel.zero(letter);
+            let read = counted + self.executor.kernel.shift(letter);
             let machine = self.executor.kernel.setpoint(letter).unwrap_or(read);
             AxisStatus {
                 letter: letter.letter(),
@@ -337,7 +337,8 @@ impl Control {
             torque_n_m: self.meters.spindle(index).map(|drive| drive.effort),
             load_percent: self.meters.spindle(index).map(|drive| percent(drive.load)),
             thermal_percent: self.meters.spindle(index).map(|drive| percent(drive.thermal)),
-            angle_deg: feedback.angle.value().rem_euclid(1.0) * 360.0,
+            angle_deg: (feedback.angle + kernel.spindle_shift(index)).value().rem_euclid(1.0)
+                * 360.0,
         };
         spindles.map(status).collect()
     }

@@ -316,7 +316,7 @@ pub(super) fn drive_out(
     stroke: &Stroke,
     findings: &Findings,
 ) -> Result<RecoveryFigures, String> {
-    let mut kernel = Kernel::new(config::control(file, None, false));
+    let mut kernel = Kernel::new(config::unreferenced(file));
     kernel.recover(plan(file, stroke, findings)?);
     let mut figures = None;
     super::obey(&mut kernel, plant, &mut |event| {

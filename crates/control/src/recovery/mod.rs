@@ -310,7 +310,7 @@ fn set_free(args: &RecoveryOptions, path: &Path, identity: &Identity) -> Result<
 /// The tool is out: the machine is told with a command that holds everything where it stands.
 fn is_out(plant: &mut dyn Drives, file: &MachineFile) -> Result<(), Refused> {
     plant.engage(None);
-    let mut kernel = Kernel::new(config::control(file, None, false));
+    let mut kernel = Kernel::new(config::unreferenced(file));
     // nothing breaks it off
     let _ = period(&mut kernel, plant, |_, _, _| ControlFlow::<()>::Continue(()));
     match plant.lost() {

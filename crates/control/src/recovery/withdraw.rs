@@ -140,7 +140,7 @@ pub(super) fn drive(
 
 /// One axis by itself; how long that took.
 fn straight(plant: &mut dyn Drives, file: &MachineFile, leg: Leg) -> Result<Time, String> {
-    let mut kernel = Kernel::new(config::control(file, None, false));
+    let mut kernel = Kernel::new(config::unreferenced(file));
     kernel.withdraw(WithdrawalPlan { legs: [Some((leg.axis, leg.to)), None] });
     let mut taken = None;
     super::obey(&mut kernel, plant, &mut |event| {
@@ -161,7 +161,7 @@ fn back_along(
     let Some(pass) = pass(stroke) else { return Err("it is no thread".into()) };
     let approach = file.axis(pass.axis).map(|axis| axis.approach);
     let approach = approach.ok_or_else(|| format!("there is no axis {}", pass.axis.letter()))?;
-    let mut kernel = Kernel::new(config::control(file, None, false));
+    let mut kernel = Kernel::new(config::unreferenced(file));
     let feed = (approach.speed.of_linear() / 10.0, approach.acceleration.of_linear());
     let plan = along_pass(&pass, stroke.spindle, plant.feedback(), feed);
     kernel.recover(plan.ok_or("its lead grows")?);

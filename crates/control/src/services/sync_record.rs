@@ -205,8 +205,11 @@ impl RecordWriter {
         feedback: &Feedback,
     ) {
         let now = feedback.time;
-        let zero = |axis: u8| kernel.zero(canon::Axis::ALL[usize::from(axis)]).of_linear();
-        let zeros: [Length; bus::AXES] = std::array::from_fn(|axis| zero(axis as u8));
+        let shift = |axis: usize| kernel.shift(canon::Axis::ALL[axis]).of_linear();
+        let shifts = Shifts {
+            axes: std::array::from_fn(shift),
+            spindles: std::array::from_fn(|spindle| kernel.spindle_shift(spindle)),
+        };
         while let Some(request) = kernel.next_record_request() {
             let (record, number) = match (request, &self.last) {
                 (RecordRequest::Inward(number, tap), _) => (self.record(&tap), Some(number)),
@@ -225,7 +228,7 @@ impl RecordWriter {
             }
             self.last = Some(record.clone());
             // a thread that has ended has said why
-            let _ = self.orders.send((as_encoders_read(record, &zeros), number));
+            let _ = self.orders.send((as_encoders_read(record, &shifts), number));
         }
         self.acknowledge(kernel, machine, now);
         if let Some(engagement) = &mut self.engagement {
@@ -379,16 +382,23 @@ impl RecordWriter {
     }
 }
 
+/// What was added to readings, near where they are, to make positions and angles of them.
+struct Shifts {
+    axes: [Length; bus::AXES],
+    spindles: [Angle; bus::SPINDLES],
+}
+
 /// Places as the machine's own encoders read them: a control after this one knows them before
 /// anything is homed.
-fn as_encoders_read(mut record: SyncRecord, zeros: &[Length; bus::AXES]) -> SyncRecord {
+fn as_encoders_read(mut record: SyncRecord, shifts: &Shifts) -> SyncRecord {
     let stroke = &mut record.stroke;
-    let zero = zeros[usize::from(stroke.axis)];
+    let zero = shifts.axes[usize::from(stroke.axis)];
+    stroke.theta0 -= shifts.spindles.get(usize::from(stroke.spindle)).copied().unwrap_or_default();
     for place in [&mut stroke.z0, &mut stroke.start, &mut stroke.bottom, &mut stroke.surface] {
         *place -= zero;
     }
     if let Some(retreat) = &mut stroke.retreat {
-        retreat.clear -= zeros[usize::from(retreat.axis)];
+        retreat.clear -= shifts.axes[usize::from(retreat.axis)];
     }
     record
 }

@@ -7,7 +7,7 @@ use crate::fault::FaultKind;
 use crate::homing::{HomingOrder, HomingOutcome};
 use crate::manual::ManualRefusal;
 use crate::queue::StepKind;
-use bus::{AXES, Feedback, Sample};
+use bus::{AXES, Feedback};
 use units::{Axis, Coordinate};
 
 impl Kernel {
@@ -32,9 +32,14 @@ impl Kernel {
         if busy || self.homing.is_homing(index) {
             return Err(ManualRefusal::Busy);
         }
+        self.homing.begin_anew(index);
+        self.count_homed(index);
         let Some(moved) = &mut self.drives.axes[index] else { return Err(ManualRefusal::NoAxis) };
         match self.homing.begin(index, moved, order) {
-            HomingOutcome::Homed(deviation) => self.note_homed(axis, deviation),
+            HomingOutcome::Homed(deviation) => {
+                self.count_homed(index);
+                self.note_homed(axis, deviation);
+            }
             HomingOutcome::UnderWay | HomingOutcome::Stopped => {
                 self.note(EventKind::HomingBegun { axis });
             }
@@ -61,30 +66,14 @@ impl Kernel {
 
     /// An axis does not know where it is: its encoder was without power, or its reading is not to
     /// be trusted.
-    pub const fn forget_home(&mut self, axis: Axis) {
+    pub fn forget_home(&mut self, axis: Axis) {
         self.homing.forget_home(axis.index());
+        self.count_homed(axis.index());
     }
 
     /// What is added to an encoder's reading to make a position of it.
     pub const fn zero(&self, axis: Axis) -> Coordinate {
         Coordinate::new(self.homing.zero(axis.index()))
-    }
-
-    /// What crossed the bus in the period of the last tick, with positions in the place of the
-    /// encoders' readings.
-    pub fn in_positions(&self, sample: &mut Sample) {
-        if !self.homing.is_shifted() {
-            return;
-        }
-        self.homing.positions(&mut sample.feedback);
-        self.homing.command_positions(&mut sample.command);
-    }
-
-    /// The readings as positions.
-    pub(super) fn positions(&self, feedback: &Feedback) -> Feedback {
-        let mut positions = *feedback;
-        self.homing.positions(&mut positions);
-        positions
     }
 
     /// Axes that are homed go on; axes that are moved for the first time move the way they are told
@@ -99,6 +88,7 @@ impl Kernel {
                 self.homing.check_sense(index, axis)?;
                 Ok(outcome)
             });
+            self.count_homed(index);
             let axis = Axis::ALL[index];
             match outcome {
                 Ok(Some(HomingOutcome::Homed(deviation))) => self.note_homed(axis, deviation),

@@ -4,6 +4,21 @@ use crate::asked_key::span;
 use std::ops::RangeInclusive;
 
 impl Keys<'_> {
+    /// A list of tables, at most so many; empty where it is not stated.
+    pub(crate) fn optional_sections<T>(
+        &mut self,
+        key: &'static str,
+        most: usize,
+        mut read: impl FnMut(&mut Keys<'_>) -> T,
+    ) -> Vec<T> {
+        self.record(key, false, || format!("list of tables, {most} at most"));
+        if self.ask(key).is_none() {
+            self.record_heading(key, |keys| _ = read(keys));
+            return Vec::new();
+        }
+        self.sections(key, most, read)
+    }
+
     /// A list of numbers within bounds, if it is stated.
     pub(crate) fn optional_numbers(
         &mut self,

@@ -1,4 +1,5 @@
 //! Axes of a machine file from `[AXIS_X]`, the `[JOINT_N]` that move it, and `[TRAJ]`.
+use super::compensation::Stated;
 use super::ini::Ini;
 use super::writer::{Cited, MachineWriter, RemarkKind, loops, plain};
 
@@ -77,6 +78,7 @@ impl AxisOf {
         let (travel, speed, acceleration) = (travel?, speed?, acceleration?);
         let approach = self.motion(w, &speed, &acceleration);
         self.body(w, ini, acceleration.value, period_us);
+        Stated::read(w, ini, self).write(w, self, travel);
         Some(Written { travel, approach, acceleration: acceleration.value })
     }
 
@@ -219,10 +221,6 @@ impl AxisOf {
         match self.of_joint(w, ini, "BACKLASH").map(|found| found.map(|v| v.abs() * self.scale)) {
             Some(found) => {
                 w.taken(key, &plain(found.value * units), &found.from);
-                if found.value > 0.0 {
-                    let text = "LinuxCNC takes it up in its commands; Leadscrew reckons with it where a tool turns back, and leaves the taking up to the drive";
-                    w.say(RemarkKind::Missing, key, text);
-                }
             }
             None => w.guessed(key, "0", "no BACKLASH of its joint"),
         }

@@ -89,6 +89,8 @@ pub struct Ini {
     pub entries: Vec<Entry>,
     /// Lines that are neither key nor section nor remark, and files that are not there.
     pub unread: Vec<String>,
+    /// Names of compensation files, and their texts or why there is none.
+    compensation: Vec<(String, Result<String, String>)>,
 }
 
 impl Ini {
@@ -101,7 +103,22 @@ impl Ini {
     ) -> Self {
         let (mut ini, mut section, mut left) = (Self::default(), String::new(), MOST_FILES);
         ini.lines(name, text, &mut section, &mut left, file);
+        let tables = ini.entries.iter().filter(|entry| entry.key == "COMP_FILE").take(left);
+        ini.compensation = tables.map(|entry| (entry.value.clone(), file(&entry.value))).collect();
         ini
+    }
+
+    /// The text of a compensation file.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub(super) fn compensation(&self, name: &str) -> Result<&str, &str> {
+        let found = self.compensation.iter().find(|(own, _)| own == name);
+        match found {
+            Some((_, Ok(text))) => Ok(text),
+            Some((_, Err(why))) => Err(why),
+            None => Err("is not read: the configuration has too many files"),
+        }
     }
 
     fn lines(

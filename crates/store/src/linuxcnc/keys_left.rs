@@ -20,16 +20,8 @@ const REASONS: [(&str, &str, &str); 38] = [
     ("HAL", "HALCMD", "read as a line of a HAL file"),
     ("HAL", "HALUI", "halui is LinuxCNC's: its pins are told of each by itself"),
     ("HAL", "", "HAL files are loaded by halrun, or by the system's start"),
-    (
-        "JOINT_",
-        "COMP_FILE",
-        "errors of the screw are not compensated: leadscrew compensation writes its own table",
-    ),
-    (
-        "AXIS_",
-        "COMP_FILE",
-        "errors of the screw are not compensated: leadscrew compensation writes its own table",
-    ),
+    ("JOINT_", "COMP_FILE", "the first joint of an axis counts"),
+    ("AXIS_", "COMP_FILE", "a joint states it"),
     ("JOINT_", "COMP_FILE_TYPE", "belongs to COMP_FILE"),
     ("JOINT_", "TYPE", "an axis is linear or rotary by its letter"),
     ("AXIS_", "TYPE", "an axis is linear or rotary by its letter"),
@@ -130,9 +122,6 @@ fn fate(entry: &Entry, first: Option<&Entry>) -> (RemarkKind, String) {
         return (RemarkKind::Unread, why.to_owned());
     }
     let reason = REASONS.iter().find(is).map_or(UNKNOWN, |(_, _, why)| why);
-    if entry.key == "COMP_FILE" {
-        return (RemarkKind::Missing, reason.to_owned());
-    }
     let hal = if entry.is_in_hal() { "; the HAL file takes its value, and goes on to" } else { "" };
     (RemarkKind::Unread, format!("{reason}{hal}"))
 }

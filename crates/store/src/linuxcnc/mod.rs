@@ -16,6 +16,7 @@
 //! first of several equal keys counts; a remark is a line of its own; an axis obeys the tightest of
 //! its own limits, its joints' and `[TRAJ]`'s.
 mod axes;
+mod compensation;
 mod files;
 mod hal;
 mod homing;

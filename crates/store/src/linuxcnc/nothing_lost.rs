@@ -71,11 +71,11 @@ fn what_stops_the_machine_in_linuxcnc_is_a_question_however_it_is_wired() {
 }
 
 #[test]
-fn a_key_is_taken_or_not_read_and_a_screw_that_is_not_compensated_is_missing() {
+fn a_key_is_taken_or_not_read_and_a_file_that_is_not_there_is_missing() {
     let more = "COMP_FILE = x.comp\nCOMP_FILE_TYPE = 1\nFERROR = 3\n[LASER]\nPOWER = 3\n[HAL]\nSHUTDOWN = off.hal\n";
     let (_, remarks) = read(&format!("{MILL}{more}"), "setp laser.0.power [LASER]POWER\n");
     for (kind, part) in [
-        ("missing", "[JOINT_2]COMP_FILE = x.comp"),
+        ("missing", "[JOINT_2]COMP_FILE = x.comp: is not there"),
         ("not read", "[JOINT_2]COMP_FILE_TYPE = 1"),
         ("not read", "[JOINT_2]FERROR = 3: the first one counts"),
         ("not read", "[LASER]POWER = 3: a section of its own; the HAL file takes its value"),

@@ -12,6 +12,7 @@
 //! Fc)·exp(−(v/vs)²); Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40
 //! (1995) 419–425.
 use super::axis_drive::{Drive, Motor};
+use super::compensation::Compensation;
 use super::ethercat::DriveSlot;
 use super::homing::{Ends, Homing, Of};
 use super::plant::AxisErrors;
@@ -67,6 +68,8 @@ pub struct Axis {
     pub homing: Homing,
     /// What stands at the ends of its travel.
     pub ends: Option<Ends>,
+    /// Errors of screw and encoder that were measured and are compensated; `None`: none are.
+    pub compensation: Option<Compensation>,
     /// What is wrong with it that its control is not told.
     pub errors: AxisErrors,
     /// Its drive on an EtherCAT network; `None`: it is on none.
@@ -227,13 +230,15 @@ impl Axis {
             windows: keys.section("windows", AxisWindows::read),
             homing: Homing::UNREAD,
             ends: Ends::read(letter, &travel, keys),
+            compensation: None,
             errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
             ethercat: keys.optional_section("ethercat", DriveSlot::read),
         };
         axis.with_homing(keys)
     }
 
-    /// The axis with what its file says of homing, which has to do with all the rest of it.
+    /// The axis with what its file says of homing and of compensation, which have to do with all
+    /// the rest of it.
     pub(super) fn with_homing(self, keys: &mut Keys<'_>) -> Self {
         let lead = match self.drive.motor {
             Motor::BallScrew { lead, .. } => Some(Coordinate::new(lead.value())),
@@ -252,7 +257,8 @@ impl Axis {
             friction: &self.friction,
         };
         let homing = Homing::read(&of, keys);
-        Self { homing, ..self }
+        let compensation = keys.optional_section("compensation", |k| Compensation::read(&self, k));
+        Self { homing, compensation, ..self }
     }
 }
 

@@ -39,6 +39,7 @@
 mod axis;
 mod axis_drive;
 mod change;
+mod compensation;
 mod control;
 mod drives;
 mod ethercat;
@@ -60,6 +61,7 @@ pub(crate) use axis::n_per_um;
 pub use axis::{Approach, Axis, AxisWindows, Friction, Loops, PositionFrom, Structure, Travel};
 pub use axis_drive::{Drive, Motor};
 pub use change::{changed, value};
+pub use compensation::{COMPENSATION_POINTS, COMPENSATION_SHARE, Compensation, TakesUpPlay};
 pub use control::{
     BoringAside, ChipRemoval, Control, CycleDepth, DIALECTS, Fanuc, Follows, Increments, Learning,
     Overrides, PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
@@ -341,6 +343,7 @@ impl MachineFile {
             self.refuse_drives_of_nothing(hal, keys);
         }
         self.refuse_network(keys);
+        self.refuse_unseen(keys);
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
         if names.len() == 2 && names[0] == names[1] {
             keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));
@@ -410,6 +413,15 @@ impl MachineFile {
                     format!("`{key}`: the machine has {spindles} spindle, from spindle.0 on");
                 keys.conflict("hal", text);
             }
+        }
+    }
+
+    /// Errors that a scale sees; where drives are those of HAL or of a network, `position_from`
+    /// says what they report, wherever the encoder is.
+    fn refuse_unseen(&self, keys: &Keys<'_>) {
+        if self.hal.is_none() && self.ethercat.is_none() {
+            let axes = self.axes.iter().flatten();
+            axes.filter_map(Axis::compensates_unseen).for_each(|text| keys.conflict("axes", text));
         }
     }
 

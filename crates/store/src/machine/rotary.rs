@@ -68,6 +68,7 @@ pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
         windows: keys.section("windows", windows),
         homing: Homing::UNREAD,
         ends: Ends::read(letter, &travel, keys),
+        compensation: None,
         errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
         ethercat: keys.optional_section("ethercat", DriveSlot::read),
     };

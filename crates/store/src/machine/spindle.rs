@@ -10,10 +10,12 @@
 //! ```
 use super::axis::Loops;
 use super::axis_drive::thermal_time;
+use super::compensation::spindle_encoder;
 use super::{
     ethercat::DriveSlot, measured_torque::MeasuredTorque, plant::SpindleErrors, setup::percent,
 };
 use crate::keys::Keys;
+use sync::DeviationTable;
 use units::{Angle, Inertia, Length, Power, Spin, SpinAccel, Time, Torque};
 
 /// One spindle.
@@ -65,6 +67,9 @@ pub struct Spindle {
     pub loops: Loops,
     /// What it is watched for.
     pub windows: SpindleWindows,
+    /// Errors per turn of its encoder that were measured and are compensated, rev; `None`: none
+    /// are.
+    pub encoder_errors: Option<DeviationTable>,
     /// What is wrong with it that its control is not told.
     pub errors: SpindleErrors,
     /// Its drive on an EtherCAT network; `None`: it is on none.
@@ -165,6 +170,7 @@ impl Spindle {
             closes_position,
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", SpindleWindows::read),
+            encoder_errors: keys.optional_section("encoder", spindle_encoder),
             errors: keys.optional_section("errors", SpindleErrors::read).unwrap_or_default(),
             ethercat: keys.optional_section("ethercat", DriveSlot::read),
         };
