@@ -38,6 +38,30 @@ pub struct Config {
     pub probe_guard: bool,
     /// Repeated taps learn from one another; `None`: they do not.
     pub learning: Option<sync::Learning>,
+    /// Taps are supervised by measured torque; `None`: they are not.
+    pub supervision: Option<SupervisionControl>,
+}
+
+/// How taps are supervised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SupervisionControl {
+    /// How the drive of each spindle reads its torque; `None`: it does not.
+    pub readings: [Option<TorqueReading>; SPINDLES],
+    /// By this share a good hole may be off the mean of the good ones.
+    pub share: f64,
+    /// An overload takes the tap out along its thread; else the machine only stops.
+    pub retracts: bool,
+}
+
+/// How a drive reads its torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TorqueReading {
+    /// From what it gives to what it says.
+    pub delay: Time,
+    /// Standard deviation of its noise.
+    pub noise: Torque,
 }
 
 /// Longest duration of each wait; beyond it is an alarm.

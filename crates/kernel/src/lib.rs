@@ -50,6 +50,7 @@ mod signals;
 mod spindle;
 mod spindle_monitor;
 mod stroke;
+mod supervision;
 mod tapping;
 mod terms;
 mod threading;
@@ -62,7 +63,7 @@ mod withdrawing;
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
     FeedForward, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows,
-    Subject, Waits,
+    Subject, SupervisionControl, TorqueReading, Waits,
 };
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};
@@ -79,6 +80,7 @@ pub use record_requests::{RECORD_WAIT, RecordRequest, WorkRecord};
 pub use recovering::RecoveryPlan;
 pub use requests::{Reply, Request};
 pub use signals::{Answer, Answered};
+pub use supervision::{BANDS, Bound, Crossing, Supervised};
 pub use sync::{
     CELLS, Correction, Figures, Learning, LearningRecord, MAX_TRANSPORT, Periodic, Prediction,
     StrokeKey, SyncMode, Windows,

@@ -42,6 +42,7 @@ mod stop_campaign;
 mod stopping_distance;
 mod stops;
 mod stuck_spindle;
+mod supervision;
 mod surface_speed;
 mod tapping;
 mod thread_withdrawal;

@@ -66,6 +66,8 @@ fn tap(spindle: u8) -> TapPlan {
         start_angle: Some(Angle::rev(0.25)),
         turns_at_speed: true,
         limiting: motion::TapLimiting::default(),
+        torque_expected: units::Torque::n_m(1.75),
+        torque_limit: Some(units::Torque::n_m(6.5)),
     }
 }
 
@@ -269,6 +271,7 @@ fn config() -> kernel::Config {
         pause: kernel::Pause::Wait,
         probe_guard: true,
         learning: None,
+        supervision: None,
     }
 }
 

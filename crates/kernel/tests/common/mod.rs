@@ -194,6 +194,7 @@ pub fn control(machine: &sim::Config) -> Config {
         pause: Pause::GoOn,
         probe_guard: true,
         learning: None,
+        supervision: None,
     }
 }
 
@@ -289,6 +290,8 @@ impl TapOrder {
                 speed: Limiting::ProgrammedSpeed,
                 ramp: Limiting::ProgrammedSpeed,
             },
+            torque_expected: Torque::n_m(self.cut_n_m),
+            torque_limit: None,
         })
     }
 }

@@ -1,0 +1,394 @@
+//! Supervision of taps by the torque that the drive of their spindle measures.
+//!
+//! ```text
+//!   period t     share of depth, way, J·α + friction ──► [ delay of the sensor ] ─┐
+//!   measured torque at t ────────────────────────────────────────────────────────┴─► − ─► cutting torque c
+//!
+//!      c ─► bins over depth ─► at the end: diagnosis, band
+//!      c ─► sums above band and limit, below band ─► in the same period: alarm, retract along the thread
+//! ```
+//!
+//! The torque of a spindle that reverses is twenty times that of an M6 in steel, so the spindle's
+//! own must be known to some per cent: its acceleration is that of the setpoint, which it follows;
+//! of a drive with ramps of its own, that of the encoder. What is wrong with that model is the same
+//! in each hole of one kind, and part of the band's mean. A stated limit has no such mean: there
+//! the model is taken to be off by [`MODEL_SHARE`] and by half a period.
+//!
+//! Bands are kept for [`BANDS`] kinds of stroke; of more, the one longest unused makes room.
+//! Source of the test: [`sync::supervision::detector`].
+use crate::config::{SpindleControl, Subject, SupervisionControl, TorqueReading};
+use crate::drives::Finding;
+use crate::fault::FaultKind;
+use crate::friction::spindle_friction;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+use motion::TapPlan;
+use sync::supervision::band::{BandKey, StrokeBand};
+use sync::supervision::depth::{DepthSums, DepthTorque, Way, bin_of};
+use sync::supervision::detector::Detector;
+use sync::supervision::diagnosis::{Diagnosed, Diagnosis, diagnose, diagnose_alone};
+use sync::{Phase, Rotation};
+use units::{Length, Time, Torque};
+
+/// Kinds of stroke whose bands are kept at once.
+pub const BANDS: usize = 16;
+/// Longest delay of a drive's reading, in periods; a longer one cannot be supervised.
+const MOST_DELAY: usize = 128;
+/// Share by which the spindle's own torque is not known: inertia, torque constant.
+const MODEL_SHARE: f64 = 0.05;
+/// Share of its speed below which a spindle is about to turn back: there the torque of the cut
+/// changes its sign, and what it was in other holes says little.
+const TURNS_SHARE: f64 = 0.1;
+/// Turns after the surface in which a tap cuts with its chamfer alone, at most.
+const EARLY_TURNS: f64 = 5.0;
+
+/// What supervision saw of one stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Supervised {
+    /// The tool.
+    pub tool: u32,
+    /// From the surface to the bottom.
+    pub depth: Length,
+    /// Cutting torque over that depth.
+    pub torque: DepthTorque,
+    /// What the hole was.
+    pub diagnosed: Diagnosed,
+    /// What the torque has left, if that has stopped the stroke.
+    pub crossing: Option<Crossing>,
+    /// Torque of the last good holes over that of the first ones, with this one.
+    pub level: f64,
+    /// Change of that with each hole, and its standard error, once there are enough.
+    pub slope: Option<(f64, f64)>,
+}
+
+/// A bound that was crossed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Crossing {
+    /// The bound.
+    pub bound: Bound,
+    /// Mean torque since it was crossed.
+    pub torque: Torque,
+    /// The bound's value.
+    pub limit: Torque,
+    /// Depth of the tip below the surface.
+    pub depth: Length,
+    /// From the first reading beyond the bound to the order to retract: what the noise takes.
+    pub took: Time,
+}
+
+/// Bounds of the torque.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Bound {
+    /// What the tap bears, or the tool table states.
+    Limit,
+    /// The upper bound of the band.
+    Upper,
+    /// The lower bound of the band: the tap cuts nothing.
+    Lower,
+}
+
+/// What the spindle was to do in one period.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    /// Share of the depth; `None` above the surface.
+    share: Option<f64>,
+    way: Way,
+    /// Sense of the rotation, +1 or −1.
+    sense: f64,
+    /// Torque of acceleration and friction, N·m.
+    own: f64,
+    /// It turns fast enough for friction and cut to have their sign.
+    turns: bool,
+}
+
+impl Moment {
+    const NONE: Self = Self { share: None, way: Way::In, sense: 1.0, own: 0.0, turns: false };
+}
+
+/// A stroke under way.
+#[derive(Clone, Debug)]
+struct Watched {
+    spindle: u8,
+    reading: TorqueReading,
+    key: BandKey,
+    limit: Option<f64>,
+    expected: f64,
+    lead: f64,
+    period: Time,
+    /// What the spindle was to do, the oldest at `next`.
+    moments: [Moment; MOST_DELAY + 1],
+    delay: usize,
+    next: usize,
+    own_before: f64,
+    sums: DepthSums,
+    detectors: [Detector; 3],
+    crossing: Option<Crossing>,
+    is_interrupted: bool,
+}
+
+/// All bands, and the stroke under way, whose band stands last.
+#[derive(Clone, Debug)]
+pub(crate) struct Supervision {
+    control: Option<SupervisionControl>,
+    bands: Vec<StrokeBand>,
+    watched: Watched,
+    is_on: bool,
+}
+
+impl Supervision {
+    /// With room for all that will ever be kept.
+    pub(crate) fn new(control: Option<SupervisionControl>) -> Self {
+        let room = if control.is_some() { BANDS } else { 0 };
+        let watched = Watched {
+            spindle: 0,
+            reading: TorqueReading { delay: Time::ZERO, noise: Torque::ZERO },
+            key: BandKey::default(),
+            limit: None,
+            expected: 0.0,
+            lead: 1.0,
+            period: Time::ZERO,
+            moments: [Moment::NONE; MOST_DELAY + 1],
+            delay: 0,
+            next: 0,
+            own_before: 0.0,
+            sums: DepthSums::NONE,
+            detectors: [Detector::NEW; 3],
+            crossing: None,
+            is_interrupted: false,
+        };
+        Self { control, bands: Vec::with_capacity(room), watched, is_on: false }
+    }
+
+    /// What is known of good holes.
+    pub(crate) fn bands(&self) -> &[StrokeBand] {
+        &self.bands
+    }
+
+    /// What was known before; bands beyond the room are left out.
+    pub(crate) fn recall(&mut self, bands: Vec<StrokeBand>) {
+        if self.control.is_some() {
+            self.bands.clear();
+            self.bands.extend(bands.into_iter().take(BANDS));
+        }
+    }
+
+    /// A tool is new: what was learnt of its predecessor is forgotten.
+    pub(crate) fn forget(&mut self, tool: u32) {
+        self.bands.retain(|band| band.key.tool != tool);
+    }
+
+    /// An overload takes the tap out along its thread.
+    pub(crate) fn retracts(&self) -> bool {
+        self.control.is_some_and(|control| control.retracts)
+    }
+
+    /// A tap begins.
+    pub(crate) fn begin(&mut self, tool: u32, plan: &TapPlan, period: Time) {
+        self.is_on = false;
+        let Some(control) = self.control else { return };
+        let Some(reading) = control.readings.get(usize::from(plan.spindle)).copied().flatten()
+        else {
+            return;
+        };
+        let delay = libm::round(reading.delay.value() / period.value());
+        if delay > MOST_DELAY as f64 {
+            return;
+        }
+        let start = plan.start.along(plan.axis).of_linear();
+        let key = BandKey {
+            tool,
+            lead: plan.lead,
+            spin: plan.spin,
+            return_spin: plan.return_spin,
+            run_in: (plan.surface - start).abs(),
+            depth: (plan.bottom - plan.surface).abs(),
+        };
+        self.take_band(key);
+        let watched = &mut self.watched;
+        (watched.reading, watched.key, watched.period) = (reading, key, period);
+        watched.spindle = plan.spindle;
+        watched.limit = plan.torque_limit.map(Torque::value);
+        watched.expected = plan.torque_expected.value();
+        watched.lead = plan.lead.value().abs();
+        watched.moments.fill(Moment::NONE);
+        (watched.delay, watched.next, watched.own_before) = (delay as usize, 0, 0.0);
+        watched.sums = DepthSums::NONE;
+        watched.detectors = [Detector::NEW; 3];
+        (watched.crossing, watched.is_interrupted) = (None, false);
+        self.is_on = key.depth > Length::ZERO;
+    }
+
+    /// The band of a kind of stroke comes last.
+    fn take_band(&mut self, key: BandKey) {
+        match self.bands.iter().position(|band| band.key.is_like(&key)) {
+            Some(index) => self.bands[index..].rotate_left(1),
+            None if self.bands.len() < BANDS => self.bands.push(StrokeBand::new(key)),
+            None => {
+                self.bands.rotate_left(1);
+                if let Some(band) = self.bands.last_mut() {
+                    *band = StrokeBand::new(key);
+                }
+            }
+        }
+    }
+
+    /// Something else than the torque stops the stroke on its way.
+    pub(crate) const fn interrupt(&mut self) {
+        self.watched.is_interrupted = true;
+    }
+
+    /// Takes this period's reading; an alarm where it leaves a bound. `at`: depth of the tip below
+    /// the surface, and how the spindle turns.
+    pub(crate) fn observe(
+        &mut self,
+        phase: Phase,
+        (depth, rotation): (Length, Rotation),
+        spindle: &SpindleControl,
+        measured: Option<Torque>,
+    ) -> Option<(Finding, Supervised)> {
+        let control = self.control.filter(|_| self.is_on)?;
+        let way = match phase {
+            Phase::In | Phase::Bottom => Way::In,
+            Phase::Out => Way::Out,
+            Phase::Prepare | Phase::Done => return None,
+        };
+        let Some(torque) = measured.map(Torque::value).filter(|torque| torque.is_finite()) else {
+            self.is_on = false; // silent: nothing is said of this stroke
+            return None;
+        };
+        let (moment, slew) = self.watched.delayed(way, depth, rotation, spindle);
+        let (share, way) = (moment.share?, moment.way);
+        let cut = (torque - moment.own) * moment.sense;
+        self.watched.sums.add(way, share, cut);
+        if self.watched.crossing.is_some() || self.watched.is_interrupted {
+            return None;
+        }
+        let band = self.bands.last()?;
+        let model = (MODEL_SHARE * moment.own.abs() + slew, slew);
+        let band = Some(band).filter(|band| band.is_known() && moment.turns);
+        let crossing = self.watched.judge(band, control.share, (way, share, cut), model)?;
+        self.watched.crossing = Some(crossing);
+        let kind = match crossing.bound {
+            Bound::Limit | Bound::Upper => FaultKind::TapOverload,
+            Bound::Lower => FaultKind::TapCutsNothing,
+        };
+        let of = Subject::Spindle(self.watched.spindle);
+        let finding = (kind, of, crossing.torque.value(), crossing.limit.value());
+        Some((finding, self.supervised(control.share)))
+    }
+
+    /// The stroke has ended: what it was, and what is learnt of it.
+    pub(crate) fn finish(&mut self) -> Option<Supervised> {
+        let control = self.control.filter(|_| self.is_on)?;
+        self.is_on = false;
+        if self.watched.crossing.is_some() {
+            return None; // said
+        }
+        let supervised = self.supervised(control.share);
+        let learns = supervised.diagnosed.is_good();
+        let band = self.bands.last_mut()?;
+        if learns {
+            band.learn(&supervised.torque);
+        }
+        let slope = band.trend.slope().map(|slope| (slope.per_hole, slope.error));
+        Some(Supervised { level: band.level, slope, ..supervised })
+    }
+
+    fn supervised(&self, share: f64) -> Supervised {
+        let (watched, torque) = (&self.watched, self.watched.sums.means());
+        let band = self.bands.last().copied().unwrap_or_default();
+        let diagnosed = match watched.crossing {
+            None if watched.is_interrupted => {
+                Diagnosed { what: Diagnosis::Interrupted, is_sure: true }
+            }
+            Some(crossing) if !band.is_known() => {
+                let early = crossing.depth.value() < EARLY_TURNS * watched.lead;
+                diagnose_alone(&torque, early)
+            }
+            Some(_) | None => diagnose(&torque, &band, share),
+        };
+        Supervised {
+            tool: watched.key.tool,
+            depth: watched.key.depth,
+            torque,
+            diagnosed,
+            crossing: watched.crossing,
+            level: band.level,
+            slope: band.trend.slope().map(|slope| (slope.per_hole, slope.error)),
+        }
+    }
+}
+
+impl Watched {
+    /// What the spindle was to do when the drive measured what it says now, and by how much its own
+    /// torque may be off for half a period more or less.
+    fn delayed(
+        &mut self,
+        way: Way,
+        depth: Length,
+        rotation: Rotation,
+        spindle: &SpindleControl,
+    ) -> (Moment, f64) {
+        let inward = self.key.spin.value().signum();
+        let sense = if way == Way::In { inward } else { -inward };
+        let inertia = spindle.inertia.value() * TAU;
+        let friction = spindle_friction(&spindle.friction, rotation.spin).value();
+        let own = inertia * rotation.accel.value() + friction;
+        let share = (depth >= Length::ZERO).then(|| depth / self.key.depth);
+        let turns = rotation.spin.abs() > self.key.spin.abs() * TURNS_SHARE;
+        self.moments[self.next] = Moment { share, way, sense, own, turns };
+        let size = self.moments.len();
+        let moment = self.moments[(self.next + size - self.delay) % size];
+        self.next = (self.next + 1) % size;
+        let slew = (moment.own - self.own_before).abs() / 2.0;
+        self.own_before = moment.own;
+        (moment, slew)
+    }
+
+    /// The bound that this reading leaves; `model`: by how much the spindle's own torque may be off
+    /// by itself, and from hole to hole.
+    fn judge(
+        &mut self,
+        band: Option<&StrokeBand>,
+        share_off: f64,
+        (way, share, cut): (Way, f64, f64),
+        (model, repeats): (f64, f64),
+    ) -> Option<Crossing> {
+        let noise = self.reading.noise.value();
+        let bin = bin_of(share);
+        let limit = self.limit.map(|limit| {
+            let bound = limit + model;
+            (Bound::Limit, bound, bound - self.expected.min(limit / 2.0))
+        });
+        let upper = band.map(|band| {
+            let (bound, distance) = band.upper(way, bin, share_off);
+            (Bound::Upper, bound + repeats, distance)
+        });
+        let lower = band.filter(|_| way == Way::In).and_then(|band| {
+            let (bound, distance) = band.lower(bin)?;
+            Some((Bound::Lower, bound - repeats, distance))
+        });
+        let detectors = &mut self.detectors;
+        for (detector, bounds) in detectors.iter_mut().zip([limit, upper, lower]) {
+            let Some((bound, value, distance)) = bounds else {
+                detector.reset();
+                continue;
+            };
+            let excess = if bound == Bound::Lower { value - cut } else { cut - value };
+            if detector.exceeds(excess, distance, noise) {
+                let mean = if bound == Bound::Lower { -detector.mean() } else { detector.mean() };
+                return Some(Crossing {
+                    bound,
+                    torque: Torque::n_m(value + mean),
+                    limit: Torque::n_m(value),
+                    depth: self.key.depth * share,
+                    took: self.period * f64::from(detector.readings().saturating_sub(1)),
+                });
+            }
+        }
+        None
+    }
+}
