@@ -50,8 +50,20 @@ pub struct SupervisionControl {
     pub readings: [Option<TorqueReading>; SPINDLES],
     /// By this share a good hole may be off the mean of the good ones.
     pub share: f64,
-    /// An overload takes the tap out along its thread; else the machine only stops.
-    pub retracts: bool,
+    /// What an overload does.
+    pub reaction: OverloadReaction,
+}
+
+/// What a torque beyond its bounds does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum OverloadReaction {
+    /// An alarm; the tap comes out along its thread.
+    Retract,
+    /// An alarm; the tap stays in its thread.
+    Stop,
+    /// Nothing: what is seen is said when the hole is done.
+    Report,
 }
 
 /// How a drive reads its torque.

@@ -62,8 +62,8 @@ mod withdrawing;
 
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
-    FeedForward, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows,
-    Subject, SupervisionControl, TorqueReading, Waits,
+    FeedForward, OverloadReaction, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction,
+    SpindleWindows, Subject, SupervisionControl, TorqueReading, Waits,
 };
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};

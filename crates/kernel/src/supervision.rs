@@ -10,13 +10,14 @@
 //!
 //! The torque of a spindle that reverses is twenty times that of an M6 in steel, so the spindle's
 //! own must be known to some per cent: its acceleration is that of the setpoint, which it follows;
-//! of a drive with ramps of its own, that of the encoder. What is wrong with that model is the same
-//! in each hole of one kind, and part of the band's mean. A stated limit has no such mean: there
-//! the model is taken to be off by [`MODEL_SHARE`] and by half a period.
+//! of a drive with ramps of its own, that of the encoder. By how much inertia, torque constant and
+//! friction are not as the machine's file says is learnt above the work, in the same stroke and in
+//! those before ([`sync::supervision::own`]). What is left of it and half a period of its change
+//! are added to each bound.
 //!
 //! Bands are kept for [`BANDS`] kinds of stroke; of more, the one longest unused makes room.
 //! Source of the test: [`sync::supervision::detector`].
-use crate::config::{SpindleControl, Subject, SupervisionControl, TorqueReading};
+use crate::config::{OverloadReaction, SpindleControl, Subject, SupervisionControl, TorqueReading};
 use crate::drives::Finding;
 use crate::fault::FaultKind;
 use crate::friction::spindle_friction;
@@ -26,7 +27,7 @@ use motion::TapPlan;
 use sync::supervision::band::{BandKey, StrokeBand};
 use sync::supervision::depth::{DepthSums, DepthTorque, Way, bin_of};
 use sync::supervision::detector::Detector;
-use sync::supervision::diagnosis::{Diagnosed, Diagnosis, diagnose, diagnose_alone};
+use sync::supervision::diagnosis::{Diagnosed, Diagnosis, diagnose, diagnose_alone, diagnose_gone};
 use sync::{Phase, Rotation};
 use units::{Length, Time, Torque};
 
@@ -34,8 +35,8 @@ use units::{Length, Time, Torque};
 pub const BANDS: usize = 16;
 /// Longest delay of a drive's reading, in periods; a longer one cannot be supervised.
 const MOST_DELAY: usize = 128;
-/// Share by which the spindle's own torque is not known: inertia, torque constant.
-const MODEL_SHARE: f64 = 0.05;
+/// Standard deviations of the spindle's inertia by which its torque may be off.
+const GAIN_ERRORS: f64 = 3.0;
 /// Share of its speed below which a spindle is about to turn back: there the torque of the cut
 /// changes its sign, and what it was in other holes says little.
 const TURNS_SHARE: f64 = 0.1;
@@ -98,14 +99,17 @@ struct Moment {
     way: Way,
     /// Sense of the rotation, +1 or −1.
     sense: f64,
-    /// Torque of acceleration and friction, N·m.
-    own: f64,
+    /// Torque of acceleration, N·m.
+    inertial: f64,
+    /// Torque of friction, N·m.
+    friction: f64,
     /// It turns fast enough for friction and cut to have their sign.
     turns: bool,
 }
 
 impl Moment {
-    const NONE: Self = Self { share: None, way: Way::In, sense: 1.0, own: 0.0, turns: false };
+    const NONE: Self =
+        Self { share: None, way: Way::In, sense: 1.0, inertial: 0.0, friction: 0.0, turns: false };
 }
 
 /// A stroke under way.
@@ -122,7 +126,7 @@ struct Watched {
     moments: [Moment; MOST_DELAY + 1],
     delay: usize,
     next: usize,
-    own_before: f64,
+    inertial_before: f64,
     sums: DepthSums,
     detectors: [Detector; 3],
     crossing: Option<Crossing>,
@@ -153,7 +157,7 @@ impl Supervision {
             moments: [Moment::NONE; MOST_DELAY + 1],
             delay: 0,
             next: 0,
-            own_before: 0.0,
+            inertial_before: 0.0,
             sums: DepthSums::NONE,
             detectors: [Detector::NEW; 3],
             crossing: None,
@@ -182,7 +186,7 @@ impl Supervision {
 
     /// An overload takes the tap out along its thread.
     pub(crate) fn retracts(&self) -> bool {
-        self.control.is_some_and(|control| control.retracts)
+        self.control.is_some_and(|control| control.reaction == OverloadReaction::Retract)
     }
 
     /// A tap begins.
@@ -214,11 +218,14 @@ impl Supervision {
         watched.expected = plan.torque_expected.value();
         watched.lead = plan.lead.value().abs();
         watched.moments.fill(Moment::NONE);
-        (watched.delay, watched.next, watched.own_before) = (delay as usize, 0, 0.0);
+        (watched.delay, watched.next, watched.inertial_before) = (delay as usize, 0, 0.0);
         watched.sums = DepthSums::NONE;
         watched.detectors = [Detector::NEW; 3];
         (watched.crossing, watched.is_interrupted) = (None, false);
         self.is_on = key.depth > Length::ZERO;
+        if let Some(band) = self.bands.last_mut() {
+            band.own.fade();
+        }
     }
 
     /// The band of a kind of stroke comes last.
@@ -260,16 +267,25 @@ impl Supervision {
             return None;
         };
         let (moment, slew) = self.watched.delayed(way, depth, rotation, spindle);
-        let (share, way) = (moment.share?, moment.way);
-        let cut = (torque - moment.own) * moment.sense;
+        let noise = self.watched.reading.noise.value();
+        let band = self.bands.last_mut()?;
+        let Some(share) = moment.share else {
+            if moment.turns || moment.inertial != 0.0 {
+                band.own.add((moment.inertial, moment.friction), torque, noise);
+            }
+            return None;
+        };
+        let (way, (gain, friction)) = (moment.way, band.own.factors());
+        let own = gain * moment.inertial + friction * moment.friction;
+        let cut = (torque - own) * moment.sense;
         self.watched.sums.add(way, share, cut);
-        if self.watched.crossing.is_some() || self.watched.is_interrupted {
+        let reports = control.reaction == OverloadReaction::Report;
+        if reports || self.watched.crossing.is_some() || self.watched.is_interrupted {
             return None;
         }
-        let band = self.bands.last()?;
-        let model = (MODEL_SHARE * moment.own.abs() + slew, slew);
-        let band = Some(band).filter(|band| band.is_known() && moment.turns);
-        let crossing = self.watched.judge(band, control.share, (way, share, cut), model)?;
+        let unsure = GAIN_ERRORS * band.own.gain_error() * moment.inertial.abs() + slew;
+        let band = Some(&*band).filter(|_| moment.turns);
+        let crossing = self.watched.judge(band, control.share, (way, share, cut), unsure)?;
         self.watched.crossing = Some(crossing);
         let kind = match crossing.bound {
             Bound::Limit | Bound::Upper => FaultKind::TapOverload,
@@ -304,11 +320,14 @@ impl Supervision {
             None if watched.is_interrupted => {
                 Diagnosed { what: Diagnosis::Interrupted, is_sure: true }
             }
+            Some(crossing) if crossing.bound == Bound::Lower => {
+                diagnose_gone(&torque, &band, crossing.depth / watched.key.depth)
+            }
             Some(crossing) if !band.is_known() => {
                 let early = crossing.depth.value() < EARLY_TURNS * watched.lead;
                 diagnose_alone(&torque, early)
             }
-            Some(_) | None => diagnose(&torque, &band, share),
+            Some(_) | None => diagnose(&torque, &band, share, watched.expected),
         };
         Supervised {
             tool: watched.key.tool,
@@ -336,40 +355,39 @@ impl Watched {
         let sense = if way == Way::In { inward } else { -inward };
         let inertia = spindle.inertia.value() * TAU;
         let friction = spindle_friction(&spindle.friction, rotation.spin).value();
-        let own = inertia * rotation.accel.value() + friction;
+        let inertial = inertia * rotation.accel.value();
         let share = (depth >= Length::ZERO).then(|| depth / self.key.depth);
         let turns = rotation.spin.abs() > self.key.spin.abs() * TURNS_SHARE;
-        self.moments[self.next] = Moment { share, way, sense, own, turns };
+        self.moments[self.next] = Moment { share, way, sense, inertial, friction, turns };
         let size = self.moments.len();
         let moment = self.moments[(self.next + size - self.delay) % size];
         self.next = (self.next + 1) % size;
-        let slew = (moment.own - self.own_before).abs() / 2.0;
-        self.own_before = moment.own;
+        let slew = (moment.inertial - self.inertial_before).abs() / 2.0;
+        self.inertial_before = moment.inertial;
         (moment, slew)
     }
 
-    /// The bound that this reading leaves; `model`: by how much the spindle's own torque may be off
-    /// by itself, and from hole to hole.
+    /// The bound that this reading leaves; `unsure`: by how much the spindle's own torque may be off.
     fn judge(
         &mut self,
         band: Option<&StrokeBand>,
         share_off: f64,
         (way, share, cut): (Way, f64, f64),
-        (model, repeats): (f64, f64),
+        unsure: f64,
     ) -> Option<Crossing> {
         let noise = self.reading.noise.value();
         let bin = bin_of(share);
         let limit = self.limit.map(|limit| {
-            let bound = limit + model;
+            let bound = limit + unsure;
             (Bound::Limit, bound, bound - self.expected.min(limit / 2.0))
         });
-        let upper = band.map(|band| {
+        let upper = band.filter(|band| band.is_known()).map(|band| {
             let (bound, distance) = band.upper(way, bin, share_off);
-            (Bound::Upper, bound + repeats, distance)
+            (Bound::Upper, bound + unsure, distance)
         });
-        let lower = band.filter(|_| way == Way::In).and_then(|band| {
+        let lower = band.filter(|band| way == Way::In && band.has_lower()).and_then(|band| {
             let (bound, distance) = band.lower(bin)?;
-            Some((Bound::Lower, bound - repeats, distance))
+            Some((Bound::Lower, bound - unsure, distance))
         });
         let detectors = &mut self.detectors;
         for (detector, bounds) in detectors.iter_mut().zip([limit, upper, lower]) {

@@ -1,6 +1,9 @@
 //! Supervision of taps by measured torque, on a plant that does what is to be found.
 use crate::common::*;
-use kernel::{Config, EventKind, FaultKind, Kernel, Supervised, SupervisionControl, TorqueReading};
+use kernel::{
+    Config, EventKind, FaultKind, Kernel, OverloadReaction, Supervised, SupervisionControl,
+    TorqueReading,
+};
 use plan::StepKind;
 use sim::{Bore, Hole, MeasuredTorque, MeasuredTorques, SimulatedMachine};
 use sync::supervision::diagnosis::Diagnosis;
@@ -62,7 +65,8 @@ impl Bench {
         let peak = machine.spindles[0].peak_torque;
         let reading = TorqueReading { delay: DELAY, noise: peak * self.noise };
         let readings = core::array::from_fn(|spindle| (spindle == 0).then_some(reading));
-        control.supervision = Some(SupervisionControl { readings, share: 0.25, retracts: true });
+        control.supervision =
+            Some(SupervisionControl { readings, share: 0.25, reaction: OverloadReaction::Retract });
         let mut measured = MeasuredTorques::default();
         measured.spindles[0] = Some(MeasuredTorque {
             resolution_share: 0.001,

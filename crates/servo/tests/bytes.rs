@@ -198,6 +198,7 @@ fn every_request_and_reply_comes_out_as_it_went_in() {
         Request::KeepRecords,
         Request::Acknowledge(7),
         Request::NotWritten,
+        Request::ForgetBands(7),
     ] {
         let mut bytes = [0; 1024];
         let length = encode(&request, &mut bytes).unwrap();

@@ -8,9 +8,10 @@
 //!                    └──┴──────────────────────────► depth
 //! ```
 //!
-//! [`depth`] has the torque over depth of one stroke, [`detector`] finds a change of it period by
+//! [`own`] takes the spindle's own torque out, [`depth`] has the torque over depth of one stroke, [`detector`] finds a change of it period by
 //! period, [`band`] is what good holes have been like, [`diagnosis`] says what a hole was.
 pub mod band;
 pub mod depth;
 pub mod detector;
 pub mod diagnosis;
+pub mod own;

@@ -11,6 +11,7 @@
 //! does not take its band along unseen: the level does that, up to [`WORN`], and the line says how
 //! fast.
 use super::depth::{BINS, DepthTorque, Way};
+use super::own::OwnTorque;
 use libm::sqrt;
 use units::{Lead, Length, Spin};
 
@@ -142,12 +143,19 @@ pub struct StrokeBand {
     pub level: f64,
     /// How the ratio changes.
     pub trend: Trend,
+    /// What the spindle's own torque is with this tool.
+    pub own: OwnTorque,
 }
 
 impl StrokeBand {
     /// Of which nothing is known.
     pub fn new(key: BandKey) -> Self {
         Self { key, level: 1.0, ..Self::default() }
+    }
+
+    /// A tap that cuts nothing is known from the first good hole on.
+    pub const fn has_lower(&self) -> bool {
+        self.holes > 0
     }
 
     /// It is made of enough holes to be used.

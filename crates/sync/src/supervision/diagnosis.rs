@@ -18,10 +18,14 @@ use super::depth::{BINS, DepthTorque, Way};
 const USABLE_SHARE: f64 = 0.3;
 /// Bins at either end of a hole whose mean is taken.
 const ENDS: usize = 3;
+/// Share of what the formula expects, below which a first hole was none.
+const NOTHING_SHARE: f64 = 0.25;
 /// So many times `first` may `last` be in a hole that is too small all along.
 const EVEN: f64 = 1.3;
 /// Torque on the way out over that expected, from which on chips are dragged along.
 const DRAGGED: f64 = 1.6;
+/// Usable bins at the end in which nothing is cut any more.
+const GONE_BINS: usize = 2;
 /// Usable bins from which on the course over depth is sure.
 const SURE_BINS: usize = 5;
 
@@ -84,7 +88,8 @@ struct Ratios {
 impl Ratios {
     fn of(torque: &DepthTorque, band: &StrokeBand) -> Self {
         let mut ratios = Self { bins: [(0, 0.0); BINS], count: 0 };
-        for bin in 0..BINS {
+        // in the last one the spindle turns back
+        for bin in 0..BINS - 1 {
             let usable = band.mean[0][bin] >= USABLE_SHARE * band.plateau();
             let Some(value) = torque.at(Way::In, bin).filter(|_| usable) else { continue };
             ratios.bins[ratios.count] = (bin, value / band.expected(Way::In, bin));
@@ -114,7 +119,7 @@ impl Ratios {
         let before = &list[..list.len() - gone];
         let cut = before.iter().any(|(_, q)| *q > 1.0 - LEARNING_SHARE);
         let (bin, _) = *list.get(list.len() - gone)?;
-        (gone >= 1 && cut).then(|| bin as f64 / BINS as f64)
+        (gone >= GONE_BINS && cut).then(|| bin as f64 / BINS as f64)
     }
 }
 
@@ -128,14 +133,31 @@ fn dragged(torque: &DepthTorque, band: &StrokeBand) -> Option<f64> {
     (expected > 0.0).then(|| sum / expected)
 }
 
-/// What a hole was; `share`: by how much a good one may be off.
-pub fn diagnose(torque: &DepthTorque, band: &StrokeBand, share: f64) -> Diagnosed {
+/// What a hole was; `share`: by how much a good one may be off, `expected`: torque by the tap
+/// makers' formula, N·m, where it is known.
+pub fn diagnose(torque: &DepthTorque, band: &StrokeBand, share: f64, expected: f64) -> Diagnosed {
     if !band.is_known() {
-        return while_learning(torque, band);
+        return while_learning(torque, band, expected);
     }
+    over_depth(torque, band, share)
+}
+
+/// What a stroke was that its lower bound has stopped at this share of the depth.
+pub fn diagnose_gone(torque: &DepthTorque, band: &StrokeBand, at: f64) -> Diagnosed {
+    let ratios = Ratios::of(torque, band);
+    let cut = ratios.list().iter().filter(|(_, q)| *q > 1.0 - LEARNING_SHARE).count();
+    if cut > 0 {
+        return Diagnosed::new(Diagnosis::Broken(at), cut > GONE_BINS);
+    }
+    Diagnosed::new(Diagnosis::CutsNothing, false)
+}
+
+/// The course of the torque over depth, beside a band that is in use.
+fn over_depth(torque: &DepthTorque, band: &StrokeBand, share: f64) -> Diagnosed {
     let ratios = Ratios::of(torque, band);
     if ratios.count == 0 {
-        return Diagnosed::new(Diagnosis::AboveBand(1.0 + share), false);
+        // above the band before the chamfer was in
+        return Diagnosed::new(Diagnosis::HoleTooSmall(1.0 + share), false);
     }
     let (first, last) = ratios.ends();
     let mean = Ratios::mean(ratios.list());
@@ -148,7 +170,8 @@ pub fn diagnose(torque: &DepthTorque, band: &StrokeBand, share: f64) -> Diagnose
         return Diagnosed::new(Diagnosis::CutsNothing, many);
     }
     if first > 1.0 + share {
-        let even = last < EVEN * first;
+        // cut short in the chamfer there is no course to speak of
+        let even = last < EVEN * first || !many;
         let what = if even { Diagnosis::HoleTooSmall(mean) } else { Diagnosis::AboveBand(last) };
         return Diagnosed::new(what, even && many);
     }
@@ -170,7 +193,11 @@ pub fn diagnose(torque: &DepthTorque, band: &StrokeBand, share: f64) -> Diagnose
 }
 
 /// No band is in use: a hole that is far from those before is not learnt from.
-fn while_learning(torque: &DepthTorque, band: &StrokeBand) -> Diagnosed {
+fn while_learning(torque: &DepthTorque, band: &StrokeBand, expected: f64) -> Diagnosed {
+    let (_, largest) = torque.largest(Way::In).unwrap_or_default();
+    if band.holes == 0 && largest < NOTHING_SHARE * expected {
+        return Diagnosed::new(Diagnosis::CutsNothing, false);
+    }
     let ratio = band.ratio(torque).filter(|_| band.holes > 0);
     let far = ratio.filter(|ratio| (ratio - 1.0).abs() > LEARNING_SHARE);
     let what = far.map_or(Diagnosis::Learning(band.holes + 1), Diagnosis::UnlikeOthers);
@@ -222,7 +249,7 @@ mod tests {
     }
 
     fn said(torque: DepthTorque) -> Diagnosed {
-        diagnose(&torque, &band(), SHARE)
+        diagnose(&torque, &band(), SHARE, 2.0)
     }
 
     #[test]
@@ -253,9 +280,9 @@ mod tests {
     fn before_there_is_a_band_a_hole_far_from_the_others_is_not_learnt_from() {
         let mut band = StrokeBand::new(BandKey::default());
         let good = hole(|_| 1.0, |_| 1.0);
-        assert_eq!(diagnose(&good, &band, SHARE).what, Diagnosis::Learning(1));
+        assert_eq!(diagnose(&good, &band, SHARE, 2.0).what, Diagnosis::Learning(1));
         band.learn(&good);
-        let odd = diagnose(&hole(|_| 2.0, |_| 2.0), &band, SHARE);
+        let odd = diagnose(&hole(|_| 2.0, |_| 2.0), &band, SHARE, 2.0);
         assert!(matches!(odd.what, Diagnosis::UnlikeOthers(_)) && !odd.is_good());
     }
 
@@ -266,11 +293,11 @@ mod tests {
             band.learn(&hole(|_| 1.0 + 0.012 * f64::from(number), |_| 1.0));
         }
         let level = band.level;
-        let worn = diagnose(&hole(|_| level, |_| level), &band, SHARE);
+        let worn = diagnose(&hole(|_| level, |_| level), &band, SHARE, 2.0);
         assert!(matches!(worn.what, Diagnosis::Worn(_)) && worn.is_sure, "{worn:?}");
         let mut jumped = self::band();
         jumped.level = 1.6;
-        let worn = diagnose(&hole(|_| 1.6, |_| 1.6), &jumped, SHARE);
+        let worn = diagnose(&hole(|_| 1.6, |_| 1.6), &jumped, SHARE, 2.0);
         assert!(matches!(worn.what, Diagnosis::Worn(_)) && !worn.is_sure);
     }
 }
