@@ -1,19 +1,21 @@
 //! Supervision of taps by the torque that the drive of their spindle measures.
 //!
 //! ```text
-//!   period t     share of depth, way, J·α + friction ──► [ delay of the sensor ] ─┐
-//!   measured torque at t ────────────────────────────────────────────────────────┴─► − ─► cutting torque c
+//!   angle      ──► α, n about the time t − D ──► g·J·α + f·friction ─┐
+//!   torque     ──► what was given at t − D ──────────────────────────┴─► − ─► cutting torque c
 //!
 //!      c ─► bins over depth ─► at the end: diagnosis, band
 //!      c ─► sums above band and limit, below band ─► in the same period: alarm, retract along the thread
+//!
+//!   α = (θ(t−D+w) − 2·θ(t−D) + θ(t−D−w))/w²      D the larger of the drive's delay and w
 //! ```
 //!
 //! The torque of a spindle that reverses is twenty times that of an M6 in steel, so the spindle's
-//! own must be known to some per cent: its acceleration is that of the setpoint, which it follows;
-//! of a drive with ramps of its own, that of the encoder. By how much inertia, torque constant and
-//! friction are not as the machine's file says is learnt above the work, in the same stroke and in
-//! those before ([`sync::supervision::own`]). What is left of it and half a period of its change
-//! are added to each bound.
+//! own must be known to some per cent, also where its drive is at its limit: its acceleration is
+//! that of the encoder, over as long a span w as its counts ask for. By how much inertia, torque
+//! constant and friction are not as the machine's file says is learnt above the work, in the same
+//! stroke and in those before ([`sync::supervision::own`]). What is left of it, and what a change of
+//! the acceleration within w may hide, are added to each bound.
 //!
 //! Bands are kept for [`BANDS`] kinds of stroke; of more, the one longest unused makes room.
 //! Source of the test: [`sync::supervision::detector`].
@@ -24,17 +26,27 @@ use crate::friction::spindle_friction;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use motion::TapPlan;
+use sync::Phase;
 use sync::supervision::band::{BandKey, StrokeBand};
 use sync::supervision::depth::{DepthSums, DepthTorque, Way, bin_of};
 use sync::supervision::detector::Detector;
 use sync::supervision::diagnosis::{Diagnosed, Diagnosis, diagnose, diagnose_alone, diagnose_gone};
-use sync::{Phase, Rotation};
-use units::{Length, Time, Torque};
+use units::{Angle, Length, Spin, Time, Torque};
 
 /// Kinds of stroke whose bands are kept at once.
 pub const BANDS: usize = 16;
 /// Longest delay of a drive's reading, in periods; a longer one cannot be supervised.
 const MOST_DELAY: usize = 128;
+/// Least and largest w, in periods.
+const SPAN: (usize, usize) = (2, 32);
+/// Readings that are looked back on.
+const READINGS: usize = MOST_DELAY + SPAN.1 + 1;
+/// Standard deviation of a second difference of readings that are rounded to counts: √(6/12).
+const SECOND_DIFFERENCE: f64 = 0.707_106_781_186_547_6;
+/// Share of the noise of the torque that the encoder's counts may add.
+const COUNTS_SHARE: f64 = 0.5;
+/// Share of what a tap takes, by which its cut is uneven: noise is taken to be this at least.
+const UNEVEN_SHARE: f64 = 0.1;
 /// Standard deviations of the spindle's inertia by which its torque may be off.
 const GAIN_ERRORS: f64 = 3.0;
 /// Share of its speed below which a spindle is about to turn back: there the torque of the cut
@@ -91,25 +103,31 @@ pub enum Bound {
     Lower,
 }
 
-/// What the spindle was to do in one period.
+/// What was read in one period.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    /// Share of the depth; negative above the surface.
+    share: f64,
+    way: Way,
+    /// rev.
+    angle: f64,
+    /// N·m.
+    torque: f64,
+}
+
+/// How the spindle turned at one moment, and what its drive gave.
 #[derive(Clone, Copy, Debug)]
 struct Moment {
-    /// Share of the depth; `None` above the surface.
-    share: Option<f64>,
+    share: f64,
     way: Way,
-    /// Sense of the rotation, +1 or −1.
-    sense: f64,
+    /// Torque of the drive, N·m.
+    torque: f64,
     /// Torque of acceleration, N·m.
     inertial: f64,
     /// Torque of friction, N·m.
     friction: f64,
     /// It turns fast enough for friction and cut to have their sign.
     turns: bool,
-}
-
-impl Moment {
-    const NONE: Self =
-        Self { share: None, way: Way::In, sense: 1.0, inertial: 0.0, friction: 0.0, turns: false };
 }
 
 /// A stroke under way.
@@ -122,10 +140,18 @@ struct Watched {
     expected: f64,
     lead: f64,
     period: Time,
-    /// What the spindle was to do, the oldest at `next`.
-    moments: [Moment; MOST_DELAY + 1],
-    delay: usize,
+    /// Readings, the newest before `next`, and how many there are.
+    readings: [Reading; READINGS],
     next: usize,
+    count: usize,
+    /// The drive's delay, w and D, in periods.
+    delay: usize,
+    span: usize,
+    back: usize,
+    /// Torque of acceleration over N·m per rev/s².
+    inertia: f64,
+    /// Noise of the cutting torque.
+    noise: f64,
     inertial_before: f64,
     sums: DepthSums,
     detectors: [Detector; 3],
@@ -154,9 +180,14 @@ impl Supervision {
             expected: 0.0,
             lead: 1.0,
             period: Time::ZERO,
-            moments: [Moment::NONE; MOST_DELAY + 1],
-            delay: 0,
+            readings: [Reading { share: -1.0, way: Way::In, angle: 0.0, torque: 0.0 }; READINGS],
             next: 0,
+            count: 0,
+            delay: 0,
+            span: SPAN.0,
+            back: SPAN.0,
+            inertia: 0.0,
+            noise: 0.0,
             inertial_before: 0.0,
             sums: DepthSums::NONE,
             detectors: [Detector::NEW; 3],
@@ -190,7 +221,12 @@ impl Supervision {
     }
 
     /// A tap begins.
-    pub(crate) fn begin(&mut self, tool: u32, plan: &TapPlan, period: Time) {
+    pub(crate) fn begin(
+        &mut self,
+        tool: u32,
+        plan: &TapPlan,
+        (spindle, period): (&SpindleControl, Time),
+    ) {
         self.is_on = false;
         let Some(control) = self.control else { return };
         let Some(reading) = control.readings.get(usize::from(plan.spindle)).copied().flatten()
@@ -217,8 +253,9 @@ impl Supervision {
         watched.limit = plan.torque_limit.map(Torque::value);
         watched.expected = plan.torque_expected.value();
         watched.lead = plan.lead.value().abs();
-        watched.moments.fill(Moment::NONE);
-        (watched.delay, watched.next, watched.inertial_before) = (delay as usize, 0, 0.0);
+        (watched.next, watched.count, watched.inertial_before) = (0, 0, 0.0);
+        (watched.delay, watched.inertia) = (delay as usize, spindle.inertia.value() * TAU);
+        watched.look_back(spindle.encoder_count.value());
         watched.sums = DepthSums::NONE;
         watched.detectors = [Detector::NEW; 3];
         (watched.crossing, watched.is_interrupted) = (None, false);
@@ -247,12 +284,12 @@ impl Supervision {
         self.watched.is_interrupted = true;
     }
 
-    /// Takes this period's reading; an alarm where it leaves a bound. `at`: depth of the tip below
-    /// the surface, and how the spindle turns.
+    /// Takes this period's readings; an alarm where the torque leaves a bound. `at`: depth of the
+    /// tip below the surface, and the spindle's angle.
     pub(crate) fn observe(
         &mut self,
         phase: Phase,
-        (depth, rotation): (Length, Rotation),
+        at: (Length, Angle),
         spindle: &SpindleControl,
         measured: Option<Torque>,
     ) -> Option<(Finding, Supervised)> {
@@ -266,24 +303,23 @@ impl Supervision {
             self.is_on = false; // silent: nothing is said of this stroke
             return None;
         };
-        let (moment, slew) = self.watched.delayed(way, depth, rotation, spindle);
-        let noise = self.watched.reading.noise.value();
+        let (moment, slew) = self.watched.moment(way, at, torque, spindle)?;
+        let Moment { share, way, inertial, friction, .. } = moment;
+        let noise = self.watched.noise;
         let band = self.bands.last_mut()?;
-        let Some(share) = moment.share else {
-            if moment.turns || moment.inertial != 0.0 {
-                band.own.add((moment.inertial, moment.friction), torque, noise);
-            }
+        if share < 0.0 {
+            band.own.add((inertial, friction), moment.torque, noise);
             return None;
-        };
-        let (way, (gain, friction)) = (moment.way, band.own.factors());
-        let own = gain * moment.inertial + friction * moment.friction;
-        let cut = (torque - own) * moment.sense;
+        }
+        let (gain, rubs) = band.own.factors();
+        let own = gain * inertial + rubs * friction;
+        let cut = (moment.torque - own) * self.watched.sense(way);
         self.watched.sums.add(way, share, cut);
         let reports = control.reaction == OverloadReaction::Report;
         if reports || self.watched.crossing.is_some() || self.watched.is_interrupted {
             return None;
         }
-        let unsure = GAIN_ERRORS * band.own.gain_error() * moment.inertial.abs() + slew;
+        let unsure = GAIN_ERRORS * band.own.gain_error() * inertial.abs() + slew;
         let band = Some(&*band).filter(|_| moment.turns);
         let crossing = self.watched.judge(band, control.share, (way, share, cut), unsure)?;
         self.watched.crossing = Some(crossing);
@@ -342,29 +378,64 @@ impl Supervision {
 }
 
 impl Watched {
-    /// What the spindle was to do when the drive measured what it says now, and by how much its own
-    /// torque may be off for half a period more or less.
-    fn delayed(
+    /// Choose w, so that the encoder's counts add little to the noise of the torque, and D.
+    fn look_back(&mut self, count: f64) {
+        let noise = self.reading.noise.value().max(UNEVEN_SHARE * self.expected);
+        let per_period =
+            self.inertia * count * SECOND_DIFFERENCE / (self.period.value() * self.period.value());
+        let of_counts = |span: usize| per_period / (span * span) as f64;
+        let mut span = self.delay.clamp(SPAN.0, SPAN.1);
+        while span < SPAN.1 && of_counts(span) > COUNTS_SHARE * noise {
+            span += 1;
+        }
+        (self.span, self.back) = (span, span.max(self.delay));
+        self.noise = libm::hypot(noise, of_counts(span));
+    }
+
+    /// Sense in which the spindle turns, +1 or −1.
+    fn sense(&self, way: Way) -> f64 {
+        let inward = libm::copysign(1.0, self.key.spin.value());
+        if way == Way::In { inward } else { -inward }
+    }
+
+    /// The reading of so many periods ago.
+    const fn ago(&self, periods: usize) -> &Reading {
+        &self.readings[(self.next + 2 * READINGS - 1 - periods) % READINGS]
+    }
+
+    /// Takes a reading; how the spindle turned at the moment that can be judged by now, and by how
+    /// much its own torque may be off because its acceleration changes.
+    fn moment(
         &mut self,
         way: Way,
-        depth: Length,
-        rotation: Rotation,
+        (depth, angle): (Length, Angle),
+        torque: f64,
         spindle: &SpindleControl,
-    ) -> (Moment, f64) {
-        let inward = self.key.spin.value().signum();
-        let sense = if way == Way::In { inward } else { -inward };
-        let inertia = spindle.inertia.value() * TAU;
-        let friction = spindle_friction(&spindle.friction, rotation.spin).value();
-        let inertial = inertia * rotation.accel.value();
-        let share = (depth >= Length::ZERO).then(|| depth / self.key.depth);
-        let turns = rotation.spin.abs() > self.key.spin.abs() * TURNS_SHARE;
-        self.moments[self.next] = Moment { share, way, sense, inertial, friction, turns };
-        let size = self.moments.len();
-        let moment = self.moments[(self.next + size - self.delay) % size];
-        self.next = (self.next + 1) % size;
-        let slew = (moment.inertial - self.inertial_before).abs() / 2.0;
+    ) -> Option<(Moment, f64)> {
+        let share = depth / self.key.depth;
+        self.readings[self.next] = Reading { share, way, angle: angle.value(), torque };
+        self.next = (self.next + 1) % READINGS;
+        self.count = (self.count + 1).min(READINGS);
+        if self.count <= self.back + self.span {
+            return None;
+        }
+        let (then, given) = (self.ago(self.back), self.ago(self.back - self.delay));
+        let (before, after) =
+            (self.ago(self.back + self.span).angle, self.ago(self.back - self.span).angle);
+        let time = self.period.value() * self.span as f64;
+        let spin = Spin::rev_per_s((after - before) / (2.0 * time));
+        let moment = Moment {
+            share: then.share,
+            way: then.way,
+            torque: given.torque,
+            inertial: self.inertia * (after - 2.0 * then.angle + before) / (time * time),
+            friction: spindle_friction(&spindle.friction, spin).value(),
+            turns: spin.abs() > self.key.spin.abs() * TURNS_SHARE,
+        };
+        // a change is spread over w to both sides
+        let change = (moment.inertial - self.inertial_before).abs() * self.span as f64;
         self.inertial_before = moment.inertial;
-        (moment, slew)
+        Some((moment, change / 4.0))
     }
 
     /// The bound that this reading leaves; `unsure`: by how much the spindle's own torque may be off.
@@ -375,7 +446,7 @@ impl Watched {
         (way, share, cut): (Way, f64, f64),
         unsure: f64,
     ) -> Option<Crossing> {
-        let noise = self.reading.noise.value();
+        let noise = self.noise;
         let bin = bin_of(share);
         let limit = self.limit.map(|limit| {
             let bound = limit + unsure;

@@ -99,9 +99,9 @@ impl TapRun {
             SyncMode::EncoderFollowing { transport, .. } => transport,
         };
         let transport = Transport::new(spindle, age);
+        drives.supervision.begin(drives.tool, plan, (&spindle.control, config.period));
         stand_at(&point(&plan.start), drives)?;
         drives.learning_records.begin(drives.tool, plan);
-        drives.supervision.begin(drives.tool, plan, config.period);
         Ok(Self {
             cycle: Cycle::new(),
             monitor: Monitor::new(config.sync_windows, plan.surface, plan.bottom),

@@ -135,8 +135,12 @@ fn show(name: &str, bench: &Bench) {
 
 #[test]
 fn look() {
-    for rpm in [500.0, 1000.0, 3000.0, 6000.0] {
-        show(&format!("good {rpm}"), &Bench { rpm, ..Bench::of(12) });
+    for noise in [0.005, 0.02] {
+        for rpm in [300.0, 1000.0, 3000.0, 6000.0] {
+            for seed in [1, 2] {
+                show(&format!("good {noise} {rpm}"), &Bench { rpm, noise, seed, ..Bench::of(10) });
+            }
+        }
     }
     let then = |bored: f64| [vec![5.0; 6], vec![bored]].concat();
     for rpm in [500.0, 3000.0] {

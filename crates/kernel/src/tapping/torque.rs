@@ -21,11 +21,8 @@ pub(super) fn supervise(
     }
     let into = if plan.bottom >= plan.surface { 1.0 } else { -1.0 };
     let depth = (Length::mm(axis.position()) - plan.surface) * into;
-    // a drive with ramps of its own turns as its encoder says
-    let own_ramps = spindle.control.own_ramps.is_some();
-    let rotation = if own_ramps { spindle.now() } else { spindle.ordered() };
     let measured = context.feedback.spindles[usize::from(plan.spindle)].torque;
-    let at = (depth, rotation);
+    let at = (depth, spindle.reading());
     match supervision.observe(cycle.phase(), at, &spindle.control, measured) {
         Some((finding, supervised)) if !context.halted => {
             context.note(EventKind::TapSupervised(supervised));
