@@ -52,6 +52,10 @@ const GAIN_ERRORS: f64 = 3.0;
 /// Share of its speed below which a spindle is about to turn back: there the torque of the cut
 /// changes its sign, and what it was in other holes says little.
 const TURNS_SHARE: f64 = 0.1;
+/// Share of what the tap makers' formula expects, below which a hole was none.
+const NOTHING_SHARE: f64 = 0.25;
+/// Share of the noise of one reading, below which a mean over a hole says nothing.
+const READ_SHARE: f64 = 0.3;
 /// Turns after the surface in which a tap cuts with its chamfer alone, at most.
 const EARLY_TURNS: f64 = 5.0;
 
@@ -363,7 +367,7 @@ impl Supervision {
                 let early = crossing.depth.value() < EARLY_TURNS * watched.lead;
                 diagnose_alone(&torque, early)
             }
-            Some(_) | None => diagnose(&torque, &band, share, watched.expected),
+            Some(_) | None => diagnose(&torque, &band, share, watched.least()),
         };
         Supervised {
             tool: watched.key.tool,
@@ -390,6 +394,11 @@ impl Watched {
         }
         (self.span, self.back) = (span, span.max(self.delay));
         self.noise = libm::hypot(noise, of_counts(span));
+    }
+
+    /// Mean torque on the way in below which nothing is cut, or nothing that can be read.
+    fn least(&self) -> f64 {
+        (NOTHING_SHARE * self.expected).max(READ_SHARE * self.reading.noise.value())
     }
 
     /// Sense in which the spindle turns, +1 or −1.

@@ -42,6 +42,13 @@ impl DepthTorque {
         is_measured.then(|| f64::from(self.mean[way.index()][bin]))
     }
 
+    /// Mean of all bins of a way, N·m.
+    pub fn mean(&self, way: Way) -> Option<f64> {
+        let bins = (0..BINS).filter_map(|bin| self.at(way, bin));
+        let (sum, count) = bins.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+        (count > 0.0).then(|| sum / count)
+    }
+
     /// Largest mean on a way, N·m, with its bin.
     pub fn largest(&self, way: Way) -> Option<(usize, f64)> {
         let bins = (0..BINS).filter_map(|bin| Some((bin, self.at(way, bin)?)));

@@ -18,8 +18,6 @@ use super::depth::{BINS, DepthTorque, Way};
 const USABLE_SHARE: f64 = 0.3;
 /// Bins at either end of a hole whose mean is taken.
 const ENDS: usize = 3;
-/// Share of what the formula expects, below which a first hole was none.
-const NOTHING_SHARE: f64 = 0.25;
 /// So many times `first` may `last` be in a hole that is too small all along.
 const EVEN: f64 = 1.3;
 /// Torque on the way out over that expected, from which on chips are dragged along.
@@ -133,11 +131,11 @@ fn dragged(torque: &DepthTorque, band: &StrokeBand) -> Option<f64> {
     (expected > 0.0).then(|| sum / expected)
 }
 
-/// What a hole was; `share`: by how much a good one may be off, `expected`: torque by the tap
-/// makers' formula, N·m, where it is known.
-pub fn diagnose(torque: &DepthTorque, band: &StrokeBand, share: f64, expected: f64) -> Diagnosed {
+/// What a hole was; `share`: by how much a good one may be off, `least`: mean torque on
+/// the way in below which nothing is cut, or nothing that can be read, N·m.
+pub fn diagnose(torque: &DepthTorque, band: &StrokeBand, share: f64, least: f64) -> Diagnosed {
     if !band.is_known() {
-        return while_learning(torque, band, expected);
+        return while_learning(torque, band, least);
     }
     over_depth(torque, band, share)
 }
@@ -193,9 +191,8 @@ fn over_depth(torque: &DepthTorque, band: &StrokeBand, share: f64) -> Diagnosed 
 }
 
 /// No band is in use: a hole that is far from those before is not learnt from.
-fn while_learning(torque: &DepthTorque, band: &StrokeBand, expected: f64) -> Diagnosed {
-    let (_, largest) = torque.largest(Way::In).unwrap_or_default();
-    if band.holes == 0 && largest < NOTHING_SHARE * expected {
+fn while_learning(torque: &DepthTorque, band: &StrokeBand, least: f64) -> Diagnosed {
+    if band.holes == 0 && torque.mean(Way::In).is_none_or(|mean| mean < least) {
         return Diagnosed::new(Diagnosis::CutsNothing, false);
     }
     let ratio = band.ratio(torque).filter(|_| band.holes > 0);
@@ -249,7 +246,7 @@ mod tests {
     }
 
     fn said(torque: DepthTorque) -> Diagnosed {
-        diagnose(&torque, &band(), SHARE, 2.0)
+        diagnose(&torque, &band(), SHARE, 0.3)
     }
 
     #[test]
@@ -280,9 +277,9 @@ mod tests {
     fn before_there_is_a_band_a_hole_far_from_the_others_is_not_learnt_from() {
         let mut band = StrokeBand::new(BandKey::default());
         let good = hole(|_| 1.0, |_| 1.0);
-        assert_eq!(diagnose(&good, &band, SHARE, 2.0).what, Diagnosis::Learning(1));
+        assert_eq!(diagnose(&good, &band, SHARE, 0.3).what, Diagnosis::Learning(1));
         band.learn(&good);
-        let odd = diagnose(&hole(|_| 2.0, |_| 2.0), &band, SHARE, 2.0);
+        let odd = diagnose(&hole(|_| 2.0, |_| 2.0), &band, SHARE, 0.3);
         assert!(matches!(odd.what, Diagnosis::UnlikeOthers(_)) && !odd.is_good());
     }
 
@@ -293,11 +290,11 @@ mod tests {
             band.learn(&hole(|_| 1.0 + 0.012 * f64::from(number), |_| 1.0));
         }
         let level = band.level;
-        let worn = diagnose(&hole(|_| level, |_| level), &band, SHARE, 2.0);
+        let worn = diagnose(&hole(|_| level, |_| level), &band, SHARE, 0.3);
         assert!(matches!(worn.what, Diagnosis::Worn(_)) && worn.is_sure, "{worn:?}");
         let mut jumped = self::band();
         jumped.level = 1.6;
-        let worn = diagnose(&hole(|_| 1.6, |_| 1.6), &jumped, SHARE, 2.0);
+        let worn = diagnose(&hole(|_| 1.6, |_| 1.6), &jumped, SHARE, 0.3);
         assert!(matches!(worn.what, Diagnosis::Worn(_)) && !worn.is_sure);
     }
 }
