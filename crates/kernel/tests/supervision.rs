@@ -254,8 +254,7 @@ fn packed_chips_stop_the_tap_on_its_way_in_and_it_comes_out_whole() {
 }
 
 #[test]
-fn a_tap_that_breaks_is_found_half_a_turn_later_at_most()
-{
+fn a_tap_that_breaks_is_found_half_a_turn_later_at_most() {
     let bench = Bench { rpm: 1000.0, mishaps: Some(CRACKED), ..Bench::of(16) };
     let (seen, run) = bench.run();
     let broke = run.samples.iter().find(|s| s.truth.unwrap().tool_broken).unwrap();
