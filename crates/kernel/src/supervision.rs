@@ -216,6 +216,7 @@ impl Supervision {
 
     /// A tool is new: what was learnt of its predecessor is forgotten.
     pub(crate) fn forget(&mut self, tool: u32) {
+        self.is_on &= self.watched.key.tool != tool;
         self.bands.retain(|band| band.key.tool != tool);
     }
 
