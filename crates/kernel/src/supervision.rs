@@ -20,7 +20,6 @@
 //! Bands are kept for [`BANDS`] kinds of stroke; of more, the one longest unused makes room.
 //! Source of the test: [`sync::supervision::detector`].
 use crate::config::{OverloadReaction, SpindleControl, Subject, SupervisionControl, TorqueReading};
-use crate::drives::Finding;
 use crate::fault::FaultKind;
 use crate::friction::spindle_friction;
 use alloc::vec::Vec;
@@ -58,6 +57,9 @@ const NOTHING_SHARE: f64 = 0.25;
 const READ_SHARE: f64 = 0.3;
 /// Turns after the surface in which a tap cuts with its chamfer alone, at most.
 const EARLY_TURNS: f64 = 5.0;
+
+/// An alarm: kind, on what, value, limit.
+type Finding = (FaultKind, Subject, f64, f64);
 
 /// What supervision saw of one stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
