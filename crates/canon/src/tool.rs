@@ -1,7 +1,7 @@
 //! The tools a program calls by number.
 use crate::{Hand, ToolLife, ToolWear};
 use alloc::{string::String, vec::Vec};
-use units::{Angle, Lead, Length, Stiffness};
+use units::{Angle, Lead, Length, Stiffness, Torque};
 
 /// A tool as the shop's table has it.
 #[derive(Clone, Debug, PartialEq)]
@@ -359,6 +359,8 @@ pub struct TapTool {
     pub oversize: Length,
     /// What holds it.
     pub holder: Holder,
+    /// Torque from which on it is taken out of its hole; `None`: seven tenths of what breaks it.
+    pub max_torque: Option<Torque>,
 }
 
 /// Flute forms; they differ in torque.

@@ -64,6 +64,9 @@ impl WorkFrame {
                 format!("following error of {}: {}", axis.letter(), small(*axis, *error))
             }
             EventKind::SyncWarning { error } => format!("sync error {:.1} µm", error.in_um()),
+            EventKind::TapSupervised(seen) => {
+                format!("supervision: {}", control::services::supervision::sentence(seen))
+            }
             EventKind::ChipRemovalBegun { spin, .. } => {
                 format!("chip removal: told {:.0} rpm", spin.in_rpm())
             }

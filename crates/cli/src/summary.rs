@@ -24,6 +24,8 @@ pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
     said += &went_wrong(outcome);
     said += &saturation(outcome);
     said += &warnings(outcome);
+    let taps = outcome.features.iter().any(|f| matches!(f.kind, FeatureKind::Thread(_)));
+    said += &control::services::supervision::text(&outcome.supervised, &job.session.machine, taps);
     said += &control::services::learning::text(&outcome.learning_records);
     for line in &outcome.cams.said {
         said += line;

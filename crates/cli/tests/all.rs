@@ -45,6 +45,7 @@ mod siblings;
 mod spec;
 mod spec_pictures;
 mod standing;
+mod supervised;
 mod surface_speed;
 mod tapping;
 mod terminal;

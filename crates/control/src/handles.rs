@@ -122,6 +122,7 @@ done! {
     keep_records() as Request::KeepRecords,
     acknowledge(number: u32) as Request::Acknowledge(number),
     not_written() as Request::NotWritten,
+    forget_bands(tool: u32) as Request::ForgetBands(tool),
 }
 
 impl KernelHandle {

@@ -1,6 +1,7 @@
 //! What is known of a run when it is over.
 use crate::job::Left;
 use crate::observers::{ToolUseCount, TraceThread, Workpiece};
+use crate::services::supervision::SupervisedStroke;
 use crate::services::{CamHost, RecordWriter};
 use crate::{Executor, Feeder, Observers, RealTimeFigures, Services, TickTimes, Timings};
 use bus::State;
@@ -8,6 +9,7 @@ use canon::ToolUse;
 use kernel::{Event, Fault};
 use report::Recorder;
 use std::collections::BTreeMap;
+use sync::supervision::band::StrokeBand;
 use units::Time;
 use verify::{Feature, IdleTurns, Watch};
 
@@ -33,6 +35,10 @@ pub struct Outcome {
     pub saturated: BTreeMap<u32, u32>,
     /// Holes that the program tapped but did not drill.
     pub assumed_holes: usize,
+    /// What supervision by torque saw of each stroke.
+    pub supervised: Vec<SupervisedStroke>,
+    /// What good holes have been like.
+    pub bands: Vec<StrokeBand>,
     /// What repeated taps have learnt.
     pub learning_records: Vec<sync::LearningRecord>,
     /// What was measured and taught of cams.
@@ -187,6 +193,8 @@ impl EndedRun {
             limiting: feeder.limiting,
             saturated: observers.saturated,
             assumed_holes: machine.assumed_holes(),
+            supervised: observers.supervised,
+            bands: kernel.here().map_or(Vec::new(), |k| k.bands().to_vec()),
             learning_records: kernel.here().map_or(Vec::new(), |k| k.learning_records().to_vec()),
             cams,
             idle: observers.idle.map(IdleTurns::finish).unwrap_or_default(),

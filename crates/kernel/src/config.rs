@@ -40,6 +40,42 @@ pub struct Config {
     pub learning: Option<sync::Learning>,
     /// Errors of screws and encoders that are taken off.
     pub compensation: crate::Compensation,
+    /// Taps are supervised by measured torque; `None`: they are not.
+    pub supervision: Option<SupervisionControl>,
+}
+
+/// How taps are supervised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SupervisionControl {
+    /// How the drive of each spindle reads its torque; `None`: it does not.
+    pub readings: [Option<TorqueReading>; SPINDLES],
+    /// By this share a good hole may be off the mean of the good ones.
+    pub share: f64,
+    /// What an overload does.
+    pub reaction: OverloadReaction,
+}
+
+/// What a torque beyond its bounds does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum OverloadReaction {
+    /// An alarm; the tap comes out along its thread.
+    Retract,
+    /// An alarm; the tap stays in its thread.
+    Stop,
+    /// Nothing: what is seen is said when the hole is done.
+    Report,
+}
+
+/// How a drive reads its torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TorqueReading {
+    /// From what it gives to what it says.
+    pub delay: Time,
+    /// Standard deviation of its noise.
+    pub noise: Torque,
 }
 
 /// Longest duration of each wait; beyond it is an alarm.

@@ -13,6 +13,7 @@ use crate::moving::Turned;
 use crate::record_requests::RecordRequests;
 use crate::sight::Without;
 use crate::spindle::SpindleLoop;
+use crate::supervision::Supervision;
 use crate::threading::Chain;
 use crate::time_scaling::TimeScaling;
 use bus::{AXES, Command, Feedback, SPINDLES, Signals};
@@ -40,6 +41,8 @@ pub(crate) struct Drives {
     pub(crate) paces: bool,
     /// What taps have learnt.
     pub(crate) learning_records: LearningRecords,
+    /// What good holes have been like, and the torque of the tap under way.
+    pub(crate) supervision: Supervision,
     /// What is written down of taps.
     pub(crate) record_requests: RecordRequests,
     /// Chip removals under way.
@@ -109,6 +112,7 @@ impl Drives {
             chain: None,
             paces: matches!(config.synchronisation, SyncMode::CommandSynchronised),
             learning_records,
+            supervision: Supervision::new(config.supervision),
             record_requests: RecordRequests::new(),
             removals,
             in_force,

@@ -6,6 +6,7 @@
 //! ```
 use crate::fault::Fault;
 use crate::operator::Notice;
+use crate::supervision::Supervised;
 use crate::waiting::WaitFor;
 use alloc::collections::VecDeque;
 use motion::{InputWait, Output};
@@ -119,6 +120,8 @@ pub enum EventKind {
     },
     /// Spindle and axis are out again.
     TapEnded(TapFigures),
+    /// What supervision by torque saw of a stroke: at its end, or when it stopped it.
+    TapSupervised(Supervised),
     /// A tool is about to be taken out after a stop: how far from its coupling it stands, and who
     /// goes back.
     RecoveryBegun {

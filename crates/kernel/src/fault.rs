@@ -58,6 +58,10 @@ pub enum FaultKind {
     SpindleIndexMissing,
     /// The drive of a spindle says that it cannot bring it to its angle.
     OrientationFault,
+    /// The torque of a tap is above its limit or its band.
+    TapOverload,
+    /// The torque of a tap is gone.
+    TapCutsNothing,
     /// A spindle did not reach its speed in time.
     NotAtSpeed,
     /// A spindle did not come to the ordered angle in time.
@@ -141,7 +145,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 54] = [
+    pub const ALL: [Self; 56] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -162,6 +166,8 @@ impl FaultKind {
         Self::EncoderScale,
         Self::SpindleIndexMissing,
         Self::OrientationFault,
+        Self::TapOverload,
+        Self::TapCutsNothing,
         Self::NotAtSpeed,
         Self::NotOriented,
         Self::NotInPosition,

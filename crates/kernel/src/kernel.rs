@@ -202,7 +202,10 @@ impl Kernel {
 
     /// The tool is leaving the work, and then everything will stop.
     pub fn is_retreating(&self) -> bool {
-        self.retreating.is_some_and(|retreating| !retreating.is_out())
+        let backs_out = matches!(self.mode, Mode::Halted)
+            && self.drive_lost.is_none()
+            && self.operator.wants_out();
+        backs_out || self.retreating.is_some_and(|retreating| !retreating.is_out())
     }
 
     /// The kernel's view of the last period.

@@ -51,6 +51,7 @@ mod signals;
 mod spindle;
 mod spindle_monitor;
 mod stroke;
+mod supervision;
 mod tapping;
 mod terms;
 mod threading;
@@ -63,8 +64,8 @@ mod withdrawing;
 pub use compensation::{AxisCompensation, Compensation, SpindleCompensation};
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
-    FeedForward, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows,
-    Subject, Waits,
+    FeedForward, OverloadReaction, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction,
+    SpindleWindows, Subject, SupervisionControl, TorqueReading, Waits,
 };
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};
@@ -81,6 +82,7 @@ pub use record_requests::{RECORD_WAIT, RecordRequest, WorkRecord};
 pub use recovering::RecoveryPlan;
 pub use requests::{Reply, Request};
 pub use signals::{Answer, Answered};
+pub use supervision::{BANDS, Bound, Crossing, Supervised};
 pub use sync::{
     CELLS, Correction, Deviation, DeviationPoint, DeviationTable, DeviationWave, Figures, Learning,
     LearningRecord, MAX_TRANSPORT, Periodic, Prediction, StrokeKey, SyncMode, Windows,

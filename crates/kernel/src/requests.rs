@@ -73,6 +73,8 @@ pub enum Request {
     Acknowledge(u32),
     /// [`Kernel::not_written`].
     NotWritten,
+    /// [`Kernel::forget_bands`].
+    ForgetBands(u32),
     /// [`Kernel::put_table`]; a table does not go to another process. The last one: bytes count
     /// variants, and what is left out has no number of its own.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -137,6 +139,7 @@ impl Kernel {
             Request::KeepRecords => self.keep_records(),
             Request::Acknowledge(number) => self.acknowledge(number),
             Request::NotWritten => self.not_written(),
+            Request::ForgetBands(tool) => self.forget_bands(tool),
         }
         Reply::Done
     }

@@ -8,6 +8,7 @@
 //!                                       monitor ◄── readings of both
 //! ```
 mod depth;
+mod torque;
 mod transport;
 
 use crate::axis::AxisLoop;
@@ -98,6 +99,7 @@ impl TapRun {
             SyncMode::EncoderFollowing { transport, .. } => transport,
         };
         let transport = Transport::new(spindle, age);
+        drives.supervision.begin(drives.tool, plan, (&spindle.control, config.period));
         stand_at(&point(&plan.start), drives)?;
         drives.learning_records.begin(drives.tool, plan);
         Ok(Self {
@@ -264,6 +266,8 @@ impl TapRun {
         } else {
             order.unwrap_or((spindle.ordered(), spindle.ordered()))
         };
+        let torque =
+            torque::supervise(&self.cycle, &mut drives.supervision, (plan, axis, spindle), context);
         let planned = (self.cycle.axis(&tap, now), now.angle);
         let ahead = corrected(self.cycle.axis(&tap, ahead), learnt(axis.lookahead_s()).0);
         let now = corrected(planned.0, learnt(0.0).0);
@@ -280,7 +284,7 @@ impl TapRun {
         let engaged = self.cycle.coupling().is_some();
         drives.follower = engaged.then_some((plan.axis.index(), feed_forwards(mode)));
         self.note(was, context, dt);
-        match deep.and_then(|()| self.limits(plan, context)) {
+        match deep.and(torque).and_then(|()| self.limits(plan, context)) {
             Err(finding) => Outcome::Failed(finding),
             Ok(()) if self.cycle == Cycle::Done => self.finish(following, drives, context),
             Ok(()) => Outcome::Busy,
@@ -296,6 +300,9 @@ impl TapRun {
             drives.learning_records.finish(&figures);
         }
         context.note(EventKind::TapEnded(figures));
+        if let Some(supervised) = drives.supervision.finish() {
+            context.note(EventKind::TapSupervised(supervised));
+        }
         Outcome::Done
     }
 

@@ -43,6 +43,8 @@ mod stop_campaign;
 mod stopping_distance;
 mod stops;
 mod stuck_spindle;
+mod supervision;
+mod supervision_campaign;
 mod surface_speed;
 mod tapping;
 mod thread_withdrawal;

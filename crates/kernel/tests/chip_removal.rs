@@ -81,6 +81,7 @@ fn tools() -> ToolLibrary {
         flute: Flute::SpiralFlute,
         oversize: Length::um(40.0),
         holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     });
     ToolLibrary::new([canon::Tool {
         number: 1,

@@ -6,7 +6,9 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use bus::Machine;
 use canon::Position;
 use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
-use kernel::{Kernel, Learning, Prediction, SyncMode};
+use kernel::{
+    Kernel, Learning, OverloadReaction, Prediction, SupervisionControl, SyncMode, TorqueReading,
+};
 use plan::{Step, StepKind};
 use sim::SimulatedMachine;
 
@@ -24,8 +26,22 @@ fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>
     let mut config = control(&machine);
     config.synchronisation = mode;
     config.learning = learning;
+    let reading = TorqueReading { delay: units::Time::s(1e-3), noise: units::Torque::n_m(0.2) };
+    config.supervision = Some(SupervisionControl {
+        readings: [Some(reading); bus::SPINDLES],
+        share: 0.25,
+        reaction: OverloadReaction::Retract,
+    });
     let mut kernel = Kernel::new(config);
-    let mut machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
+    let mut measured = sim::MeasuredTorques::default();
+    measured.spindles[0] = Some(sim::MeasuredTorque {
+        resolution_share: 0.001,
+        noise_share: 0.005,
+        delay: units::Time::s(1e-3),
+        constant_error: 0.02,
+    });
+    let machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
+    let mut machine = machine.with_measured_torque(&measured);
     let mut feedback = *machine.feedback();
     let steps = steps.iter().map(|kind| Step { op: 0, line: 1, kind: kind.clone() });
     let steps: Vec<Step> = steps.collect();

@@ -68,6 +68,7 @@ fn tools() -> ToolLibrary {
         flute: Flute::SpiralFlute,
         oversize: Length::um(40.0),
         holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     });
     let drill = ToolKind::Drill { point_angle: Angle::deg(118.0) };
     ToolLibrary::new([tool(1, DRILL, 5.0, drill), tool(2, TAP, 6.0, m6)])

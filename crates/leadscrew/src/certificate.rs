@@ -1,7 +1,9 @@
 //! From what the judge found to the certificate that other programs rely on. What was not cut has
 //! no measures: they are `null`, as the report leaves their cells empty.
 use canon::Position;
+use control::services::supervision::{self, SupervisedStroke};
 use store::certificate::{self as file, Common, Measured};
+use sync::supervision::depth::{BINS, Way};
 use units::Length;
 use verify::{
     Feature, FeatureKind, Gear, GroundCam, Hand, Hole, Largest, Milled, Polygon, Thread,
@@ -315,6 +317,37 @@ fn thread(common: Common, found: &Thread, zero: &Position, there: bool) -> file:
         start_angle_deg: measured(found.start_angle.map_or(Measured::UNKNOWN, Measured::deg)),
         chip_removal: found.chip_removal,
         recovered: found.recovered,
+        supervision: Vec::new(),
+    }
+}
+
+/// What supervision by torque saw of the strokes of an operation.
+pub(crate) fn supervision(strokes: &[SupervisedStroke], op: u32) -> Vec<file::Supervision> {
+    let of_op = strokes.iter().filter(|stroke| stroke.op == op);
+    of_op.map(|stroke| one_stroke(&stroke.seen)).collect()
+}
+
+fn one_stroke(seen: &kernel::Supervised) -> file::Supervision {
+    let course = |way: Way| {
+        let bins = (0..BINS).map(|bin| {
+            let hundredths = seen.torque.at(way, bin).map(|value| (value * 100.0).round() / 100.0);
+            hundredths.map_or(Measured::UNKNOWN, Measured::number)
+        });
+        bins.collect()
+    };
+    file::Supervision {
+        says: supervision::sentence(seen),
+        sure: seen.diagnosed.is_sure,
+        bin_mm: Measured::mm(seen.depth / BINS as f64),
+        torque_in_n_m: course(Way::In),
+        torque_out_n_m: course(Way::Out),
+        level_percent: Measured::number(seen.level * 100.0),
+        stopped: seen.crossing.map(|crossing| file::SupervisionStop {
+            torque_n_m: Measured::n_m(crossing.torque),
+            limit_n_m: Measured::n_m(crossing.limit),
+            depth_mm: Measured::mm(crossing.depth),
+            order_after_s: Measured::s(crossing.took),
+        }),
     }
 }
 

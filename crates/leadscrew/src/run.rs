@@ -253,6 +253,9 @@ impl Run {
         }
         let mut kernel = Kernel::new(control);
         kernel.recall(memory.as_ref().map_or_else(Vec::new, |m| m.records.clone()));
+        let mut bands = memory.as_ref().map_or_else(Vec::new, |m| m.bands.clone());
+        bands.retain(|band| !options.renewed.contains(&band.key.tool));
+        kernel.recall_bands(bands);
         let judge = verify::Config { tolerances, tools: job.judged_tools(seed), ..job.judge() };
         let restart = restart.as_ref();
         let replay = restart.filter(|restart| restart.skip > 0).map(|restart| {
@@ -440,7 +443,7 @@ impl Finished {
             return Ok(());
         }
         if let Some(memory) = &self.memory {
-            memory.save(&self.outcome.learning_records)?;
+            memory.save(&self.outcome.learning_records, &self.outcome.bands)?;
         }
         self.outcome.cams.save()
     }

@@ -1,6 +1,7 @@
 //! What a run leaves behind: the certificate for programs, the report for people.
 use crate::{Finished, Job, certificate};
 use control::Outcome;
+use control::services::supervision;
 use report::{Alarm, Limits, Note, Run};
 use store::certificate::{Certificate, Clamping, Count, Inputs, Measured, Verdict, sha256};
 use store::output::Folder;
@@ -54,7 +55,14 @@ pub(crate) fn certificate(finished: &Finished) -> Certificate {
         features: outcome
             .features
             .iter()
-            .map(|f| certificate::feature(f, &outcome.recorder.zero_of(f.op).unwrap_or(zero)))
+            .map(|f| {
+                let zero = outcome.recorder.zero_of(f.op).unwrap_or(zero);
+                let mut feature = certificate::feature(f, &zero);
+                if let store::certificate::Feature::Thread(thread) = &mut feature {
+                    thread.supervision = certificate::supervision(&outcome.supervised, f.op);
+                }
+                feature
+            })
             .collect(),
     }
 }
@@ -213,7 +221,16 @@ pub(crate) fn notes(finished: &Finished) -> Vec<Note> {
         ),
         line: 0,
     });
-    findings.chain(assumed).chain(by_the_clock(outcome)).collect()
+    findings.chain(assumed).chain(by_the_clock(outcome)).chain(supervised(finished)).collect()
+}
+
+/// What supervision by torque saw.
+fn supervised(finished: &Finished) -> Vec<Note> {
+    let Finished { job, outcome, .. } = finished;
+    let taps = outcome.features.iter().any(|f| matches!(f.kind, verify::FeatureKind::Thread(_)));
+    let text = supervision::text(&outcome.supervised, &job.session.machine, taps);
+    let warning = outcome.supervised.iter().any(|stroke| supervision::is_remarkable(&stroke.seen));
+    text.lines().map(|line| Note { warning, text: line.to_owned(), line: 0 }).collect()
 }
 
 /// How well a run in real time kept its time.

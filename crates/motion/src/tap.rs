@@ -1,6 +1,6 @@
 //! A rigid tap: the spindle's two strokes, and the line on which the axis follows it.
 use crate::Profile;
-use units::{Angle, Axis, Lead, Length, Position, Spin, Time};
+use units::{Angle, Axis, Lead, Length, Position, Spin, Time, Torque};
 
 /// A synchronised tap, planned.
 ///
@@ -51,6 +51,11 @@ pub struct TapPlan {
     pub turns_at_speed: bool,
     /// What kept it from being faster.
     pub limiting: TapLimiting,
+    /// Torque of the cut as the tap makers' formula expects it; zero: not known.
+    pub torque_expected: Torque,
+    /// Torque of the cut from which on the tap is taken out, stated or of its own strength; `None`:
+    /// not known.
+    pub torque_limit: Option<Torque>,
 }
 
 /// What keeps a tap from being faster.

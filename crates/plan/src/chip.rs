@@ -16,11 +16,18 @@
 //! Source: Sandvik Coromant, *Metal Cutting Technology*, drilling formulas; the core's strength is
 //! that of taps of high-speed steel by their known break torques (M6 9.2 N·m, M12 73 N·m).
 use core::f64::consts::PI;
+use units::{Length, Torque};
 
 /// Shear strength of the core, N/mm².
 const SHEAR_LIMIT_N_PER_MM2: f64 = 1000.0;
 /// Core over diameter.
 const CORE: f64 = 0.6;
+
+/// Torque that breaks a tap of this diameter.
+pub(crate) fn tap_strength(diameter: Length) -> Torque {
+    let core = CORE * diameter.value();
+    Torque::n_m(SHEAR_LIMIT_N_PER_MM2 * PI * core * core * core / 16.0 * 1e-3)
+}
 
 /// A drill and the material.
 #[derive(Clone, Copy, Debug)]

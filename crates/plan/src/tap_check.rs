@@ -13,6 +13,7 @@
 //!
 //! Thread core: ISO 724 (basic dimensions); its tolerance TD1 of grade 6 by the table of ISO 965-1,
 //! else by formula: 230·P^0.7 µm, or 433·P − 190·P^1.22 up to 0.8 mm.
+use crate::chip::tap_strength;
 use crate::findings::number;
 use crate::holes::Drilled;
 use crate::left_alone::{overrun, survives};
@@ -36,6 +37,8 @@ const LEAD_TOLERANCE: f64 = 1e-4;
 const BEYOND_PITCHES: f64 = 3.0;
 /// Rounding of a program's numbers, mm.
 const ROUNDING: f64 = 1e-6;
+/// Share of the torque that breaks a tap, which it is taken to bear.
+const BEARS_SHARE: f64 = 0.7;
 /// Height of the thread's core above its axis: D − D₁ = 1.0825·P (ISO 724).
 const CORE: f64 = 1.082_531_754_730_548_3;
 
@@ -424,6 +427,11 @@ pub(crate) fn cutting_torque(
     let pitch: Lead = tap.lead.abs();
     let drilled = hole.unwrap_or(tool.diameter - Length::mm(pitch.value()));
     tapping_torque(tool.diameter, drilled, tap.flute, pressure)
+}
+
+/// Torque from which on a tap is taken out of its hole: stated, or a share of what breaks it.
+pub(crate) fn torque_limit(tool: &Tool, tap: &TapTool) -> Torque {
+    tap.max_torque.unwrap_or_else(|| tap_strength(tool.diameter) * BEARS_SHARE)
 }
 
 /// The highest speed below this one, in tens of rpm, that works; nothing where none does.

@@ -66,6 +66,8 @@ fn tap(spindle: u8) -> TapPlan {
         start_angle: Some(Angle::rev(0.25)),
         turns_at_speed: true,
         limiting: motion::TapLimiting::default(),
+        torque_expected: units::Torque::n_m(1.75),
+        torque_limit: Some(units::Torque::n_m(6.5)),
     }
 }
 
@@ -196,6 +198,7 @@ fn every_request_and_reply_comes_out_as_it_went_in() {
         Request::KeepRecords,
         Request::Acknowledge(7),
         Request::NotWritten,
+        Request::ForgetBands(7),
     ] {
         let mut bytes = [0; 1024];
         let length = encode(&request, &mut bytes).unwrap();
@@ -270,6 +273,7 @@ fn config() -> kernel::Config {
         probe_guard: true,
         learning: None,
         compensation: kernel::Compensation::default(),
+        supervision: None,
     }
 }
 

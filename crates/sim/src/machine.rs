@@ -14,6 +14,7 @@ use crate::changer::Changer;
 use crate::cutting::Cutting;
 use crate::grinding::Grinder;
 use crate::measured::{MeasuredTorques, TorqueSensors};
+use crate::mishaps::Mishaps;
 use crate::rng::Rng;
 use crate::scatter::Draws;
 use crate::signals::{Input, Inputs};
@@ -272,6 +273,16 @@ impl SimulatedMachine {
         let rng = self.rng.branch();
         if let Some(cutting) = &mut self.cutting {
             cutting.wear(wear, rng);
+        }
+        self
+    }
+
+    /// The same machine whose taps meet mishaps.
+    #[must_use]
+    pub fn with_mishaps(mut self, mishaps: Mishaps) -> Self {
+        let rng = self.rng.branch();
+        if let Some(cutting) = &mut self.cutting {
+            cutting.meet(mishaps, rng);
         }
         self
     }

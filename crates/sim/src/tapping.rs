@@ -44,6 +44,7 @@
 use crate::Tap;
 use crate::clutch::Coupling;
 use crate::friction::{between, smooth_sign};
+use crate::mishaps::Mishap;
 use crate::seat::Seat;
 use crate::work::{AT_SURFACE_MM, ENTERED_MM, Hole, Stock, Thread};
 use bus::ToolBreak;
@@ -113,6 +114,8 @@ pub(crate) struct Core {
     shear_per_n_m: f64,
     /// σ/√3 for each N, N/mm².
     tension_per_n: f64,
+    /// What it bears, N/mm².
+    limit: f64,
 }
 
 impl Core {
@@ -122,6 +125,7 @@ impl Core {
         Self {
             shear_per_n_m: 16.0 * 1e3 / (PI * core.powi(3)),
             tension_per_n: 4.0 / (PI * core * core * 3.0_f64.sqrt()),
+            limit: SHEAR_LIMIT_N_PER_MM2,
         }
     }
 
@@ -130,8 +134,8 @@ impl Core {
         ToolBreak::Stress {
             torque: Torque::n_m(torque.abs()),
             force: Force::n(force.abs()),
-            most_torque: Torque::n_m(SHEAR_LIMIT_N_PER_MM2 / self.shear_per_n_m),
-            most_force: Force::n(SHEAR_LIMIT_N_PER_MM2 / self.tension_per_n),
+            most_torque: Torque::n_m(self.limit / self.shear_per_n_m),
+            most_force: Force::n(self.limit / self.tension_per_n),
         }
     }
 
@@ -139,7 +143,7 @@ impl Core {
     #[inline]
     pub(crate) fn bears(&self, torque: f64, force: f64) -> bool {
         let (shear, tension) = (self.shear_per_n_m * torque, self.tension_per_n * force);
-        shear * shear + tension * tension <= SHEAR_LIMIT_N_PER_MM2 * SHEAR_LIMIT_N_PER_MM2
+        shear * shear + tension * tension <= self.limit * self.limit
     }
 }
 
@@ -183,6 +187,8 @@ pub(crate) struct Tapping {
     pulled: f64,
     deflection: f64,
     deepest: f64,
+    mishap: Mishap,
+    diameter: f64,
     /// Torque and force that its core bore last, N·m and N.
     stress: (f64, f64),
 }
@@ -244,8 +250,17 @@ impl Tapping {
             pulled: above.max(0.0) + RIDGE_PITCHES * pitch,
             deflection: 0.0,
             deepest: 0.0,
+            mishap: Mishap::NONE,
+            diameter,
             stress: (0.0, 0.0),
         }
+    }
+
+    /// The same tap, which meets this in its hole.
+    pub(crate) fn meeting(mut self, mishap: Mishap) -> Self {
+        self.core.limit *= mishap.strength;
+        self.mishap = mishap;
+        self
     }
 
     /// Both the tap and the spindle are clear of the work: above its surface, or back at it. A
@@ -345,8 +360,10 @@ impl Tapping {
         let jam = self.seat.flank_force((self.top - helix).min(depth) - self.ground);
 
         let pressed = force.abs() + jam;
-        let against =
-            self.cutting_torque(self.top - helix, depth, engaged) + self.rubbing * pressed;
+        let packed = self.mishap.packed_share(depth / self.diameter, self.deepest / self.diameter);
+        let against = self.cutting_torque(self.top - helix, depth, engaged)
+            + self.plateau * packed
+            + self.rubbing * pressed;
         if !driven {
             // the thread itself holds the tap: it is self-locking
             self.stress = (0.0, pressed);

@@ -17,10 +17,12 @@ use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 mod evidence;
 mod gear;
 mod milling;
+mod supervision;
 mod turned;
 pub use evidence::{Clamping, Contact, Count, Inputs, Tolerances, sha256};
 pub use gear::{Gear, ToothSize};
 pub use milling::{At, Milling};
+pub use supervision::{Supervision, SupervisionStop};
 pub use turned::{TurnedSizes, TurnedThread};
 
 /// Bytes a certificate may have: a feature takes about 700.
@@ -264,6 +266,10 @@ pub struct Thread {
     pub chip_removal: bool,
     /// The tool was driven out of it by a recovery.
     pub recovered: bool,
+    /// What supervision by measured torque saw, a record for each stroke; empty: not supervised.
+    /// The verdict is the judge's alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supervision: Vec<Supervision>,
 }
 
 /// Hand of a thread.

@@ -25,6 +25,8 @@ use std::path::Path;
 
 /// Records that a file may have.
 const MOST_RECORDS: usize = 64;
+/// Bins that a band may have, each way.
+const MOST_BINS: usize = 1024;
 /// Cells that a correction may have.
 const MOST_CELLS: usize = 1 << 16;
 
@@ -76,6 +78,65 @@ pub struct LearningRecords {
     /// All of them.
     #[serde(default, rename = "stroke")]
     pub list: Vec<LearningRecord>,
+    /// What good holes were like, for supervision by torque.
+    #[serde(default, rename = "band", skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<BandRecord>,
+}
+
+/// What good holes of one kind of stroke were like.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BandRecord {
+    /// The tool.
+    pub tool: u32,
+    /// Travel per positive turn.
+    pub lead_mm_per_rev: f64,
+    /// Speed on the way in.
+    pub spin_rev_per_s: f64,
+    /// Speed on the way out.
+    pub return_spin_rev_per_s: f64,
+    /// From where it begins to the surface.
+    pub run_in_mm: f64,
+    /// From the surface to the bottom.
+    pub depth_mm: f64,
+    /// Good holes that it is made of.
+    pub holes: u32,
+    /// Torque of the last good holes over that of these.
+    pub level: f64,
+    /// Mean of each bin of the depth, on the way in.
+    pub mean_in_n_m: Vec<f64>,
+    /// On the way out.
+    pub mean_out_n_m: Vec<f64>,
+    /// Sum of squares about the mean, on the way in.
+    pub squares_in: Vec<f64>,
+    /// On the way out.
+    pub squares_out: Vec<f64>,
+    /// Holes in the line through the torques since.
+    pub trend_holes: f64,
+    /// Its sums.
+    pub trend_sums: [f64; 5],
+    /// Sums of the spindle's own torque above the work.
+    pub own_squares: [f64; 3],
+    /// The same with what was measured.
+    pub own_products: [f64; 2],
+}
+
+impl BandRecord {
+    fn makes_sense(&self) -> bool {
+        let bins = [&self.mean_in_n_m, &self.mean_out_n_m, &self.squares_in, &self.squares_out];
+        let figures = [
+            self.lead_mm_per_rev,
+            self.spin_rev_per_s,
+            self.return_spin_rev_per_s,
+            self.run_in_mm,
+            self.depth_mm,
+            self.level,
+            self.trend_holes,
+        ];
+        let sums = self.trend_sums.iter().chain(&self.own_squares).chain(&self.own_products);
+        figures.iter().chain(sums).chain(bins.into_iter().flatten()).all(|value| value.is_finite())
+            && bins.iter().all(|list| list.len() <= MOST_BINS)
+    }
 }
 
 /// The mark of a text.
@@ -124,6 +185,12 @@ impl KeptFile for LearningRecords {
         if self.list.len() > MOST_RECORDS {
             return Err(format!("more than {MOST_RECORDS} kinds of stroke"));
         }
+        if self.bands.len() > MOST_RECORDS {
+            return Err(format!("more than {MOST_RECORDS} bands"));
+        }
+        if let Some(at) = self.bands.iter().position(|band| !band.makes_sense()) {
+            return Err(format!("band {}: expected finite numbers", at + 1));
+        }
         let bad = self.list.iter().position(|record| !record.makes_sense());
         bad.map_or(Ok(()), |at| {
             Err(format!("stroke {}: expected finite numbers, and a gain from 0 to 2", at + 1))
@@ -135,7 +202,14 @@ impl LearningRecords {
     /// Of this machine.
     pub fn new(machine: &str, mark: u32, list: Vec<LearningRecord>) -> Self {
         let version = Self::VERSION;
-        Self { version, machine: machine.into(), mark: format!("{mark:08x}"), list }
+        let mark = format!("{mark:08x}");
+        Self { version, machine: machine.into(), mark, list, bands: Vec::new() }
+    }
+
+    /// The same with what good holes were like.
+    #[must_use]
+    pub fn with(self, bands: Vec<BandRecord>) -> Self {
+        Self { bands, ..self }
     }
 
     /// Read them from text.

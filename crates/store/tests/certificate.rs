@@ -50,6 +50,7 @@ fn thread() -> Thread {
         start_angle_deg: Measured::deg(Angle::rev(0.25)),
         chip_removal: false,
         recovered: false,
+        supervision: Vec::new(),
     }
 }
 

@@ -39,6 +39,7 @@ mod spectrum;
 mod stopping;
 mod strokes;
 mod superposed;
+pub mod supervision;
 mod tapping;
 mod told;
 

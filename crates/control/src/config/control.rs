@@ -1,10 +1,12 @@
 //! The control's loops, windows and waits.
 use kernel::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
-    FeedForward, Overrides, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction,
-    SpindleWindows, Waits,
+    FeedForward, OverloadReaction, Overrides, OwnRamps, Pause, PhaseLoss, SpindleControl,
+    SpindleFriction, SpindleWindows, SupervisionControl, TorqueReading, Waits,
 };
-use store::machine::{self, Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
+use store::machine::{
+    self, Axis, Control, Follows, Loops, MachineFile, OnOverload, PositionFrom, Spindle,
+};
 use sync::{Prediction, SyncMode, Windows};
 use units::{Angle, Coordinate, Force};
 
@@ -55,6 +57,27 @@ pub fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: bool) -> C
         probe_guard: true,
         learning: learns.then(|| crate::services::learning::how(machine)),
         compensation: super::compensation::compensation(machine),
+        supervision: machine.tapping.supervision.map(|how| supervision(machine, how)),
+    }
+}
+
+/// How taps are supervised: only on spindles whose drives measure their torque.
+fn supervision(machine: &MachineFile, how: machine::TapSupervision) -> SupervisionControl {
+    let mut readings = [None; bus::SPINDLES];
+    for (reading, spindle) in readings.iter_mut().zip(&machine.spindles) {
+        *reading = spindle.measured_torque.map(|measured| TorqueReading {
+            delay: measured.delay,
+            noise: spindle.peak_torque * measured.noise_share.max(measured.resolution_share),
+        });
+    }
+    SupervisionControl {
+        readings,
+        share: how.band_share,
+        reaction: match how.on_overload {
+            OnOverload::Retract => OverloadReaction::Retract,
+            OnOverload::Stop => OverloadReaction::Stop,
+            OnOverload::Report | OnOverload::Off => OverloadReaction::Report,
+        },
     }
 }
 

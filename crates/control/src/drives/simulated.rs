@@ -78,6 +78,16 @@ fn build_commanded(
         Some(drive) => simulator.with_plain_drive(drive),
         None => simulator,
     };
+    let simulator = match file.simulation.tap_mishaps {
+        Some(mishaps) => simulator.with_mishaps(sim::Mishaps {
+            packing: mishaps.packing,
+            packed_from: mishaps.packed_from,
+            packed_rise: mishaps.packed_rise,
+            crack: mishaps.crack,
+            cracked_strength: mishaps.cracked_strength,
+        }),
+        None => simulator,
+    };
     Ok(match file.simulation.tap_wear {
         Some(wear) => simulator.with_tap_wear(sim::TapWear {
             life: wear.life,

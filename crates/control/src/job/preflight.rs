@@ -437,6 +437,7 @@ fn tap_of(lead: units::Lead) -> canon::TapTool {
         flute: canon::Flute::SpiralFlute,
         oversize: Length::ZERO,
         holder: canon::Holder::Rigid { stiffness: units::Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     }
 }
 

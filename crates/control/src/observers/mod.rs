@@ -10,6 +10,7 @@ pub use trace::TraceThread;
 
 use crate::Timings;
 use crate::job::Session;
+use crate::services::supervision::SupervisedStroke;
 use bus::Sample;
 use canon::{Op, OpKind, ProgramFrame, ToolUse};
 use kernel::{Event, EventKind, WaitFor};
@@ -85,6 +86,8 @@ pub struct Observers {
     pub(super) saturated: BTreeMap<u32, u32>,
     /// Warnings at run time.
     pub(super) warnings: Vec<Event>,
+    /// What supervision by torque saw of each stroke.
+    pub(super) supervised: Vec<SupervisedStroke>,
     /// What a person would have confirmed.
     pub(super) confirmed: Vec<String>,
 }
@@ -103,6 +106,7 @@ impl Observers {
             timings: Timings::new(false),
             saturated: BTreeMap::new(),
             warnings: Vec::new(),
+            supervised: Vec::new(),
             confirmed: Vec::new(),
         }
     }
@@ -164,6 +168,9 @@ impl Observers {
             && self.confirmed.len() < MOST_WARNINGS
         {
             self.confirmed.push(confirmed(what, event.line));
+        }
+        if let EventKind::TapSupervised(seen) = event.kind {
+            self.supervised.push(SupervisedStroke { op: event.op, line: event.line, seen });
         }
         let warns = matches!(
             event.kind,

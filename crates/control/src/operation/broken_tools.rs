@@ -38,6 +38,7 @@ impl Control {
             tool.wear = ToolWear::default();
         })?;
         self.executor.machine.renew_tool(number);
+        self.executor.kernel.forget_bands(number);
         let path = self.kept.folder().map(|folder| folder.path().to_owned());
         if let Some(why) = path.and_then(|folder| broken_tools::is_renewed(&folder, number).err()) {
             self.events.notice(why);

@@ -3,6 +3,7 @@ use super::control::Control;
 use super::event::{Alarm, Event};
 use super::message::MessageStatus;
 use crate::messages::Message;
+use crate::services::supervision;
 
 /// Alarms that are remembered.
 const MOST_ALARMS: usize = 200;
@@ -22,6 +23,12 @@ impl Control {
                 EventKind::SyncWarning { error } => {
                     let cause = format!("sync error {}", event.op);
                     let text = format!("line {}: sync error {error}", event.line);
+                    self.events.notice_of(&cause, text);
+                }
+                EventKind::TapSupervised(seen) if supervision::is_remarkable(seen) => {
+                    let (line, tool) = (event.line, seen.tool);
+                    let cause = format!("supervision {}", event.op);
+                    let text = format!("line {line}, T{tool}: {}", supervision::sentence(seen));
                     self.events.notice_of(&cause, text);
                 }
                 EventKind::Homed { axis, deviation } => {

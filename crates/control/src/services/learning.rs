@@ -5,8 +5,11 @@
 //! ```
 use crate::Refused;
 use std::path::{Path, PathBuf};
-use store::learning::{LearningRecord as Filed, LearningRecords, mark, rounded};
+use store::learning::{BandRecord, LearningRecord as Filed, LearningRecords, mark, rounded};
 use store::machine::MachineFile;
+use sync::supervision::band::{BandKey, StrokeBand, Trend};
+use sync::supervision::depth::BINS;
+use sync::supervision::own::OwnTorque;
 use sync::{CELLS, Learning, LearningRecord, StrokeKey};
 use units::{Angle, Lead, Length, Spin, Time};
 
@@ -26,6 +29,8 @@ pub struct Memory {
     mark: u32,
     /// What the file had.
     pub records: Vec<LearningRecord>,
+    /// What good holes were like, as the file had it.
+    pub bands: Vec<StrokeBand>,
 }
 
 impl Memory {
@@ -44,16 +49,18 @@ impl Memory {
         let mark = mark(&format!("{parts:?}"));
         let filed = LearningRecords::load(&path, &machine.name, mark)?.unwrap_or_default();
         let records = filed.list.iter().map(unpacked).collect();
-        Ok(Some(Self { path, machine: machine.name.clone(), mark, records }))
+        let bands = filed.bands.iter().map(unpacked_band).collect();
+        Ok(Some(Self { path, machine: machine.name.clone(), mark, records, bands }))
     }
 
     /// Write what is known now.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn save(&self, records: &[LearningRecord]) -> Result<(), Refused> {
+    pub fn save(&self, records: &[LearningRecord], bands: &[StrokeBand]) -> Result<(), Refused> {
         let list = records.iter().filter(|record| record.strokes > 0).map(packed).collect();
-        Ok(LearningRecords::new(&self.machine, self.mark, list).save(&self.path)?)
+        let bands = bands.iter().filter(|band| band.holes > 0).map(packed_band).collect();
+        Ok(LearningRecords::new(&self.machine, self.mark, list).with(bands).save(&self.path)?)
     }
 }
 
@@ -147,4 +154,56 @@ fn packed(record: &LearningRecord) -> Filed {
         feed_nm: cells(&record.feed.best, NANO),
         spindle_1e9_rev: cells(&record.spindle.best, BILLIONTH),
     }
+}
+
+fn unpacked_band(filed: &BandRecord) -> StrokeBand {
+    let bins = |list: &[f64]| {
+        let mut bins = [0.0; BINS];
+        bins.iter_mut().zip(list).for_each(|(bin, value)| *bin = *value);
+        bins
+    };
+    StrokeBand {
+        key: BandKey {
+            tool: filed.tool,
+            lead: Lead::mm_per_rev(filed.lead_mm_per_rev),
+            spin: Spin::rev_per_s(filed.spin_rev_per_s),
+            return_spin: Spin::rev_per_s(filed.return_spin_rev_per_s),
+            run_in: Length::mm(filed.run_in_mm),
+            depth: Length::mm(filed.depth_mm),
+        },
+        holes: filed.holes,
+        mean: [bins(&filed.mean_in_n_m), bins(&filed.mean_out_n_m)],
+        squares: [bins(&filed.squares_in), bins(&filed.squares_out)],
+        level: filed.level,
+        trend: Trend { holes: filed.trend_holes, sums: filed.trend_sums },
+        own: OwnTorque { squares: filed.own_squares, products: filed.own_products },
+    }
+}
+
+fn packed_band(band: &StrokeBand) -> BandRecord {
+    let key = &band.key;
+    let bins = |list: &[f64; BINS]| list.iter().copied().map(rounded_torque).collect();
+    BandRecord {
+        tool: key.tool,
+        lead_mm_per_rev: key.lead.value(),
+        spin_rev_per_s: key.spin.value(),
+        return_spin_rev_per_s: key.return_spin.value(),
+        run_in_mm: key.run_in.value(),
+        depth_mm: key.depth.value(),
+        holes: band.holes,
+        level: band.level,
+        mean_in_n_m: bins(&band.mean[0]),
+        mean_out_n_m: bins(&band.mean[1]),
+        squares_in: bins(&band.squares[0]),
+        squares_out: bins(&band.squares[1]),
+        trend_holes: band.trend.holes,
+        trend_sums: band.trend.sums,
+        own_squares: band.own.squares,
+        own_products: band.own.products,
+    }
+}
+
+/// A micronewton metre is far below any reading.
+fn rounded_torque(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
 }

@@ -3,6 +3,7 @@
 pub mod cam;
 pub mod learning;
 pub mod polygon;
+pub mod supervision;
 pub mod sync_record;
 
 pub use cam::CamHost;

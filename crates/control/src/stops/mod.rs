@@ -19,7 +19,7 @@ use crate::recovery;
 use crate::script::{Script, Told};
 use crate::{Drives, KernelHandle, MachineHandle};
 use bus::Sample;
-use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
+use kernel::{EventKind, FaultKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
 use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
 use std::ops::ControlFlow;
@@ -200,7 +200,9 @@ impl Stops {
             hear(sample);
         });
         let Some(after) = self.recover else {
-            self.happened.extend(left_in(line, plant, surface, "--recover"));
+            let left = left_in(line, plant, surface, "--recover");
+            let is_out = || retracted(line, kernel);
+            self.happened.extend(left.or_else(is_out));
             return Ok(false);
         };
         plant.mend();
@@ -243,6 +245,15 @@ fn left_in(line: u32, plant: &dyn Drives, surface: Length, by: &str) -> Option<S
     (depth > 0.0).then(|| {
         format!("line {line}: the tap was left {depth:.2} mm deep in its thread; {by} takes it out along it")
     })
+}
+
+/// What is said of a tap that supervision by torque has taken out.
+fn retracted(line: u32, kernel: &Kernel) -> Option<String> {
+    let by_torque = |fault: &kernel::Fault| {
+        matches!(fault.kind, FaultKind::TapOverload | FaultKind::TapCutsNothing)
+    };
+    let is_out = kernel.faults().iter().any(by_torque) && !kernel.is_in_thread();
+    is_out.then(|| format!("line {line}: the tap has come out along its thread"))
 }
 
 /// What is said of a tool that is left in the work of a machine simulator.

@@ -71,6 +71,7 @@ pub fn example_setup(dialect: Dialect) -> Setup {
         flute: Flute::SpiralFlute,
         oversize: Length::ZERO,
         holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     };
     Setup {
         dialect,

@@ -28,6 +28,7 @@ pub fn m6() -> ToolKind {
         flute: canon::Flute::SpiralFlute,
         oversize: Length::um(20.0),
         holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     })
 }
 

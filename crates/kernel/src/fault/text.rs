@@ -207,6 +207,22 @@ impl FaultKind {
                 cause: "The drive that orients the spindle has said so, with a fault code of its own: orient-fault in HAL.",
                 remedy: "Look the code up in the drive's manual; check the index or the position encoder by which it orients the spindle.",
             },
+            Self::TapOverload => Text {
+                number: 215,
+                sentence: "the torque of the tap is too high",
+                unit: "N·m",
+                reaction: Reaction::Halt,
+                cause: "No pre-drilled hole or one too small, packed chips, a worn tap, or harder material.",
+                remedy: "The tap has come out along its thread, if the machine file has tapping.supervision.on_overload = \"retract\". Read what supervision says of the hole; measure the pre-drilled hole; look at the tap.",
+            },
+            Self::TapCutsNothing => Text {
+                number: 216,
+                sentence: "the torque of the tap is gone",
+                unit: "N·m",
+                reaction: Reaction::Halt,
+                cause: "The tap has broken, or there is no material where good holes had it.",
+                remedy: "Look for the tap's rest in the hole before anything else goes there; change the tap.",
+            },
             Self::NotAtSpeed => Text {
                 number: 301,
                 sentence: "the spindle did not reach its speed in time",

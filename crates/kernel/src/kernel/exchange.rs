@@ -22,6 +22,22 @@ impl Kernel {
         self.drives.learning_records.recall(learning_records);
     }
 
+    /// What good holes have been like so far.
+    pub fn bands(&self) -> &[sync::supervision::band::StrokeBand] {
+        self.drives.supervision.bands()
+    }
+
+    /// Begin with what good holes were like before; ignored where taps are not supervised. Not
+    /// during a tap.
+    pub fn recall_bands(&mut self, bands: Vec<sync::supervision::band::StrokeBand>) {
+        self.drives.supervision.recall(bands);
+    }
+
+    /// A tool is new: nothing is known of its holes.
+    pub fn forget_bands(&mut self, tool: u32) {
+        self.drives.supervision.forget(tool);
+    }
+
     /// Keep the table of a function that steps superpose. What it replaces comes back.
     ///
     /// # Errors

@@ -16,6 +16,7 @@ use crate::encoder_plausibility::Tied;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
+use crate::operator::{Notice, Order};
 use crate::queue::StepKind;
 use crate::sight::Sight;
 use crate::spindle::SpindleLoop;
@@ -109,6 +110,7 @@ impl Kernel {
             }
             Reaction::Disable | Reaction::Halt => {
                 self.operator.alarm();
+                self.retract_overloaded(kind, in_tap.is_some());
                 self.retreating = self.retreating.or_else(|| self.retreat_for(kind, subject));
                 let coupled =
                     matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
@@ -132,6 +134,15 @@ impl Kernel {
             }
         };
         (self.drives.mist, self.drives.flood) = (false, false);
+    }
+
+    /// A tap whose torque is beyond its bounds comes out along its thread as soon as it stands.
+    fn retract_overloaded(&mut self, kind: FaultKind, in_tap: bool) {
+        let by_torque = matches!(kind, FaultKind::TapOverload | FaultKind::TapCutsNothing);
+        if by_torque && in_tap && self.drives.supervision.retracts() {
+            self.operator.take(Order::Retract, true, (false, false));
+            self.note(EventKind::Operator(Notice::BackingOut));
+        }
     }
 
     /// The axis that takes the tool off the work is the one that does not obey, or cannot be seen:

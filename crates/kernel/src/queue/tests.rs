@@ -65,6 +65,8 @@ impl Plans {
                 start_angle: None,
                 turns_at_speed: false,
                 limiting: motion::TapLimiting::default(),
+                torque_expected: units::Torque::n_m(1.75),
+                torque_limit: Some(units::Torque::n_m(6.5)),
             },
             ramp,
             chips: ChipThrow {

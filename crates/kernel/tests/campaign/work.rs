@@ -60,6 +60,7 @@ pub(super) fn tool(work: &Work) -> Tool {
             flute: Flute::SpiralFlute,
             oversize: Length::um(30.0),
             holder: canon::Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+            max_torque: None,
         }),
         description: String::new(),
         wear: canon::ToolWear::default(),

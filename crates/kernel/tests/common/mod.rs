@@ -195,6 +195,7 @@ pub fn control(machine: &sim::Config) -> Config {
         probe_guard: true,
         learning: None,
         compensation: kernel::Compensation::default(),
+        supervision: None,
     }
 }
 
@@ -290,6 +291,8 @@ impl TapOrder {
                 speed: Limiting::ProgrammedSpeed,
                 ramp: Limiting::ProgrammedSpeed,
             },
+            torque_expected: Torque::n_m(self.cut_n_m),
+            torque_limit: None,
         })
     }
 }

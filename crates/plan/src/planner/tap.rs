@@ -23,7 +23,7 @@ use crate::findings::number;
 use crate::holes::Drilled;
 use crate::limits::{AxisLimits, Retract, SpindleLimits, TapMethod};
 use crate::stroke::{Stroke, StrokeRequest};
-use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
+use crate::tap_check::{TapCheck, cutting_torque, torque_limit, whole_rpm};
 use crate::words::{is_rotary, length};
 use alloc::{format, string::String};
 use canon::{Axis, Holder, ProgramFrame, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
@@ -51,6 +51,8 @@ pub(super) struct Means {
     /// that.
     pub(super) turning: SpindleLimits,
     cut: Torque,
+    /// Torque from which on the tap is taken out of its hole.
+    torque_limit: Option<Torque>,
     /// How much deeper than programmed there is room for the tap.
     room: Length,
     /// Acceleration asked for on the way out.
@@ -122,6 +124,7 @@ impl Planner {
                 outward,
                 turning: spindle,
                 cut,
+                torque_limit: tap_tool.max_torque,
                 room,
                 spindle_accel: None,
             });
@@ -129,6 +132,7 @@ impl Planner {
         let hole = self.drilled_hole(tap, tool);
         let pressure = self.options.cutting_pressure_n_per_mm2;
         let cut = cutting_torque(tool, tap_tool, hole.map(|h| h.diameter), pressure);
+        let torque_limit = Some(torque_limit(tool, tap_tool));
         let check = TapCheck {
             tap,
             span: job.span,
@@ -163,7 +167,7 @@ impl Planner {
             self.findings.add_once(Diagnostic::note("M0324", job.span, text));
         }
         let spindle_accel = spindle_accel.ok().filter(|_| !refused)?;
-        Some(Means { inward, outward, turning: spindle, cut, room, spindle_accel })
+        Some(Means { inward, outward, turning: spindle, cut, torque_limit, room, spindle_accel })
     }
 
     /// The acceleration asked for on the way out (I), if drives and ramps can obey it.
@@ -395,6 +399,8 @@ impl Planner {
                 .own_ramps
                 .is_some_and(|own| own.turns_at_speed(tap.spin, request.revolutions, tap.lead)),
             limiting: inward.limiting,
+            torque_expected: means.cut,
+            torque_limit: means.torque_limit,
         }
     }
 

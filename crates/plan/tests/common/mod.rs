@@ -91,6 +91,7 @@ pub fn tap_tool(number: u32, designation: &str, diameter: f64, lead: f64) -> Too
         flute: Flute::SpiralFlute,
         oversize: Length::um(40.0),
         holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     });
     tool(number, diameter, 100.0, kind)
 }

@@ -14,6 +14,7 @@
 mod milled;
 
 use crate::drilling::{self, Drilling};
+use crate::mishaps::{Draw, Mishap, Mishaps};
 use crate::rng::Rng;
 use crate::scatter::Draws;
 use crate::tapping::{self, Load, Pose, Tapping, is_too_wide};
@@ -92,6 +93,8 @@ pub(crate) struct Cutting {
     slip: f64,
     /// Taps wear, if they do.
     worn: Option<Worn>,
+    /// What they meet by chance, if anything.
+    mishaps: Option<Draw>,
 }
 
 impl Cutting {
@@ -112,12 +115,18 @@ impl Cutting {
             enters_mm: 0.0,
             slip: 0.0,
             worn: None,
+            mishaps: None,
         }
     }
 
     /// From here on taps wear.
     pub(crate) fn wear(&mut self, wear: TapWear, rng: Rng) {
         self.worn = Some(Worn::new(wear, rng));
+    }
+
+    /// From here on taps meet mishaps.
+    pub(crate) fn meet(&mut self, mishaps: Mishaps, rng: Rng) {
+        self.mishaps = Some(Draw::new(mishaps, rng));
     }
 
     /// What the work looks like.
@@ -264,14 +273,10 @@ impl Cutting {
                 } else {
                     let dull = self.worn.as_mut().map_or(1.0, |worn| worn.factor(tool.number));
                     let scale = scale * dull;
-                    Engagement::Tapping(Tapping::begin(
-                        &tap,
-                        (&self.stock, floor),
-                        hole,
-                        pose,
-                        scale,
-                        self.slip,
-                    ))
+                    let mishap = self.mishaps.as_mut().map_or(Mishap::NONE, Draw::next);
+                    let stock = (&self.stock, floor);
+                    let tapping = Tapping::begin(&tap, stock, hole, pose, scale, self.slip);
+                    Engagement::Tapping(tapping.meeting(mishap))
                 }
             }
             ToolKind::Drill { .. }

@@ -79,11 +79,12 @@ pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
 pub use rotary::RAD_PER_M;
 pub use scatter::Scatter;
 pub use setup::{
-    Clamp, Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapSeat, TapWear,
+    Clamp, Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapMishaps, TapSeat,
+    TapWear,
 };
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
-pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
+pub use tapping::{Effort, OnOverload, Peck, Preset, Ramp, TapSupervision, Tapping};
 pub use user_code::{CallEntry, CodeEntry, CodeEntryAction, OwnCodes};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};

@@ -132,6 +132,8 @@ pub struct Simulation {
     pub tap_seat: TapSeat,
     /// How taps wear; `None`: they do not.
     pub tap_wear: Option<TapWear>,
+    /// What goes wrong with taps by chance; `None`: nothing.
+    pub tap_mishaps: Option<TapMishaps>,
     /// How far the work really is from where the set-up has it, in X, Y and Z: what probing is
     /// there to find.
     pub work_shift: [Length; 3],
@@ -159,6 +161,36 @@ impl TapWear {
             life: Length::mm(keys.number("life_m", 0.01..=1e6) * 1e3),
             rise_share: percent(keys, "torque_rise_percent", 0.0..=1000.0),
             scatter_share: percent(keys, "scatter_percent", 0.0..=90.0),
+        }
+    }
+}
+
+/// What goes wrong with taps by chance, hole by hole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapMishaps {
+    /// Chance that chips pack in a hole.
+    pub packing: f64,
+    /// From how many diameters of depth on, at the least and at the most.
+    pub packed_from: (f64, f64),
+    /// Torque of packed chips one diameter below that, over that of the cut, at the most.
+    pub packed_rise: f64,
+    /// Chance that a tap's core is cracked when it comes to a hole.
+    pub crack: f64,
+    /// Share of its strength that a cracked core has.
+    pub cracked_strength: f64,
+}
+
+impl TapMishaps {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            packing: percent(keys, "packing_percent", 0.0..=100.0),
+            packed_from: (
+                keys.number("packed_from_diameters", 0.0..=100.0),
+                keys.number("packed_to_diameters", 0.0..=100.0),
+            ),
+            packed_rise: percent(keys, "packed_rise_percent", 0.0..=10_000.0),
+            crack: percent(keys, "crack_percent", 0.0..=100.0),
+            cracked_strength: percent(keys, "cracked_strength_percent", 1.0..=100.0),
         }
     }
 }
@@ -316,6 +348,7 @@ impl Simulation {
                 flank_stiffness: n_per_um(k.number("flank_stiffness_n_per_um", 0.1..=1e5)),
             }),
             tap_wear: keys.optional_section("tap_wear", TapWear::read),
+            tap_mishaps: keys.optional_section("tap_mishaps", TapMishaps::read),
             work_shift: keys
                 .optional_section("work_shift", |k| {
                     ["x_mm", "y_mm", "z_mm"].map(|key| {

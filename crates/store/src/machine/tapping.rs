@@ -29,6 +29,44 @@ pub struct Tapping {
     pub presets: [Option<Effort>; 4],
     /// What a peck (Q) does before the next one.
     pub peck: Peck,
+    /// Taps are supervised by the torque that the spindle's drive measures; `None`: they are not.
+    pub supervision: Option<TapSupervision>,
+}
+
+/// How taps are supervised by measured torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapSupervision {
+    /// What a torque beyond its bounds does.
+    pub on_overload: OnOverload,
+    /// By this share a good hole may be off the mean of the good ones.
+    pub band_share: f64,
+}
+
+/// What a torque beyond its bounds does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnOverload {
+    /// An alarm; the tap comes out along its thread.
+    Retract,
+    /// An alarm; the tap stays in its thread.
+    Stop,
+    /// Nothing: what is seen is said when the hole is done.
+    Report,
+    /// Taps are not supervised.
+    Off,
+}
+
+impl TapSupervision {
+    fn read(keys: &mut Keys<'_>) -> Option<Self> {
+        let reactions = [
+            ("retract", OnOverload::Retract),
+            ("stop", OnOverload::Stop),
+            ("report", OnOverload::Report),
+            ("off", OnOverload::Off),
+        ];
+        let on_overload = keys.choice("on_overload", &reactions);
+        let band_share = percent(keys, "band_percent", 5.0..=200.0);
+        Some(Self { on_overload, band_share }).filter(|_| on_overload != OnOverload::Off)
+    }
 }
 
 /// How hard taps are driven.
@@ -155,6 +193,7 @@ impl Tapping {
                 })
                 .unwrap_or_default(),
             peck: keys.optional_section("peck", Peck::read).unwrap_or(Peck::Full),
+            supervision: keys.optional_section("supervision", TapSupervision::read).flatten(),
         };
         if tapping.sync_stop < tapping.sync_warn {
             let least = tapping.sync_warn.in_um();

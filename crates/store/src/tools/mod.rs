@@ -48,6 +48,7 @@
 //! | `chamfer_pitches` | tap | 2–3 bottoming, 4–5 plug |
 //! | `thread_length_mm` | tap | where the flutes end |
 //! | `flute` | tap | spiral-flute, spiral-point, straight |
+//! | `max_torque_n_m` | tap | torque from which on it is taken out; else 0.7 of what breaks it |
 //! | `oversize_um` | tap | else the middle of class ISO 2 |
 //! | `holder` | tap | `{ kind = "rigid", stiffness_n_per_um = 20 }`; soft-synchro and tension-compression also have `travel_mm` |
 mod comment;
@@ -150,6 +151,7 @@ pub fn usual_tap(thread: &ThreadSize) -> TapTool {
         flute: Flute::SpiralFlute,
         oversize: usual_oversize(thread),
         holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     }
 }
 

@@ -11,7 +11,7 @@ use canon::{
 };
 use diag::{Diagnostic, Span};
 use std::ops::RangeInclusive;
-use units::{Angle, Length, MM_PER_INCH, Stiffness, Time};
+use units::{Angle, Length, MM_PER_INCH, Stiffness, Time, Torque};
 
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
@@ -362,6 +362,7 @@ fn read_tap(thread: &ThreadSize, keys: &mut Keys<'_>) -> TapTool {
         flute: keys.choice("flute", &flutes),
         oversize: oversize.unwrap_or_else(|| usual_oversize(thread)),
         holder: keys.section("holder", read_holder),
+        max_torque: keys.optional("max_torque_n_m", 0.01..=10_000.0).map(Torque::n_m),
     }
 }
 

@@ -152,6 +152,9 @@ fn write_tap(text: &mut String, tap: &TapTool) {
     };
     line(text, "flute", &quoted(flute));
     line(text, "oversize_um", &micrometres(tap.oversize));
+    if let Some(most) = tap.max_torque {
+        line(text, "max_torque_n_m", &number(most.value()));
+    }
     line(text, "holder", &holder(tap.holder));
 }
 

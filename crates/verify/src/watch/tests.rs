@@ -101,6 +101,7 @@ fn tapped(lag_mm: f64) -> Vec<String> {
         flute: canon::Flute::SpiralFlute,
         oversize: Length::ZERO,
         holder: Holder::Rigid { stiffness: units::Stiffness::n_per_mm(20_000.0) },
+        max_torque: None,
     };
     let tool = canon::Tool {
         number: 1,

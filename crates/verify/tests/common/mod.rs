@@ -34,6 +34,7 @@ pub fn tap_tool(number: u32, designation: &str, lead_mm: f64) -> Tool {
             flute: Flute::SpiralFlute,
             oversize: Length::ZERO,
             holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+            max_torque: None,
         }),
         description: String::new(),
         wear: canon::ToolWear::default(),

@@ -1,0 +1,495 @@
+//! Supervision of taps by the torque that the drive of their spindle measures.
+//!
+//! ```text
+//!   angle      ──► α, n about the time t − D ──► g·J·α + f·friction ─┐
+//!   torque     ──► what was given at t − D ──────────────────────────┴─► − ─► cutting torque c
+//!
+//!      c ─► bins over depth ─► at the end: diagnosis, band
+//!      c ─► sums above band and limit, below band ─► in the same period: alarm, retract along the thread
+//!
+//!   α = (θ(t−D+w) − 2·θ(t−D) + θ(t−D−w))/w²      D the larger of the drive's delay and w
+//! ```
+//!
+//! The torque of a spindle that reverses is twenty times that of an M6 in steel, so the spindle's
+//! own must be known to some per cent, also where its drive is at its limit: its acceleration is
+//! that of the encoder, over as long a span w as its counts ask for. By how much inertia, torque
+//! constant and friction are not as the machine's file says is learnt above the work, in the same
+//! stroke and in those before ([`sync::supervision::own`]). What is left of it, and what a change of
+//! the acceleration within w may hide, are added to each bound.
+//!
+//! Bands are kept for [`BANDS`] kinds of stroke; of more, the one longest unused makes room.
+//! Source of the test: [`sync::supervision::detector`].
+use crate::config::{OverloadReaction, SpindleControl, Subject, SupervisionControl, TorqueReading};
+use crate::fault::FaultKind;
+use crate::friction::spindle_friction;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+use motion::TapPlan;
+use sync::Phase;
+use sync::supervision::band::{BandKey, StrokeBand};
+use sync::supervision::depth::{DepthSums, DepthTorque, Way, bin_of};
+use sync::supervision::detector::Detector;
+use sync::supervision::diagnosis::{Diagnosed, Diagnosis, diagnose, diagnose_alone, diagnose_gone};
+use units::{Angle, Length, Spin, Time, Torque};
+
+/// Kinds of stroke whose bands are kept at once.
+pub const BANDS: usize = 16;
+/// Longest delay of a drive's reading, in periods; a longer one cannot be supervised.
+const MOST_DELAY: usize = 128;
+/// Least and largest w, in periods.
+const SPAN: (usize, usize) = (2, 32);
+/// Readings that are looked back on.
+const READINGS: usize = MOST_DELAY + SPAN.1 + 1;
+/// Standard deviation of a second difference of readings that are rounded to counts: √(6/12).
+const SECOND_DIFFERENCE: f64 = 0.707_106_781_186_547_6;
+/// Share of the noise of the torque that the encoder's counts may add.
+const COUNTS_SHARE: f64 = 0.5;
+/// Share of what a tap takes, by which its cut is uneven: noise is taken to be this at least.
+const UNEVEN_SHARE: f64 = 0.1;
+/// Standard deviations of the spindle's inertia by which its torque may be off.
+const GAIN_ERRORS: f64 = 3.0;
+/// Share of its speed below which a spindle is about to turn back: there the torque of the cut
+/// changes its sign, and what it was in other holes says little.
+const TURNS_SHARE: f64 = 0.1;
+/// Share of what the tap makers' formula expects, below which a hole was none.
+const NOTHING_SHARE: f64 = 0.25;
+/// Share of the noise of one reading, below which a mean over a hole says nothing.
+const READ_SHARE: f64 = 0.3;
+/// Turns after the surface in which a tap cuts with its chamfer alone, at most.
+const EARLY_TURNS: f64 = 5.0;
+
+/// An alarm: kind, on what, value, limit.
+type Finding = (FaultKind, Subject, f64, f64);
+
+/// What supervision saw of one stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Supervised {
+    /// The tool.
+    pub tool: u32,
+    /// From the surface to the bottom.
+    pub depth: Length,
+    /// Cutting torque over that depth.
+    pub torque: DepthTorque,
+    /// What the hole was.
+    pub diagnosed: Diagnosed,
+    /// What the torque has left, if that has stopped the stroke.
+    pub crossing: Option<Crossing>,
+    /// Torque of the last good holes over that of the first ones, with this one.
+    pub level: f64,
+    /// Change of that with each hole, and its standard error, once there are enough.
+    pub slope: Option<(f64, f64)>,
+}
+
+/// A bound that was crossed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Crossing {
+    /// The bound.
+    pub bound: Bound,
+    /// Mean torque since it was crossed.
+    pub torque: Torque,
+    /// The bound's value.
+    pub limit: Torque,
+    /// Depth of the tip below the surface.
+    pub depth: Length,
+    /// From the first reading beyond the bound to the order to retract: what the noise takes.
+    pub took: Time,
+}
+
+/// Bounds of the torque.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Bound {
+    /// What the tap bears, or the tool table states.
+    Limit,
+    /// The upper bound of the band.
+    Upper,
+    /// The lower bound of the band: the tap cuts nothing.
+    Lower,
+}
+
+/// What was read in one period.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    /// Share of the depth; negative above the surface.
+    share: f64,
+    way: Way,
+    /// rev.
+    angle: f64,
+    /// N·m.
+    torque: f64,
+}
+
+/// How the spindle turned at one moment, and what its drive gave.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    share: f64,
+    way: Way,
+    /// Torque of the drive, N·m.
+    torque: f64,
+    /// Torque of acceleration, N·m.
+    inertial: f64,
+    /// Torque of friction, N·m.
+    friction: f64,
+    /// It turns fast enough for friction and cut to have their sign.
+    turns: bool,
+}
+
+/// A stroke under way.
+#[derive(Clone, Debug)]
+struct Watched {
+    spindle: u8,
+    reading: TorqueReading,
+    key: BandKey,
+    limit: Option<f64>,
+    expected: f64,
+    lead: f64,
+    period: Time,
+    /// Readings, the newest before `next`, and how many there are.
+    readings: [Reading; READINGS],
+    next: usize,
+    count: usize,
+    /// The drive's delay, w and D, in periods.
+    delay: usize,
+    span: usize,
+    back: usize,
+    /// Torque of acceleration over N·m per rev/s².
+    inertia: f64,
+    /// Noise of the cutting torque.
+    noise: f64,
+    inertial_before: f64,
+    sums: DepthSums,
+    detectors: [Detector; 3],
+    crossing: Option<Crossing>,
+    is_interrupted: bool,
+}
+
+/// All bands, and the stroke under way, whose band stands last.
+#[derive(Clone, Debug)]
+pub(crate) struct Supervision {
+    control: Option<SupervisionControl>,
+    bands: Vec<StrokeBand>,
+    watched: Watched,
+    is_on: bool,
+}
+
+impl Supervision {
+    /// With room for all that will ever be kept.
+    pub(crate) fn new(control: Option<SupervisionControl>) -> Self {
+        let room = if control.is_some() { BANDS } else { 0 };
+        let watched = Watched {
+            spindle: 0,
+            reading: TorqueReading { delay: Time::ZERO, noise: Torque::ZERO },
+            key: BandKey::default(),
+            limit: None,
+            expected: 0.0,
+            lead: 1.0,
+            period: Time::ZERO,
+            readings: [Reading { share: -1.0, way: Way::In, angle: 0.0, torque: 0.0 }; READINGS],
+            next: 0,
+            count: 0,
+            delay: 0,
+            span: SPAN.0,
+            back: SPAN.0,
+            inertia: 0.0,
+            noise: 0.0,
+            inertial_before: 0.0,
+            sums: DepthSums::NONE,
+            detectors: [Detector::NEW; 3],
+            crossing: None,
+            is_interrupted: false,
+        };
+        Self { control, bands: Vec::with_capacity(room), watched, is_on: false }
+    }
+
+    /// What is known of good holes.
+    pub(crate) fn bands(&self) -> &[StrokeBand] {
+        &self.bands
+    }
+
+    /// What was known before; bands beyond the room are left out.
+    pub(crate) fn recall(&mut self, bands: Vec<StrokeBand>) {
+        if self.control.is_some() {
+            self.bands.clear();
+            self.bands.extend(bands.into_iter().take(BANDS));
+        }
+    }
+
+    /// A tool is new: what was learnt of its predecessor is forgotten.
+    pub(crate) fn forget(&mut self, tool: u32) {
+        self.is_on &= self.watched.key.tool != tool;
+        self.bands.retain(|band| band.key.tool != tool);
+    }
+
+    /// An overload takes the tap out along its thread.
+    pub(crate) fn retracts(&self) -> bool {
+        self.control.is_some_and(|control| control.reaction == OverloadReaction::Retract)
+    }
+
+    /// A tap begins.
+    pub(crate) fn begin(
+        &mut self,
+        tool: u32,
+        plan: &TapPlan,
+        (spindle, period): (&SpindleControl, Time),
+    ) {
+        self.is_on = false;
+        let Some(control) = self.control else { return };
+        let Some(reading) = control.readings.get(usize::from(plan.spindle)).copied().flatten()
+        else {
+            return;
+        };
+        let delay = libm::round(reading.delay.value() / period.value());
+        if delay > MOST_DELAY as f64 {
+            return;
+        }
+        let start = plan.start.along(plan.axis).of_linear();
+        let key = BandKey {
+            tool,
+            lead: plan.lead,
+            spin: plan.spin,
+            return_spin: plan.return_spin,
+            run_in: (plan.surface - start).abs(),
+            depth: (plan.bottom - plan.surface).abs(),
+        };
+        self.take_band(key);
+        let watched = &mut self.watched;
+        (watched.reading, watched.key, watched.period) = (reading, key, period);
+        watched.spindle = plan.spindle;
+        watched.limit = plan.torque_limit.map(Torque::value);
+        watched.expected = plan.torque_expected.value();
+        watched.lead = plan.lead.value().abs();
+        (watched.next, watched.count, watched.inertial_before) = (0, 0, 0.0);
+        (watched.delay, watched.inertia) = (delay as usize, spindle.inertia.value() * TAU);
+        watched.look_back(spindle.encoder_count.value());
+        watched.sums = DepthSums::NONE;
+        watched.detectors = [Detector::NEW; 3];
+        (watched.crossing, watched.is_interrupted) = (None, false);
+        self.is_on = key.depth > Length::ZERO;
+        if let Some(band) = self.bands.last_mut() {
+            band.own.fade();
+        }
+    }
+
+    /// The band of a kind of stroke comes last.
+    fn take_band(&mut self, key: BandKey) {
+        match self.bands.iter().position(|band| band.key.is_like(&key)) {
+            Some(index) => self.bands[index..].rotate_left(1),
+            None if self.bands.len() < BANDS => self.bands.push(StrokeBand::new(key)),
+            None => {
+                self.bands.rotate_left(1);
+                if let Some(band) = self.bands.last_mut() {
+                    *band = StrokeBand::new(key);
+                }
+            }
+        }
+    }
+
+    /// Something else than the torque stops the stroke on its way.
+    pub(crate) const fn interrupt(&mut self) {
+        self.watched.is_interrupted = true;
+    }
+
+    /// Takes this period's readings; an alarm where the torque leaves a bound. `at`: depth of the
+    /// tip below the surface, and the spindle's angle.
+    pub(crate) fn observe(
+        &mut self,
+        phase: Phase,
+        at: (Length, Angle),
+        spindle: &SpindleControl,
+        measured: Option<Torque>,
+    ) -> Option<(Finding, Supervised)> {
+        let control = self.control.filter(|_| self.is_on)?;
+        let way = match phase {
+            Phase::In | Phase::Bottom => Way::In,
+            Phase::Out => Way::Out,
+            Phase::Prepare | Phase::Done => return None,
+        };
+        let Some(torque) = measured.map(Torque::value).filter(|torque| torque.is_finite()) else {
+            self.is_on = false; // silent: nothing is said of this stroke
+            return None;
+        };
+        let (moment, slew) = self.watched.moment(way, at, torque, spindle)?;
+        let Moment { share, way, inertial, friction, .. } = moment;
+        let noise = self.watched.noise;
+        let band = self.bands.last_mut()?;
+        if share < 0.0 {
+            band.own.add((inertial, friction), moment.torque, noise);
+            return None;
+        }
+        let (gain, rubs) = band.own.factors();
+        let own = gain * inertial + rubs * friction;
+        let cut = (moment.torque - own) * self.watched.sense(way);
+        self.watched.sums.add(way, share, cut);
+        let reports = control.reaction == OverloadReaction::Report;
+        if reports || self.watched.crossing.is_some() || self.watched.is_interrupted {
+            return None;
+        }
+        let unsure = GAIN_ERRORS * band.own.gain_error() * inertial.abs() + slew;
+        let band = Some(&*band).filter(|_| moment.turns);
+        let crossing = self.watched.judge(band, control.share, (way, share, cut), unsure)?;
+        self.watched.crossing = Some(crossing);
+        let kind = match crossing.bound {
+            Bound::Limit | Bound::Upper => FaultKind::TapOverload,
+            Bound::Lower => FaultKind::TapCutsNothing,
+        };
+        let of = Subject::Spindle(self.watched.spindle);
+        let finding = (kind, of, crossing.torque.value(), crossing.limit.value());
+        Some((finding, self.supervised(control.share)))
+    }
+
+    /// The stroke has ended: what it was, and what is learnt of it.
+    pub(crate) fn finish(&mut self) -> Option<Supervised> {
+        let control = self.control.filter(|_| self.is_on)?;
+        self.is_on = false;
+        if self.watched.crossing.is_some() {
+            return None; // said
+        }
+        let supervised = self.supervised(control.share);
+        let learns = supervised.diagnosed.is_good();
+        let band = self.bands.last_mut()?;
+        if learns {
+            band.learn(&supervised.torque);
+        }
+        let slope = band.trend.slope().map(|slope| (slope.per_hole, slope.error));
+        Some(Supervised { level: band.level, slope, ..supervised })
+    }
+
+    fn supervised(&self, share: f64) -> Supervised {
+        let (watched, torque) = (&self.watched, self.watched.sums.means());
+        let band = self.bands.last().copied().unwrap_or_default();
+        let diagnosed = match watched.crossing {
+            None if watched.is_interrupted => {
+                Diagnosed { what: Diagnosis::Interrupted, is_sure: true }
+            }
+            Some(crossing) if crossing.bound == Bound::Lower => {
+                diagnose_gone(&torque, &band, crossing.depth / watched.key.depth)
+            }
+            Some(crossing) if !band.is_known() => {
+                let early = crossing.depth.value() < EARLY_TURNS * watched.lead;
+                diagnose_alone(&torque, early)
+            }
+            Some(_) | None => diagnose(&torque, &band, share, watched.least()),
+        };
+        Supervised {
+            tool: watched.key.tool,
+            depth: watched.key.depth,
+            torque,
+            diagnosed,
+            crossing: watched.crossing,
+            level: band.level,
+            slope: band.trend.slope().map(|slope| (slope.per_hole, slope.error)),
+        }
+    }
+}
+
+impl Watched {
+    /// Choose w, so that the encoder's counts add little to the noise of the torque, and D.
+    fn look_back(&mut self, count: f64) {
+        let noise = self.reading.noise.value().max(UNEVEN_SHARE * self.expected);
+        let per_period =
+            self.inertia * count * SECOND_DIFFERENCE / (self.period.value() * self.period.value());
+        let of_counts = |span: usize| per_period / (span * span) as f64;
+        let mut span = self.delay.clamp(SPAN.0, SPAN.1);
+        while span < SPAN.1 && of_counts(span) > COUNTS_SHARE * noise {
+            span += 1;
+        }
+        (self.span, self.back) = (span, span.max(self.delay));
+        self.noise = libm::hypot(noise, of_counts(span));
+    }
+
+    /// Mean torque on the way in below which nothing is cut, or nothing that can be read.
+    fn least(&self) -> f64 {
+        (NOTHING_SHARE * self.expected).max(READ_SHARE * self.reading.noise.value())
+    }
+
+    /// Sense in which the spindle turns, +1 or −1.
+    fn sense(&self, way: Way) -> f64 {
+        let inward = libm::copysign(1.0, self.key.spin.value());
+        if way == Way::In { inward } else { -inward }
+    }
+
+    /// The reading of so many periods ago.
+    const fn ago(&self, periods: usize) -> &Reading {
+        &self.readings[(self.next + 2 * READINGS - 1 - periods) % READINGS]
+    }
+
+    /// Takes a reading; how the spindle turned at the moment that can be judged by now, and by how
+    /// much its own torque may be off because its acceleration changes.
+    fn moment(
+        &mut self,
+        way: Way,
+        (depth, angle): (Length, Angle),
+        torque: f64,
+        spindle: &SpindleControl,
+    ) -> Option<(Moment, f64)> {
+        let share = depth / self.key.depth;
+        self.readings[self.next] = Reading { share, way, angle: angle.value(), torque };
+        self.next = (self.next + 1) % READINGS;
+        self.count = (self.count + 1).min(READINGS);
+        if self.count <= self.back + self.span {
+            return None;
+        }
+        let (then, given) = (self.ago(self.back), self.ago(self.back - self.delay));
+        let (before, after) =
+            (self.ago(self.back + self.span).angle, self.ago(self.back - self.span).angle);
+        let time = self.period.value() * self.span as f64;
+        let spin = Spin::rev_per_s((after - before) / (2.0 * time));
+        let moment = Moment {
+            share: then.share,
+            way: then.way,
+            torque: given.torque,
+            inertial: self.inertia * (after - 2.0 * then.angle + before) / (time * time),
+            friction: spindle_friction(&spindle.friction, spin).value(),
+            turns: spin.abs() > self.key.spin.abs() * TURNS_SHARE,
+        };
+        // a change is spread over w to both sides
+        let change = (moment.inertial - self.inertial_before).abs() * self.span as f64;
+        self.inertial_before = moment.inertial;
+        Some((moment, change / 4.0))
+    }
+
+    /// The bound that this reading leaves; `unsure`: by how much the spindle's own torque may be off.
+    fn judge(
+        &mut self,
+        band: Option<&StrokeBand>,
+        share_off: f64,
+        (way, share, cut): (Way, f64, f64),
+        unsure: f64,
+    ) -> Option<Crossing> {
+        let noise = self.noise;
+        let bin = bin_of(share);
+        let limit = self.limit.map(|limit| {
+            let bound = limit + unsure;
+            (Bound::Limit, bound, bound - self.expected.min(limit / 2.0))
+        });
+        let upper = band.filter(|band| band.is_known()).map(|band| {
+            let (bound, distance) = band.upper(way, bin, share_off);
+            (Bound::Upper, bound + unsure, distance)
+        });
+        let lower = band.filter(|band| way == Way::In && band.has_lower()).and_then(|band| {
+            let (bound, distance) = band.lower(bin)?;
+            Some((Bound::Lower, bound - unsure, distance))
+        });
+        let detectors = &mut self.detectors;
+        for (detector, bounds) in detectors.iter_mut().zip([limit, upper, lower]) {
+            let Some((bound, value, distance)) = bounds else {
+                detector.reset();
+                continue;
+            };
+            let excess = if bound == Bound::Lower { value - cut } else { cut - value };
+            if detector.exceeds(excess, distance, noise) {
+                let mean = if bound == Bound::Lower { -detector.mean() } else { detector.mean() };
+                return Some(Crossing {
+                    bound,
+                    torque: Torque::n_m(value + mean),
+                    limit: Torque::n_m(value),
+                    depth: self.key.depth * share,
+                    took: self.period * f64::from(detector.readings().saturating_sub(1)),
+                });
+            }
+        }
+        None
+    }
+}
