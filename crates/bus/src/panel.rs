@@ -67,3 +67,20 @@ pub struct Panel {
     /// Speed at which jog keys jog.
     pub jog_speed: CoordinateSpeed,
 }
+
+impl Panel {
+    /// Nothing is pressed, open or turned.
+    pub const NONE: Self = Self {
+        feed_inhibit: false,
+        spindle_inhibit: [false; SPINDLES],
+        cycle_start: false,
+        hold: false,
+        stop: false,
+        reset: false,
+        single_block: false,
+        overrides: [OverrideDial { turned: 0.0, at: None }; 3],
+        wheel: [WheelTravel::of_steps(0); AXES],
+        jog: [0; AXES],
+        jog_speed: CoordinateSpeed::ZERO,
+    };
+}

@@ -26,15 +26,7 @@ struct Bench {
 const FEED: Panel = Panel { feed_inhibit: true, ..CLOSED };
 const SPINDLE: Panel = Panel { spindle_inhibit: [true, false], ..CLOSED };
 const BOTH: Panel = Panel { feed_inhibit: true, ..SPINDLE };
-const CLOSED: Panel = Panel {
-    feed_inhibit: false,
-    spindle_inhibit: [false; 2],
-    cycle_start: false,
-    hold: false,
-    stop: false,
-    reset: false,
-    single_block: false,
-};
+const CLOSED: Panel = Panel::NONE;
 
 impl Bench {
     fn new(steps: Vec<StepKind>) -> Self {
