@@ -60,7 +60,7 @@ mod waiting;
 mod waits;
 mod withdrawing;
 
-pub use compensation::{AxisCompensation, Compensation, SpindleCompensation};
+pub use compensation::{AxisCompensation, DeviationTables, SpindleCompensation};
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
     FeedForward, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows,

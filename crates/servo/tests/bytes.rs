@@ -269,7 +269,7 @@ fn config() -> kernel::Config {
         pause: kernel::Pause::Wait,
         probe_guard: true,
         learning: None,
-        compensation: kernel::Compensation::default(),
+        compensation: kernel::DeviationTables::default(),
     }
 }
 
