@@ -5,7 +5,9 @@
 //!         |   xxxxxxxx ddd     d  came towards minus     deviation within it
 //!    0 µm |xxx                 x  both
 //! ```
-use store::machine::{Axis, COMPENSATION_SHARE, Compensation, MachineFile, Spindle, TakesUpPlay};
+use store::machine::{
+    Axis, COMPENSATION_SHARE, MachineFile, Spindle, StatedDeviations, TakesUpPlay,
+};
 use sync::Deviation;
 use units::AxisKind;
 
@@ -25,7 +27,7 @@ pub(crate) fn lines(file: &MachineFile) -> String {
     lines.collect()
 }
 
-fn of_axis(axis: &Axis, stated: &Compensation) -> String {
+fn of_axis(axis: &Axis, stated: &StatedDeviations) -> String {
     let kind = axis.letter.kind();
     let (unit, small, scale) = match kind {
         AxisKind::Linear => ("mm", "µm", 1e3),

@@ -10,8 +10,8 @@
 //! axis has been commanded a way longer than s since the kernel was made; until then w is ½, and
 //! half of the play is not known. A slide that turns back first relaxes what its guideway has given
 //! (s = friction over stiffness of the contact), with the nut on the same flank: only then does the
-//! play open. w goes to its other end so that half of its way is over when the commanded position has
-//! gone back by s, by what the axis does at present (but not before 0.3·s), as a motion of limited
+//! play open. w goes to its other end so that half of its way is over when the commanded position
+//! has gone back by s, by what the axis does at present (but not before 0.3·s), as a motion of limited
 //! speed, acceleration and jerk: the setpoint has no jump, and the play b takes T ≈ 2·√(b/a) at the
 //! acceleration a that compensation may take.
 //!
@@ -69,7 +69,7 @@ pub struct SpindleCompensation {
 /// What the control takes off of all readings.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Compensation {
+pub struct DeviationTables {
     /// By axis, X first.
     pub axes: [Option<AxisCompensation>; AXES],
     /// By spindle.
@@ -78,10 +78,10 @@ pub struct Compensation {
 
 /// Compensation at work; `None`: the machine has none.
 #[derive(Clone, Debug)]
-pub(crate) struct Compensating(Option<Box<Running>>);
+pub(crate) struct Compensating(Option<Box<Compensated>>);
 
 #[derive(Clone, Debug)]
-struct Running {
+struct Compensated {
     axes: [Option<AxisRun>; AXES],
     spindles: [Option<SpindleRun>; SPINDLES],
 }
@@ -123,12 +123,12 @@ impl Sense {
 }
 
 /// What compensation must know of an axis beside its command.
-pub(crate) struct Moved {
+pub(crate) struct AxisInMotion {
     /// By how much its positions have got other names, in all, without any motion.
     pub(crate) renamed: f64,
     /// Commanded acceleration.
     pub(crate) accel: f64,
-    /// What the nut gives the slide beside friction: for its acceleration and against its weight, N.
+    /// What the nut gives the slide beside friction: for acceleration and against weight, N.
     pub(crate) push: f64,
     /// Friction of sliding and of breaking away, N.
     pub(crate) friction: (f64, f64),
@@ -215,7 +215,7 @@ impl AxisRun {
     }
 
     /// The flank follows where the setpoint is half a change of flank later.
-    fn follow(&mut self, command: &AxisCommand, moved: &Moved, period_s: f64) {
+    fn follow(&mut self, command: &AxisCommand, moved: &AxisInMotion, period_s: f64) {
         let t = self.half_s;
         let ahead = t * (command.speed.value() + t * moved.accel / 2.0);
         let setpoint = command.position.value() - moved.renamed;
@@ -323,14 +323,14 @@ impl SpindleRun {
 
 impl Compensating {
     pub(crate) fn new(config: &Config) -> Self {
-        let Compensation { axes, spindles } = &config.compensation;
+        let DeviationTables { axes, spindles } = &config.compensation;
         let period_s = config.period.value();
         let of_axis = |index: usize| {
             Some(AxisRun::new(axes[index].as_ref()?, config.axes[index].as_ref(), period_s))
         };
         let any = axes.iter().any(Option::is_some) || spindles.iter().any(Option::is_some);
         Self(any.then(|| {
-            Box::new(Running {
+            Box::new(Compensated {
                 axes: core::array::from_fn(of_axis),
                 spindles: spindles.each_ref().map(|one| one.as_ref().map(SpindleRun::new)),
             })
@@ -413,7 +413,7 @@ impl Compensating {
         &mut self,
         command: &mut Command,
         period_s: f64,
-        moved: impl Fn(usize) -> Option<Moved>,
+        moved: impl Fn(usize) -> Option<AxisInMotion>,
     ) {
         let Some(running) = &mut self.0 else { return };
         if let Some(coupled) = &mut command.coupled {
@@ -456,7 +456,7 @@ impl Compensating {
     }
 }
 
-impl Running {
+impl Compensated {
     /// A line on which drives stop by themselves goes through where the axis is, by the encoders.
     fn tie(&self, coupled: &mut Coupled, at: Coordinate) {
         if coupled.lead.value() == 0.0 {

@@ -39,7 +39,7 @@ pub struct Config {
     /// Repeated taps learn from one another; `None`: they do not.
     pub learning: Option<sync::Learning>,
     /// Errors of screws and encoders that are taken off.
-    pub compensation: crate::Compensation,
+    pub compensation: crate::DeviationTables,
     /// Taps are supervised by measured torque; `None`: they are not.
     pub supervision: Option<SupervisionControl>,
 }

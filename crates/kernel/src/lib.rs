@@ -61,7 +61,7 @@ mod waiting;
 mod waits;
 mod withdrawing;
 
-pub use compensation::{AxisCompensation, Compensation, SpindleCompensation};
+pub use compensation::{AxisCompensation, DeviationTables, SpindleCompensation};
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderCheckControl, EncoderPlace,
     FeedForward, OverloadReaction, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction,

@@ -6,7 +6,7 @@ use crate::common::*;
 use bus::{Feedback, Sample};
 use canon::Axis;
 use kernel::{
-    AxisCompensation, Compensation, Deviation, DeviationPoint, DeviationTable, DeviationWave,
+    AxisCompensation, Deviation, DeviationPoint, DeviationTable, DeviationTables, DeviationWave,
     EncoderPlace, HomingMethod, HomingOrder, Kernel, ManualOrder, SpindleCompensation,
 };
 use motion::{Goal, OnlineLimits};
@@ -62,7 +62,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(compensation: Compensation, at: f64) -> Self {
+    fn new(compensation: DeviationTables, at: f64) -> Self {
         let mut config = control(&machine(1));
         config.compensation = compensation;
         // what drives report is where they are: no screw is modelled between
@@ -77,7 +77,7 @@ impl Bench {
     }
 
     fn of(table: DeviationTable, at: f64) -> Self {
-        let mut compensation = Compensation::default();
+        let mut compensation = DeviationTables::default();
         compensation.axes[0] = Some(axis(table));
         let mut bench = Self::new(compensation, at);
         bench.run(20);
@@ -273,7 +273,7 @@ fn the_angle_of_an_eccentric_encoder_is_even_from_its_index_on() {
     const PHASE: f64 = 0.2;
     let wave = DeviationWave { order: 1, amplitude: SIZE, phase_rev: PHASE };
     let table = DeviationTable { waves: vec![wave], turn: 1.0, ..DeviationTable::default() };
-    let mut compensation = Compensation::default();
+    let mut compensation = DeviationTables::default();
     compensation.spindles[0] = Some(SpindleCompensation { table, from_index: true });
     let mut bench = Bench::new(compensation, 0.0);
     // the encoder's mark lies at 0.37 of its own turns

@@ -272,7 +272,7 @@ fn config() -> kernel::Config {
         pause: kernel::Pause::Wait,
         probe_guard: true,
         learning: None,
-        compensation: kernel::Compensation::default(),
+        compensation: kernel::DeviationTables::default(),
         supervision: None,
     }
 }

@@ -252,6 +252,12 @@ impl Deviation {
                 most = fmax(most, fabs(self.across(at)));
             }
         }
+        // behind the ends, where the slopes have run out
+        for end in [f64::NEG_INFINITY, f64::INFINITY] {
+            if self.repeats.is_none() && !self.at.is_empty() {
+                most = fmax(most, fabs(self.across(end)));
+            }
+        }
         most
     }
 

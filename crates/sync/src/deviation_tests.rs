@@ -1,3 +1,4 @@
+//! Closed forms of deviations, and random tables.
 use super::*;
 use proptest::prelude::*;
 use std::vec;

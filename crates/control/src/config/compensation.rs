@@ -1,21 +1,21 @@
 //! Errors of screws and encoders that the machine's file states, for the kernel and for the
 //! simulated machine.
-use kernel::{AxisCompensation, Compensation, SpindleCompensation};
+use kernel::{AxisCompensation, DeviationTables, SpindleCompensation};
 use store::machine::{self, Axis, MachineFile, Spindle, TakesUpPlay};
 use units::Coordinate;
 
-/// Least way back at which the flank changes, mm or degrees: what a setpoint that follows an encoder
-/// may waver by.
+/// Least way back at which the flank changes, mm or degrees: what a setpoint that follows an
+/// encoder may waver by.
 const LEAST_WAY_BACK: f64 = 1e-4;
 
 /// What the kernel takes off of readings.
-pub(super) fn compensation(machine: &MachineFile) -> Compensation {
+pub(super) fn compensation(machine: &MachineFile) -> DeviationTables {
     let mut spindles = [const { None }; bus::SPINDLES];
     for (slot, file) in spindles.iter_mut().zip(&machine.spindles) {
         *slot = spindle(file);
     }
     let axes = machine.axes.each_ref();
-    Compensation { axes: axes.map(|file| file.as_ref().and_then(axis)), spindles }
+    DeviationTables { axes: axes.map(|file| file.as_ref().and_then(axis)), spindles }
 }
 
 fn axis(file: &Axis) -> Option<AxisCompensation> {
@@ -55,7 +55,7 @@ pub(super) fn play_behind_drive(file: &Axis) -> Coordinate {
 /// True where play or errors of a screw are compensated of an axis that is said to have a scale: its
 /// drive, of HAL or of a network, reports the motor.
 pub(super) fn is_at_motor(file: &Axis) -> bool {
-    file.compensation.as_ref().is_some_and(machine::Compensation::is_of_motor)
+    file.compensation.as_ref().is_some_and(machine::StatedDeviations::is_of_motor)
 }
 
 fn takes_up(file: &Axis) -> Option<machine::TakesUpPlay> {

@@ -84,7 +84,7 @@ fn supervision(machine: &MachineFile, how: machine::TapSupervision) -> Supervisi
 /// The control of this machine as long as nothing is homed: it goes by what the encoders read, and
 /// takes no errors off that count from machine zero.
 pub fn unreferenced(machine: &MachineFile) -> Config {
-    Config { compensation: kernel::Compensation::default(), ..control(machine, None, false) }
+    Config { compensation: kernel::DeviationTables::default(), ..control(machine, None, false) }
 }
 
 /// What the machine's file says a follower follows.

@@ -1,6 +1,6 @@
 //! Between encoders and positions: where encoders count from, and the errors that are taken off.
 use super::Kernel;
-use crate::compensation::Moved;
+use crate::compensation::AxisInMotion;
 use bus::{Command, Feedback, Sample};
 use units::{Angle, Axis, Coordinate};
 
@@ -45,7 +45,7 @@ impl Kernel {
                 let axis = axes[index].as_ref()?;
                 let (accel, control) = (axis.target.accel + axis.superposed.accel, &axis.control);
                 let friction = &control.friction;
-                Some(Moved {
+                Some(AxisInMotion {
                     renamed: axis.renamed,
                     accel,
                     push: control.table_mass.value() * 1e-3 * accel - control.weight.value(),

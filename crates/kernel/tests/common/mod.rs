@@ -194,7 +194,7 @@ pub fn control(machine: &sim::Config) -> Config {
         pause: Pause::GoOn,
         probe_guard: true,
         learning: None,
-        compensation: kernel::Compensation::default(),
+        compensation: kernel::DeviationTables::default(),
         supervision: None,
     }
 }

@@ -12,7 +12,7 @@
 //! Fc)·exp(−(v/vs)²); Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40
 //! (1995) 419–425.
 use super::axis_drive::{Drive, Motor};
-use super::compensation::Compensation;
+use super::deviations::StatedDeviations;
 use super::ethercat::DriveSlot;
 use super::homing::{Ends, Homing, Of};
 use super::plant::AxisErrors;
@@ -69,7 +69,7 @@ pub struct Axis {
     /// What stands at the ends of its travel.
     pub ends: Option<Ends>,
     /// Errors of screw and encoder that were measured and are compensated; `None`: none are.
-    pub compensation: Option<Compensation>,
+    pub compensation: Option<StatedDeviations>,
     /// What is wrong with it that its control is not told.
     pub errors: AxisErrors,
     /// Its drive on an EtherCAT network; `None`: it is on none.
@@ -237,8 +237,7 @@ impl Axis {
         axis.with_homing(keys)
     }
 
-    /// The axis with what its file says of homing and of compensation, which have to do with all
-    /// the rest of it.
+    /// The axis with what its file says of homing, which has to do with all the rest of it.
     pub(super) fn with_homing(self, keys: &mut Keys<'_>) -> Self {
         let lead = match self.drive.motor {
             Motor::BallScrew { lead, .. } => Some(Coordinate::new(lead.value())),
@@ -257,8 +256,7 @@ impl Axis {
             friction: &self.friction,
         };
         let homing = Homing::read(&of, keys);
-        let compensation = keys.optional_section("compensation", |k| Compensation::read(&self, k));
-        Self { homing, compensation, ..self }
+        Self { homing, ..self }
     }
 }
 

@@ -9,6 +9,7 @@
 //! ```
 use super::axis::{Axis, PositionFrom};
 use super::axis_drive::Motor;
+use super::deviations::{StatedDeviations, TakesUpPlay};
 use crate::keys::Keys;
 use std::fmt::Write as _;
 use sync::{Deviation, DeviationPoint, DeviationTable, DeviationWave};
@@ -28,28 +29,6 @@ const HIGHEST_ORDER: u32 = 1000;
 const FARTHEST: f64 = 10.0;
 /// Degrees after which the points of a rotary axis repeat.
 const TURN_DEG: f64 = 360.0;
-
-/// What takes up the play of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TakesUpPlay {
-    /// The control.
-    Control,
-    /// The drive, by itself.
-    Drive,
-}
-
-/// Measured errors of an axis, and the compensation of them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Compensation {
-    /// Measured errors, with the play.
-    pub table: DeviationTable,
-    /// What takes up the play; `None`: no play is stated.
-    pub takes_up: Option<TakesUpPlay>,
-    /// Speed and acceleration that a change of flank takes.
-    pub reversal: (CoordinateSpeed, CoordinateAccel),
-    /// Way back at which the flank changes: what the guideway gives before it slides.
-    pub turns_after: Coordinate,
-}
 
 /// Units in which the file has one kind of axis.
 struct Units {
@@ -121,7 +100,7 @@ fn wave(keys: &mut Keys<'_>, size: &'static str, per_unit: f64) -> DeviationWave
     DeviationWave { order, amplitude, phase_rev: phase.value() }
 }
 
-impl Compensation {
+impl StatedDeviations {
     /// `[axes.x.compensation]`.
     pub(super) fn read(axis: &Axis, keys: &mut Keys<'_>) -> Self {
         let units = Units::of(axis.letter.kind());
@@ -297,6 +276,13 @@ impl Axis {
         let given = self.drive.peak_force().value() / (mass.value() * 1e-3).max(f64::MIN_POSITIVE);
         let accel = self.acceleration.value().min(given);
         (self.rapid.max(self.feed_most), CoordinateAccel::new(accel))
+    }
+
+    /// The axis with what its file says of compensation, which has to do with all the rest of it.
+    pub(super) fn with_compensation(self, keys: &mut Keys<'_>) -> Self {
+        let compensation =
+            keys.optional_section("compensation", |k| StatedDeviations::read(&self, k));
+        Self { compensation, ..self }
     }
 
     /// A scale at the table sees play and screw: there is nothing of them to be taken off.

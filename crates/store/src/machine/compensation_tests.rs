@@ -1,3 +1,4 @@
+//! What a file may state of compensation, and what is said of the rest.
 use super::*;
 use crate::machine::{MachineFile, parse};
 
@@ -10,7 +11,7 @@ fn found(axis: &str, text: &str) -> Vec<String> {
     read(axis, text).err().unwrap_or_default()
 }
 
-fn stated(axis: canon::Axis, text: &str) -> Compensation {
+fn stated(axis: canon::Axis, text: &str) -> StatedDeviations {
     let letter = axis.letter().to_ascii_lowercase().to_string();
     let file = read(&letter, text).unwrap_or_else(|why| panic!("{why:#?}"));
     file.axis(axis).unwrap().compensation.clone().unwrap()

@@ -41,6 +41,7 @@ mod axis_drive;
 mod change;
 mod compensation;
 mod control;
+mod deviations;
 mod drives;
 mod ethercat;
 mod ethercat_check;
@@ -61,11 +62,12 @@ pub(crate) use axis::n_per_um;
 pub use axis::{Approach, Axis, AxisWindows, Friction, Loops, PositionFrom, Structure, Travel};
 pub use axis_drive::{Drive, Motor};
 pub use change::{changed, value};
-pub use compensation::{COMPENSATION_POINTS, COMPENSATION_SHARE, Compensation, TakesUpPlay};
+pub use compensation::{COMPENSATION_POINTS, COMPENSATION_SHARE};
 pub use control::{
     BoringAside, ChipRemoval, Control, CycleDepth, DIALECTS, Fanuc, Follows, Increments, Learning,
     Overrides, PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
 };
+pub use deviations::{StatedDeviations, TakesUpPlay};
 pub use drives::{DcBus, Drives};
 pub use ethercat::{
     DeviceProfile, DriveSlot, EthercatDevice, EthercatNetwork, SlotInputs, SlotMode,
@@ -461,10 +463,12 @@ fn read_axes(keys: &mut Keys<'_>) -> [Option<Axis>; bus::AXES] {
         [("a", canon::Axis::A), ("b", canon::Axis::B), ("c", canon::Axis::C)];
     let mut axes = [const { None }; bus::AXES];
     for (key, letter) in LINEAR {
-        axes[letter.index()] = keys.optional_section(key, |k| Axis::read(letter, k));
+        axes[letter.index()] =
+            keys.optional_section(key, |k| Axis::read(letter, k).with_compensation(k));
     }
     for (key, letter) in ROTARY {
-        axes[letter.index()] = keys.optional_section(key, |k| rotary::read(letter, k));
+        axes[letter.index()] =
+            keys.optional_section(key, |k| rotary::read(letter, k).with_compensation(k));
     }
     axes
 }
