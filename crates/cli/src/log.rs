@@ -7,6 +7,7 @@ use crate::lines::Lines;
 use bus::{Sample, State};
 use canon::{Position, ToolLibrary};
 use control::observers::Observer;
+use control::services::supervision;
 use kernel::{Event, EventKind};
 use motion::{Await, InputWait, Output, Signal};
 use units::Length;
@@ -64,8 +65,8 @@ impl WorkFrame {
                 format!("following error of {}: {}", axis.letter(), small(*axis, *error))
             }
             EventKind::SyncWarning { error } => format!("sync error {:.1} µm", error.in_um()),
-            EventKind::TapSupervised(seen) => {
-                format!("supervision: {}", control::services::supervision::sentence(seen))
+            EventKind::TapSupervised(seen) if supervision::is_remarkable(seen) => {
+                format!("supervision: {}", supervision::sentence(seen))
             }
             EventKind::ChipRemovalBegun { spin, .. } => {
                 format!("chip removal: told {:.0} rpm", spin.in_rpm())

@@ -6,7 +6,7 @@
 //! ```
 use crate::fault::Fault;
 use crate::operator::Notice;
-use crate::supervision::Supervised;
+use crate::supervised::Supervised;
 use crate::waiting::WaitFor;
 use alloc::collections::VecDeque;
 use motion::{InputWait, Output};

@@ -51,6 +51,7 @@ mod signals;
 mod spindle;
 mod spindle_monitor;
 mod stroke;
+mod supervised;
 mod supervision;
 mod tapping;
 mod terms;
@@ -82,7 +83,8 @@ pub use record_requests::{RECORD_WAIT, RecordRequest, WorkRecord};
 pub use recovering::RecoveryPlan;
 pub use requests::{Reply, Request};
 pub use signals::{Answer, Answered};
-pub use supervision::{BANDS, Bound, Crossing, Supervised};
+pub use supervised::{Bound, Crossing, Supervised};
+pub use supervision::BANDS;
 pub use sync::{
     CELLS, Correction, Deviation, DeviationPoint, DeviationTable, DeviationWave, Figures, Learning,
     LearningRecord, MAX_TRANSPORT, Periodic, Prediction, StrokeKey, SyncMode, Windows,

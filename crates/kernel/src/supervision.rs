@@ -7,27 +7,29 @@
 //!      c ─► bins over depth ─► at the end: diagnosis, band
 //!      c ─► sums above band and limit, below band ─► in the same period: alarm, retract along the thread
 //!
-//!   α = (θ(t−D+w) − 2·θ(t−D) + θ(t−D−w))/w²      D the larger of the drive's delay and w
+//!   α = (θ(t−D+w) − 2·θ(t−D) + θ(t−D−w))/w²      D the drive's delay and w; the torque is the mean
+//!                                                with the same weights, (w − |i|)/w²
 //! ```
 //!
 //! The torque of a spindle that reverses is twenty times that of an M6 in steel, so the spindle's
 //! own must be known to some per cent, also where its drive is at its limit: its acceleration is
 //! that of the encoder, over as long a span w as its counts ask for. By how much inertia, torque
 //! constant and friction are not as the machine's file says is learnt above the work, in the same
-//! stroke and in those before ([`sync::supervision::own`]). What is left of it, and what a change of
-//! the acceleration within w may hide, are added to each bound.
+//! stroke and in those before ([`sync::supervision::own`]). What is left of it, and half a period's
+//! change of it, are added to each bound.
 //!
 //! Bands are kept for [`BANDS`] kinds of stroke; of more, the one longest unused makes room.
 //! Source of the test: [`sync::supervision::detector`].
 use crate::config::{OverloadReaction, SpindleControl, Subject, SupervisionControl, TorqueReading};
 use crate::fault::FaultKind;
 use crate::friction::spindle_friction;
+use crate::supervised::{Bound, Crossing, Supervised};
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use motion::TapPlan;
 use sync::Phase;
 use sync::supervision::band::{BandKey, StrokeBand};
-use sync::supervision::depth::{DepthSums, DepthTorque, Way, bin_of};
+use sync::supervision::depth::{DepthSums, Way, bin_of};
 use sync::supervision::detector::Detector;
 use sync::supervision::diagnosis::{Diagnosed, Diagnosis, diagnose, diagnose_alone, diagnose_gone};
 use units::{Angle, Length, Spin, Time, Torque};
@@ -39,7 +41,7 @@ const MOST_DELAY: usize = 128;
 /// Least and largest w, in periods.
 const SPAN: (usize, usize) = (2, 32);
 /// Readings that are looked back on.
-const READINGS: usize = MOST_DELAY + SPAN.1 + 1;
+const READINGS: usize = MOST_DELAY + 2 * SPAN.1 + 1;
 /// Standard deviation of a second difference of readings that are rounded to counts: √(6/12).
 const SECOND_DIFFERENCE: f64 = 0.707_106_781_186_547_6;
 /// Share of the noise of the torque that the encoder's counts may add.
@@ -60,54 +62,6 @@ const EARLY_TURNS: f64 = 5.0;
 
 /// An alarm: kind, on what, value, limit.
 type Finding = (FaultKind, Subject, f64, f64);
-
-/// What supervision saw of one stroke.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Supervised {
-    /// The tool.
-    pub tool: u32,
-    /// From the surface to the bottom.
-    pub depth: Length,
-    /// Cutting torque over that depth.
-    pub torque: DepthTorque,
-    /// What the hole was.
-    pub diagnosed: Diagnosed,
-    /// What the torque has left, if that has stopped the stroke.
-    pub crossing: Option<Crossing>,
-    /// Torque of the last good holes over that of the first ones, with this one.
-    pub level: f64,
-    /// Change of that with each hole, and its standard error, once there are enough.
-    pub slope: Option<(f64, f64)>,
-}
-
-/// A bound that was crossed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Crossing {
-    /// The bound.
-    pub bound: Bound,
-    /// Mean torque since it was crossed.
-    pub torque: Torque,
-    /// The bound's value.
-    pub limit: Torque,
-    /// Depth of the tip below the surface.
-    pub depth: Length,
-    /// From the first reading beyond the bound to the order to retract: what the noise takes.
-    pub took: Time,
-}
-
-/// Bounds of the torque.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Bound {
-    /// What the tap bears, or the tool table states.
-    Limit,
-    /// The upper bound of the band.
-    Upper,
-    /// The lower bound of the band: the tap cuts nothing.
-    Lower,
-}
 
 /// What was read in one period.
 #[derive(Clone, Copy, Debug)]
@@ -395,7 +349,7 @@ impl Watched {
         while span < SPAN.1 && of_counts(span) > COUNTS_SHARE * noise {
             span += 1;
         }
-        (self.span, self.back) = (span, span.max(self.delay));
+        (self.span, self.back) = (span, span + self.delay);
         self.noise = libm::hypot(noise, of_counts(span));
     }
 
@@ -431,7 +385,7 @@ impl Watched {
         if self.count <= self.back + self.span {
             return None;
         }
-        let (then, given) = (self.ago(self.back), self.ago(self.back - self.delay));
+        let then = self.ago(self.back);
         let (before, after) =
             (self.ago(self.back + self.span).angle, self.ago(self.back - self.span).angle);
         let time = self.period.value() * self.span as f64;
@@ -439,15 +393,26 @@ impl Watched {
         let moment = Moment {
             share: then.share,
             way: then.way,
-            torque: given.torque,
+            torque: self.mean_torque(),
             inertial: self.inertia * (after - 2.0 * then.angle + before) / (time * time),
             friction: spindle_friction(&spindle.friction, spin).value(),
             turns: spin.abs() > self.key.spin.abs() * TURNS_SHARE,
         };
-        // a change is spread over w to both sides
-        let change = (moment.inertial - self.inertial_before).abs() * self.span as f64;
+        // the drive gives its torque within a period, and half of one may be missed
+        let change = (moment.inertial - self.inertial_before).abs();
         self.inertial_before = moment.inertial;
-        Some((moment, change / 4.0))
+        Some((moment, change / 2.0))
+    }
+
+    /// Torque about the moment that can be judged by now, weighted as a second difference weights
+    /// the acceleration: (w − |i|)/w².
+    fn mean_torque(&self) -> f64 {
+        let (span, newest) = (self.span, self.back - self.delay);
+        let weighted = (1..2 * span).map(|i| {
+            let weight = i.min(2 * span - i) as f64;
+            weight * self.ago(newest + span - i).torque
+        });
+        weighted.sum::<f64>() / (span * span) as f64
     }
 
     /// The bound that this reading leaves; `unsure`: by how much the spindle's own torque may be off.

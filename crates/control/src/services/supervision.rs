@@ -41,7 +41,7 @@ pub fn sentence(seen: &Supervised) -> String {
             percent(factor)
         ),
         Diagnosis::CutsNothing => {
-            "next to no torque from the first thread on: no material, a hole much too wide, a tap that was broken before, or less than the drive can read".to_owned()
+            "next to no torque from the first thread on: no material, a hole much too wide, a thread that is there already, a tap that was broken before, or less than the drive can read".to_owned()
         }
         Diagnosis::ChipsPacked(factor) => format!(
             "torque {:.0} % above the band towards the bottom or on the way out: chips packed in the flutes",
