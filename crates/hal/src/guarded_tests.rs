@@ -255,7 +255,7 @@ fn dials_a_handwheel_and_jog_keys_move_what_the_page_would() {
         set("x.jog-counts", counts);
         live(&mut control);
     }
-    until(&mut control, |control| control.is_at_standstill());
+    until(&mut control, Control::is_at_standstill);
     assert!((x() - began + 0.5).abs() < 1e-6, "{} mm", x() - began);
 
     // 5 mm/s until the key is released; its writer is lost as well as it is released

@@ -33,6 +33,7 @@ pub struct Event {
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[allow(clippy::large_enum_variant)] // no memory is taken in a servo period: none is boxed
 pub enum EventKind {
     /// All drives are up.
     DrivesReady,
@@ -214,6 +215,7 @@ impl Ring {
         Self { events: VecDeque::with_capacity(EVENTS) }
     }
 
+    #[allow(clippy::large_types_passed_by_value)] // it moves into the ring
     pub(crate) fn push(&mut self, event: Event) {
         if self.events.len() == EVENTS {
             self.events.pop_front();

@@ -57,6 +57,7 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
+    #[allow(clippy::large_types_passed_by_value)] // it moves into the ring
     pub(crate) fn note(&mut self, kind: EventKind) {
         self.events.push(Event { time: self.feedback.time, op: self.op, line: self.line, kind });
     }

@@ -470,6 +470,7 @@ impl Kernel {
         command
     }
 
+    #[allow(clippy::large_types_passed_by_value)] // it moves into the ring
     fn note(&mut self, kind: EventKind) {
         let (op, line) = (self.report.op, self.report.line);
         self.events.push(Event { time: self.now, op, line, kind });

@@ -43,7 +43,7 @@ const SPAN: (usize, usize) = (2, 32);
 /// Readings that are looked back on.
 const READINGS: usize = MOST_DELAY + 2 * SPAN.1 + 1;
 /// Standard deviation of a second difference of readings that are rounded to counts: √(6/12).
-const SECOND_DIFFERENCE: f64 = 0.707_106_781_186_547_6;
+const SECOND_DIFFERENCE: f64 = core::f64::consts::FRAC_1_SQRT_2;
 /// Share of the noise of the torque that the encoder's counts may add.
 const COUNTS_SHARE: f64 = 0.5;
 /// Share of what a tap takes, by which its cut is uneven: noise is taken to be this at least.

@@ -23,7 +23,7 @@ use crate::record_requests::{
 };
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
-use crate::terms::{clear, corrected, feed_forwards, halt, held, spoken, target, turned};
+use crate::terms::{approach, clear, corrected, feed_forwards, halt, held, spoken, target, turned};
 use crate::track::point;
 use motion::TapPlan;
 use sync::recovery::{Direction, Stored};
@@ -214,10 +214,7 @@ impl TapRun {
             early: drives.learning_records.early(),
             spoken: spoken(plan, &spindle.control, context.config, drives.learning_records.know())
                 .filter(|_| following),
-            approach: {
-                let (speed, accel) = axis.control.approach;
-                (speed.of_linear(), accel.of_linear())
-            },
+            approach: approach(axis),
             halt: halt(plan, axis, spindle),
         };
         let master = self.transport.master(mode, spindle, context.config.period);

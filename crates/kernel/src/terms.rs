@@ -14,6 +14,12 @@ const ON_SHARE: f64 = 0.3;
 /// A tap that began in its thread is clear of the work so many turns above it.
 const CLEAR_TURNS: f64 = 2.0;
 
+/// Speed and acceleration of an approach.
+pub(crate) fn approach(axis: &AxisLoop) -> (Speed, Accel) {
+    let (speed, accel) = axis.control.approach;
+    (speed.of_linear(), accel.of_linear())
+}
+
 /// How this tap is stopped: with what is left of the drive when nothing is planned, no more jerk
 /// than its own strokes, and never beyond what the axis can follow.
 pub(crate) fn halt(plan: &TapPlan, axis: &AxisLoop, spindle: &SpindleLoop) -> Halt {

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
 
 mod attacks;
-mod doctor;
 mod compensated;
+mod doctor;
 mod ethercat_drives;
 mod feedback_faults;
 mod held;

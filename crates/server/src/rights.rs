@@ -546,7 +546,7 @@ mod tests {
         rights.see_panel(2, later);
         rights.order(b, OperatorOrder::Ask {}, later).expect("an operator");
         let over = later + HANDS_OVER;
-        assert_eq!(rights.may_command(b, false, over - Duration::from_millis(1)), held);
+        assert_eq!(rights.may_command(b, false, later + HANDS_OVER / 2), held);
         assert_eq!(
             rights.may_command(a, false, over).map_err(|why| why.to_string()),
             Err("desk b commands the machine".to_owned())

@@ -179,13 +179,10 @@ impl PanelKeys {
 
 /// Where a dial has set an override, share; `None`: it was not turned.
 fn turned(now: OverrideDial, before: OverrideDial, share: f64) -> Option<f64> {
-    match (now.at, before.at) {
-        (Some(at), before) if before != Some(at) => Some(f64::from(at) / 100.0),
-        (Some(_), _) => None,
-        (None, _) if now.turned != before.turned => {
-            Some(share + f64::from(now.turned - before.turned) / 100.0)
-        }
-        (None, _) => None,
+    match now.at {
+        Some(at) => (before.at != Some(at)).then(|| f64::from(at) / 100.0),
+        None => (now.turned != before.turned)
+            .then(|| share + f64::from(now.turned - before.turned) / 100.0),
     }
 }
 
