@@ -196,7 +196,7 @@ fn without_a_pre_drilled_hole_the_tap_is_out_again_before_it_breaks() {
     let (seen, kernel, plant, events) = run_on_to_the_end(&bench);
     let fault = kernel.faults()[0];
     assert_eq!((fault.kind, kernel.faults().len()), (FaultKind::TapOverload, 1));
-    let last = seen.next_back().unwrap();
+    let last = seen.last().unwrap();
     assert!(matches!(last.diagnosed.what, Diagnosis::HoleTooSmall(_)), "{last:?}");
     // the order in the period of the crossing; what came before is what the noise takes
     let crossing = last.crossing.unwrap();
@@ -228,13 +228,13 @@ fn a_tap_that_shall_only_stop_stays_in_its_thread() {
 #[test]
 fn holes_of_another_width_are_found_by_the_first_threads() {
     let (seen, run) = after_six(4.6, 500.0).run();
-    let last = seen.next_back().unwrap();
+    let last = seen.last().unwrap();
     assert!(matches!(last.diagnosed.what, Diagnosis::HoleTooSmall(q) if q > 1.4), "{last:?}");
     assert_eq!(run.kernel.faults()[0].kind, FaultKind::TapOverload);
     assert!(last.crossing.unwrap().depth < Length::mm(4.0), "{last:?}");
     // 0.64·(6 + 10.4)/(6 + 10) of the torque
     let (seen, run) = after_six(5.2, 3000.0).run();
-    let last = seen.next_back().unwrap();
+    let last = seen.last().unwrap();
     assert!(matches!(last.diagnosed.what, Diagnosis::HoleTooLarge(q) if (q - 0.656).abs() < 0.06));
     assert!(last.diagnosed.is_sure && run.kernel.faults().is_empty());
     let (seen, run) = after_six(6.1, 1000.0).run();
@@ -246,7 +246,7 @@ fn holes_of_another_width_are_found_by_the_first_threads() {
 fn packed_chips_stop_the_tap_on_its_way_in_and_it_comes_out_whole() {
     let bench = Bench { rpm: 1000.0, mishaps: Some(PACKED), ..Bench::of(12) };
     let (seen, kernel, plant, _) = run_on_to_the_end(&bench);
-    let last = seen.next_back().unwrap();
+    let last = seen.last().unwrap();
     assert!(matches!(last.diagnosed.what, Diagnosis::ChipsPacked(_)), "{last:?}");
     assert_eq!(kernel.faults()[0].kind, FaultKind::TapOverload);
     assert!(last.crossing.unwrap().depth > Length::mm(5.0), "{last:?}");
@@ -262,7 +262,7 @@ fn a_tap_that_breaks_is_found_half_a_turn_later_at_most() {
     assert_eq!(fault.kind, FaultKind::TapCutsNothing);
     let turned = (fault.time - broke.feedback.time).value() * 1000.0 / 60.0;
     assert!(turned < 0.5, "{turned} turns after it broke");
-    let last = seen.next_back().unwrap();
+    let last = seen.last().unwrap();
     assert!(matches!(last.diagnosed.what, Diagnosis::Broken(_)), "{last:?}");
 }
 
@@ -272,7 +272,7 @@ fn a_tap_that_wears_takes_its_band_along_and_is_worn_at_half_as_much_again() {
     let bench = Bench { rpm: 6000.0, wear: Some(wear), ..Bench::of(40) };
     let (seen, run) = bench.run();
     assert_eq!(run.kernel.faults(), []);
-    let last = seen.next_back().unwrap();
+    let last = seen.last().unwrap();
     assert!(
         matches!(last.diagnosed.what, Diagnosis::Worn(_)) && last.diagnosed.is_sure,
         "{last:?}"
@@ -302,7 +302,7 @@ fn what_is_only_reported_stops_nothing_and_a_new_tool_begins_anew() {
     let kernel = Kernel::new(control);
     let mut run = run_kernel_on(kernel, &mut plant, &bench.steps(), 80_000);
     assert_eq!(run.kernel.faults(), []);
-    let seen = run.events.iter().filter_map(|event| match event.kind {
+    let mut seen = run.events.iter().filter_map(|event| match event.kind {
         EventKind::TapSupervised(supervised) => Some(supervised),
         _ => None,
     });
