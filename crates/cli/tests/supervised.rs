@@ -8,7 +8,7 @@ const PLATE: &str = "programs/plate-12xM6.ngc";
 /// A machine whose taps meet what these keys say.
 fn machine(packing: u32, crack: u32) -> String {
     format!(
-        "extends = \"tapping-center\"\n\n[simulation.tap_mishaps]\npacking_percent = {packing}\n\
+        "extends = \"tapping-center\"\n\n[tapping.supervision]\non_overload = \"retract\"\n\n[simulation.tap_mishaps]\npacking_percent = {packing}\n\
          packed_from_diameters = 1\npacked_to_diameters = 2\npacked_rise_percent = 150\n\
          crack_percent = {crack}\ncracked_strength_percent = 15\n"
     )

@@ -11,9 +11,9 @@
 //! half of the play is not known. A slide that turns back first relaxes what its guideway has given
 //! (s = friction over stiffness of the contact), with the nut on the same flank: only then does the
 //! play open. w goes to its other end so that half of its way is over when the commanded position
-//! has gone back by s, by what the axis does at present (but not before 0.3·s), as a motion of limited
-//! speed, acceleration and jerk: the setpoint has no jump, and the play b takes T ≈ 2·√(b/a) at the
-//! acceleration a that compensation may take.
+//! has gone back by s, by what the axis does at present (but not before 0.3·s), as a motion of
+//! limited speed, acceleration and jerk: the setpoint has no jump, and the play b takes T ≈
+//! 2·√(b/a) at the acceleration a that compensation may take.
 //!
 //! Where inertia and weight push the slide harder than friction, they decide on which flank the nut
 //! stands: an axis that brakes hard is held by the other one, one that hangs on its screw never

@@ -253,7 +253,7 @@ impl Kernel {
             self.raise(finding, feedback);
         }
         if matches!(self.mode, Mode::Halted) {
-            self.switch_off_strays(feedback);
+            self.go_on_halted(feedback);
         }
         let mut command = match self.mode {
             Mode::Disabled => self.leave(feedback),

@@ -83,7 +83,7 @@ pub use record_requests::{RECORD_WAIT, RecordRequest, WorkRecord};
 pub use recovering::RecoveryPlan;
 pub use requests::{Reply, Request};
 pub use signals::{Answer, Answered};
-pub use supervised::{Bound, Crossing, Supervised};
+pub use supervised::{Crossing, Supervised, TorqueBound};
 pub use supervision::BANDS;
 pub use sync::{
     CELLS, Correction, Deviation, DeviationPoint, DeviationTable, DeviationWave, Figures, Learning,

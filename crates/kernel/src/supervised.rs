@@ -28,7 +28,7 @@ pub struct Supervised {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing {
     /// The bound.
-    pub bound: Bound,
+    pub bound: TorqueBound,
     /// Mean torque since it was crossed.
     pub torque: Torque,
     /// The bound's value.
@@ -42,7 +42,7 @@ pub struct Crossing {
 /// Bounds of the torque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Bound {
+pub enum TorqueBound {
     /// What the tap bears, or the tool table states.
     Limit,
     /// The upper bound of the band.

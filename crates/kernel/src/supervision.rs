@@ -23,13 +23,13 @@
 use crate::config::{OverloadReaction, SpindleControl, Subject, SupervisionControl, TorqueReading};
 use crate::fault::FaultKind;
 use crate::friction::spindle_friction;
-use crate::supervised::{Bound, Crossing, Supervised};
+use crate::supervised::{Crossing, Supervised, TorqueBound};
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use motion::TapPlan;
 use sync::Phase;
 use sync::supervision::band::{BandKey, StrokeBand};
-use sync::supervision::depth::{DepthSums, Way, bin_of};
+use sync::supervision::depth::{DepthSums, StrokeWay, bin_of};
 use sync::supervision::detector::Detector;
 use sync::supervision::diagnosis::{Diagnosed, Diagnosis, diagnose, diagnose_alone, diagnose_gone};
 use units::{Angle, Length, Spin, Time, Torque};
@@ -57,18 +57,20 @@ const TURNS_SHARE: f64 = 0.1;
 const NOTHING_SHARE: f64 = 0.25;
 /// Share of the noise of one reading, below which a mean over a hole says nothing.
 const READ_SHARE: f64 = 0.3;
+/// Share of what is expected of a bin, from which on something is cut there.
+const CUTS_SHARE: f64 = 0.5;
 /// Turns after the surface in which a tap cuts with its chamfer alone, at most.
 const EARLY_TURNS: f64 = 5.0;
 
 /// An alarm: kind, on what, value, limit.
-type Finding = (FaultKind, Subject, f64, f64);
+type TorqueAlarm = (FaultKind, Subject, f64, f64);
 
 /// What was read in one period.
 #[derive(Clone, Copy, Debug)]
-struct Reading {
+struct TorqueSample {
     /// Share of the depth; negative above the surface.
     share: f64,
-    way: Way,
+    way: StrokeWay,
     /// rev.
     angle: f64,
     /// N·m.
@@ -77,9 +79,9 @@ struct Reading {
 
 /// How the spindle turned at one moment, and what its drive gave.
 #[derive(Clone, Copy, Debug)]
-struct Moment {
+struct TorqueMoment {
     share: f64,
-    way: Way,
+    way: StrokeWay,
     /// Torque of the drive, N·m.
     torque: f64,
     /// Torque of acceleration, N·m.
@@ -92,7 +94,7 @@ struct Moment {
 
 /// A stroke under way.
 #[derive(Clone, Debug)]
-struct Watched {
+struct WatchedStroke {
     spindle: u8,
     reading: TorqueReading,
     key: BandKey,
@@ -101,7 +103,7 @@ struct Watched {
     lead: f64,
     period: Time,
     /// Readings, the newest before `next`, and how many there are.
-    readings: [Reading; READINGS],
+    readings: [TorqueSample; READINGS],
     next: usize,
     count: usize,
     /// The drive's delay, w and D, in periods.
@@ -117,6 +119,8 @@ struct Watched {
     detectors: [Detector; 3],
     crossing: Option<Crossing>,
     is_interrupted: bool,
+    /// The stroke has shown the torque of a cut.
+    has_cut: bool,
 }
 
 /// All bands, and the stroke under way, whose band stands last.
@@ -124,15 +128,16 @@ struct Watched {
 pub(crate) struct Supervision {
     control: Option<SupervisionControl>,
     bands: Vec<StrokeBand>,
-    watched: Watched,
+    watched: WatchedStroke,
     is_on: bool,
+    is_to_retract: bool,
 }
 
 impl Supervision {
     /// With room for all that will ever be kept.
     pub(crate) fn new(control: Option<SupervisionControl>) -> Self {
         let room = if control.is_some() { BANDS } else { 0 };
-        let watched = Watched {
+        let watched = WatchedStroke {
             spindle: 0,
             reading: TorqueReading { delay: Time::ZERO, noise: Torque::ZERO },
             key: BandKey::default(),
@@ -140,7 +145,8 @@ impl Supervision {
             expected: 0.0,
             lead: 1.0,
             period: Time::ZERO,
-            readings: [Reading { share: -1.0, way: Way::In, angle: 0.0, torque: 0.0 }; READINGS],
+            readings: [TorqueSample { share: -1.0, way: StrokeWay::In, angle: 0.0, torque: 0.0 };
+                READINGS],
             next: 0,
             count: 0,
             delay: 0,
@@ -153,8 +159,10 @@ impl Supervision {
             detectors: [Detector::NEW; 3],
             crossing: None,
             is_interrupted: false,
+            has_cut: false,
         };
-        Self { control, bands: Vec::with_capacity(room), watched, is_on: false }
+        let bands = Vec::with_capacity(room);
+        Self { control, bands, watched, is_on: false, is_to_retract: false }
     }
 
     /// What is known of good holes.
@@ -176,9 +184,20 @@ impl Supervision {
         self.bands.retain(|band| band.key.tool != tool);
     }
 
-    /// An overload takes the tap out along its thread.
-    pub(crate) fn retracts(&self) -> bool {
-        self.control.is_some_and(|control| control.reaction == OverloadReaction::Retract)
+    /// A tap that was stopped comes out along its thread, where overloads are to be answered so.
+    pub(crate) fn ask_to_retract(&mut self) {
+        let retracts = |control: SupervisionControl| control.reaction == OverloadReaction::Retract;
+        self.is_to_retract = self.control.is_some_and(retracts);
+    }
+
+    /// A tap that was stopped is to come out.
+    pub(crate) const fn is_to_retract(&self) -> bool {
+        self.is_to_retract
+    }
+
+    /// It comes out now.
+    pub(crate) const fn retracts(&mut self) {
+        self.is_to_retract = false;
     }
 
     /// A tap begins.
@@ -219,8 +238,8 @@ impl Supervision {
         watched.look_back(spindle.encoder_count.value());
         watched.sums = DepthSums::NONE;
         watched.detectors = [Detector::NEW; 3];
-        (watched.crossing, watched.is_interrupted) = (None, false);
-        self.is_on = key.depth > Length::ZERO;
+        (watched.crossing, watched.is_interrupted, watched.has_cut) = (None, false, false);
+        (self.is_on, self.is_to_retract) = (key.depth > Length::ZERO, false);
         if let Some(band) = self.bands.last_mut() {
             band.own.fade();
         }
@@ -253,11 +272,11 @@ impl Supervision {
         at: (Length, Angle),
         spindle: &SpindleControl,
         measured: Option<Torque>,
-    ) -> Option<(Finding, Supervised)> {
+    ) -> Option<(TorqueAlarm, Supervised)> {
         let control = self.control.filter(|_| self.is_on)?;
         let way = match phase {
-            Phase::In | Phase::Bottom => Way::In,
-            Phase::Out => Way::Out,
+            Phase::In | Phase::Bottom => StrokeWay::In,
+            Phase::Out => StrokeWay::Out,
             Phase::Prepare | Phase::Done => return None,
         };
         let Some(torque) = measured.map(Torque::value).filter(|torque| torque.is_finite()) else {
@@ -265,7 +284,7 @@ impl Supervision {
             return None;
         };
         let (moment, slew) = self.watched.moment(way, at, torque, spindle)?;
-        let Moment { share, way, inertial, friction, .. } = moment;
+        let TorqueMoment { share, way, inertial, friction, .. } = moment;
         let noise = self.watched.noise;
         let band = self.bands.last_mut()?;
         if share < 0.0 {
@@ -285,8 +304,8 @@ impl Supervision {
         let crossing = self.watched.judge(band, control.share, (way, share, cut), unsure)?;
         self.watched.crossing = Some(crossing);
         let kind = match crossing.bound {
-            Bound::Limit | Bound::Upper => FaultKind::TapOverload,
-            Bound::Lower => FaultKind::TapCutsNothing,
+            TorqueBound::Limit | TorqueBound::Upper => FaultKind::TapOverload,
+            TorqueBound::Lower => FaultKind::TapCutsNothing,
         };
         let of = Subject::Spindle(self.watched.spindle);
         let finding = (kind, of, crossing.torque.value(), crossing.limit.value());
@@ -317,7 +336,7 @@ impl Supervision {
             None if watched.is_interrupted => {
                 Diagnosed { what: Diagnosis::Interrupted, is_sure: true }
             }
-            Some(crossing) if crossing.bound == Bound::Lower => {
+            Some(crossing) if crossing.bound == TorqueBound::Lower => {
                 diagnose_gone(&torque, &band, crossing.depth / watched.key.depth)
             }
             Some(crossing) if !band.is_known() => {
@@ -338,7 +357,7 @@ impl Supervision {
     }
 }
 
-impl Watched {
+impl WatchedStroke {
     /// Choose w, so that the encoder's counts add little to the noise of the torque, and D.
     fn look_back(&mut self, count: f64) {
         let noise = self.reading.noise.value().max(UNEVEN_SHARE * self.expected);
@@ -359,13 +378,13 @@ impl Watched {
     }
 
     /// Sense in which the spindle turns, +1 or −1.
-    fn sense(&self, way: Way) -> f64 {
+    fn sense(&self, way: StrokeWay) -> f64 {
         let inward = libm::copysign(1.0, self.key.spin.value());
-        if way == Way::In { inward } else { -inward }
+        if way == StrokeWay::In { inward } else { -inward }
     }
 
     /// The reading of so many periods ago.
-    const fn ago(&self, periods: usize) -> &Reading {
+    const fn ago(&self, periods: usize) -> &TorqueSample {
         &self.readings[(self.next + 2 * READINGS - 1 - periods) % READINGS]
     }
 
@@ -373,13 +392,13 @@ impl Watched {
     /// much its own torque may be off because its acceleration changes.
     fn moment(
         &mut self,
-        way: Way,
+        way: StrokeWay,
         (depth, angle): (Length, Angle),
         torque: f64,
         spindle: &SpindleControl,
-    ) -> Option<(Moment, f64)> {
+    ) -> Option<(TorqueMoment, f64)> {
         let share = depth / self.key.depth;
-        self.readings[self.next] = Reading { share, way, angle: angle.value(), torque };
+        self.readings[self.next] = TorqueSample { share, way, angle: angle.value(), torque };
         self.next = (self.next + 1) % READINGS;
         self.count = (self.count + 1).min(READINGS);
         if self.count <= self.back + self.span {
@@ -390,7 +409,7 @@ impl Watched {
             (self.ago(self.back + self.span).angle, self.ago(self.back - self.span).angle);
         let time = self.period.value() * self.span as f64;
         let spin = Spin::rev_per_s((after - before) / (2.0 * time));
-        let moment = Moment {
+        let moment = TorqueMoment {
             share: then.share,
             way: then.way,
             torque: self.mean_torque(),
@@ -415,27 +434,40 @@ impl Watched {
         weighted.sum::<f64>() / (span * span) as f64
     }
 
-    /// The bound that this reading leaves; `unsure`: by how much the spindle's own torque may be off.
+    /// The bin before this one has shown what a cut takes.
+    fn cut_before(&self, band: &StrokeBand, way: StrokeWay, bin: usize) -> bool {
+        let before = bin.checked_sub(1).filter(|_| way == StrokeWay::In);
+        before.is_some_and(|before| {
+            let least = CUTS_SHARE * band.expected(StrokeWay::In, before);
+            band.is_full(before) && self.sums.mean(StrokeWay::In, before) >= Some(least)
+        })
+    }
+
+    /// The bound that this reading leaves; `unsure`: by how much the spindle's own torque may be
+    /// off.
     fn judge(
         &mut self,
         band: Option<&StrokeBand>,
         share_off: f64,
-        (way, share, cut): (Way, f64, f64),
+        (way, share, cut): (StrokeWay, f64, f64),
         unsure: f64,
     ) -> Option<Crossing> {
         let noise = self.noise;
         let bin = bin_of(share);
         let limit = self.limit.map(|limit| {
             let bound = limit + unsure;
-            (Bound::Limit, bound, bound - self.expected.min(limit / 2.0))
+            (TorqueBound::Limit, bound, bound - self.expected.min(limit / 2.0))
         });
         let upper = band.filter(|band| band.is_known()).map(|band| {
             let (bound, distance) = band.upper(way, bin, share_off);
-            (Bound::Upper, bound + unsure, distance)
+            (TorqueBound::Upper, bound + unsure, distance)
         });
-        let lower = band.filter(|band| way == Way::In && band.has_lower()).and_then(|band| {
+        self.has_cut |= band.is_some_and(|band| self.cut_before(band, way, bin));
+        // one that has cut nothing from the first thread on is said when the hole is done
+        let goes_in = way == StrokeWay::In && self.has_cut;
+        let lower = band.filter(|band| goes_in && band.has_lower()).and_then(|band| {
             let (bound, distance) = band.lower(bin)?;
-            Some((Bound::Lower, bound - unsure, distance))
+            Some((TorqueBound::Lower, bound - unsure, distance))
         });
         let detectors = &mut self.detectors;
         for (detector, bounds) in detectors.iter_mut().zip([limit, upper, lower]) {
@@ -443,9 +475,10 @@ impl Watched {
                 detector.reset();
                 continue;
             };
-            let excess = if bound == Bound::Lower { value - cut } else { cut - value };
+            let excess = if bound == TorqueBound::Lower { value - cut } else { cut - value };
             if detector.exceeds(excess, distance, noise) {
-                let mean = if bound == Bound::Lower { -detector.mean() } else { detector.mean() };
+                let mean =
+                    if bound == TorqueBound::Lower { -detector.mean() } else { detector.mean() };
                 return Some(Crossing {
                     bound,
                     torque: Torque::n_m(value + mean),

@@ -7,7 +7,7 @@ use kernel::{
 };
 use plan::{Step, StepKind};
 use sim::{Bore, Hole, MeasuredTorque, MeasuredTorques, SimulatedMachine};
-use sync::supervision::depth::Way;
+use sync::supervision::depth::StrokeWay;
 use sync::supervision::diagnosis::Diagnosis;
 use units::{Length, Position, Time, Torque};
 
@@ -170,16 +170,16 @@ fn torque_over_depth_is_that_of_the_cut_whatever_the_speed_and_good_holes_raise_
         let (seen, run) = bench.run();
         assert_eq!(run.kernel.faults(), [], "{rpm} rpm");
         assert_eq!(seen.len(), 8);
-        // the tap makers' formula with a twentieth more for each diameter of depth; a hole is off by
-        // 5 %, a bin's mean by its noise
+        // the tap makers' formula with a twentieth more for each diameter of depth; a hole is off
+        // by 5 %, a bin's mean by its noise
         for supervised in &seen[1..] {
             for bin in 8..22 {
                 let depth = (bin as f64 + 0.5) / 24.0 * 15.0;
                 let formula = 1.73 * (1.0 + 0.05 * depth / 6.0);
-                let found = supervised.torque.at(Way::In, bin).unwrap();
+                let found = supervised.torque.at(StrokeWay::In, bin).unwrap();
                 assert!((found / formula - 1.0).abs() < 0.4, "{rpm} rpm, {depth} mm: {found}");
             }
-            let bins = (8..22).filter_map(|bin| supervised.torque.at(Way::In, bin));
+            let bins = (8..22).filter_map(|bin| supervised.torque.at(StrokeWay::In, bin));
             let mean = bins.sum::<f64>() / 14.0;
             // the drive reads 3 % too much
             assert!((mean / (1.03 * 1.86) - 1.0).abs() < 0.08, "{rpm} rpm: {mean} N·m");
@@ -198,10 +198,12 @@ fn without_a_pre_drilled_hole_the_tap_is_out_again_before_it_breaks() {
     assert_eq!((fault.kind, kernel.faults().len()), (FaultKind::TapOverload, 1));
     let last = seen.last().unwrap();
     assert!(matches!(last.diagnosed.what, Diagnosis::HoleTooSmall(_)), "{last:?}");
-    // the order in the period of the crossing; what came before is what the noise takes
+    // it stops from the period of the crossing on, and backs out once it stands; what came before
+    // is what the noise takes
     let crossing = last.crossing.unwrap();
     let ordered = events.iter().find(|e| e.kind == EventKind::Operator(Notice::BackingOut));
-    assert_eq!(ordered.unwrap().time, fault.time);
+    let stood = ordered.unwrap().time - fault.time;
+    assert!(stood > Time::ZERO && stood < Time::s(0.03), "{stood}");
     assert!(crossing.took <= Time::s(0.01), "{crossing:?}");
     assert!(!plant.truth().unwrap().tool_broken);
     assert!(events.iter().any(|e| e.kind == EventKind::Operator(Notice::Out)));
@@ -239,7 +241,7 @@ fn holes_of_another_width_are_found_by_the_first_threads() {
     assert!(last.diagnosed.is_sure && run.kernel.faults().is_empty());
     let (seen, run) = after_six(6.1, 1000.0).run();
     assert_eq!(seen.last().unwrap().diagnosed.what, Diagnosis::CutsNothing);
-    assert_eq!(run.kernel.faults()[0].kind, FaultKind::TapCutsNothing);
+    assert_eq!(run.kernel.faults(), [], "a thread that is there already looks like that");
 }
 
 #[test]

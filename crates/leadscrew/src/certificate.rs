@@ -3,7 +3,7 @@
 use canon::Position;
 use control::services::supervision::{self, SupervisedStroke};
 use store::certificate::{self as file, Common, Measured};
-use sync::supervision::depth::{BINS, Way};
+use sync::supervision::depth::{BINS, StrokeWay};
 use units::Length;
 use verify::{
     Feature, FeatureKind, Gear, GroundCam, Hand, Hole, Largest, Milled, Polygon, Thread,
@@ -328,7 +328,7 @@ pub(crate) fn supervision(strokes: &[SupervisedStroke], op: u32) -> Vec<file::Su
 }
 
 fn one_stroke(seen: &kernel::Supervised) -> file::Supervision {
-    let course = |way: Way| {
+    let course = |way: StrokeWay| {
         let bins = (0..BINS).map(|bin| {
             let hundredths = seen.torque.at(way, bin).map(|value| (value * 100.0).round() / 100.0);
             hundredths.map_or(Measured::UNKNOWN, Measured::number)
@@ -339,8 +339,8 @@ fn one_stroke(seen: &kernel::Supervised) -> file::Supervision {
         says: supervision::sentence(seen),
         sure: seen.diagnosed.is_sure,
         bin_mm: Measured::mm(seen.depth / BINS as f64),
-        torque_in_n_m: course(Way::In),
-        torque_out_n_m: course(Way::Out),
+        torque_in_n_m: course(StrokeWay::In),
+        torque_out_n_m: course(StrokeWay::Out),
         level_percent: Measured::number(seen.level * 100.0),
         stopped: seen.crossing.map(|crossing| file::SupervisionStop {
             torque_n_m: Measured::n_m(crossing.torque),

@@ -18,8 +18,8 @@
 //! | b | play, of which a motor's encoder sees nothing | as d |
 //! | a, n, φ, T | amplitude, order and phase of a wave; turn of screw, worm or disk | as d, 1, rev, as d |
 //!
-//! Since |ε′| is small, d is found from x by Newton's method: three steps leave less than 10⁻¹² of a
-//! millimetre.
+//! Since |ε′| is small, d is found from x by Newton's method: three steps leave less than 10⁻¹² of
+//! a millimetre.
 //!
 //! Sources: ISO 230-2 (deviation, bidirectional); Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5
 //! (1984) 300–304 (slopes of the cubics).

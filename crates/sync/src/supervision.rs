@@ -8,8 +8,9 @@
 //!                    └──┴──────────────────────────► depth
 //! ```
 //!
-//! [`own`] takes the spindle's own torque out, [`depth`] has the torque over depth of one stroke, [`detector`] finds a change of it period by
-//! period, [`band`] is what good holes have been like, [`diagnosis`] says what a hole was.
+//! [`own`] takes the spindle's own torque out, [`depth`] has the torque over depth of one stroke,
+//! [`detector`] finds a change of it period by period, [`band`] is what good holes have been like,
+//! [`diagnosis`] says what a hole was.
 pub mod band;
 pub mod depth;
 pub mod detector;

@@ -52,8 +52,8 @@ pub(super) fn play_behind_drive(file: &Axis) -> Coordinate {
     }
 }
 
-/// True where play or errors of a screw are compensated of an axis that is said to have a scale: its
-/// drive, of HAL or of a network, reports the motor.
+/// True where play or errors of a screw are compensated of an axis that is said to have a scale:
+/// its drive, of HAL or of a network, reports the motor.
 pub(super) fn is_at_motor(file: &Axis) -> bool {
     file.compensation.as_ref().is_some_and(machine::StatedDeviations::is_of_motor)
 }

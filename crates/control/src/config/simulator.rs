@@ -173,7 +173,8 @@ fn axis(file: &Axis, machine: &MachineFile, zero: Coordinate) -> sim::AxisModel 
             PositionFrom::Motor { counts_per_rev, .. } => {
                 sim::AxisEncoder::Motor { counts_per_rev }
             }
-            // errors of what a scale would see are compensated: what the drive reports is its motor's
+            // errors of what a scale would see are compensated: what the drive reports is its
+            // motor's
             PositionFrom::Scale { resolution, .. } if super::compensation::is_at_motor(file) => {
                 let counts = (screw_lead.value() / resolution.value()).round();
                 sim::AxisEncoder::Motor { counts_per_rev: (counts as u32).max(1) }

@@ -1,6 +1,6 @@
-//! What supervision by torque saw, in words: a line for each hole that is not as the others, and one
-//! for each kind of stroke.
-use kernel::{Bound, Supervised};
+//! What supervision by torque saw, in words: a line for each hole that is not as the others, and
+//! one for each kind of stroke.
+use kernel::{Supervised, TorqueBound};
 use std::fmt::Write as _;
 use store::machine::MachineFile;
 use sync::supervision::band::FEWEST_HOLES;
@@ -69,9 +69,9 @@ pub fn sentence(seen: &Supervised) -> String {
     }
     if let Some(crossing) = seen.crossing {
         let bound = match crossing.bound {
-            Bound::Limit => "the limit of the tap",
-            Bound::Upper => "the upper bound",
-            Bound::Lower => "the lower bound",
+            TorqueBound::Limit => "the limit of the tap",
+            TorqueBound::Upper => "the upper bound",
+            TorqueBound::Lower => "the lower bound",
         };
         let _ = write!(
             said,

@@ -16,7 +16,7 @@ use crate::encoder_plausibility::Tied;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
-use crate::operator::{Notice, Order};
+use crate::operator::Order;
 use crate::queue::StepKind;
 use crate::sight::Sight;
 use crate::spindle::SpindleLoop;
@@ -136,12 +136,25 @@ impl Kernel {
         (self.drives.mist, self.drives.flood) = (false, false);
     }
 
-    /// A tap whose torque is beyond its bounds comes out along its thread as soon as it stands.
+    /// A tap whose torque is beyond its bounds is to come out along its thread.
     fn retract_overloaded(&mut self, kind: FaultKind, in_tap: bool) {
         let by_torque = matches!(kind, FaultKind::TapOverload | FaultKind::TapCutsNothing);
-        if by_torque && in_tap && self.drives.supervision.retracts() {
-            self.operator.take(Order::Retract, true, (false, false));
-            self.note(EventKind::Operator(Notice::BackingOut));
+        if by_torque && in_tap {
+            self.drives.supervision.ask_to_retract();
+        }
+    }
+
+    /// What follows an alarm that has stopped everything.
+    pub(super) fn go_on_halted(&mut self, feedback: &Feedback) {
+        self.switch_off_strays(feedback);
+        self.retract_when_standing();
+    }
+
+    /// An overloaded tap comes out as soon as it stands, as if the operator had asked for it.
+    fn retract_when_standing(&mut self) {
+        if self.drives.supervision.is_to_retract() && self.can_back_out() {
+            self.drives.supervision.retracts();
+            self.order(Order::Retract);
         }
     }
 

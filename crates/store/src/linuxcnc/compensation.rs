@@ -10,7 +10,7 @@
 //! the travel.
 use super::axes::AxisOf;
 use super::ini::{Entry, Ini};
-use super::writer::{Cited, MachineWriter, RemarkKind, plain};
+use super::writer::{Cited, MachineWriter, Remark, RemarkKind, plain};
 use crate::machine::COMPENSATION_POINTS;
 
 /// A row in mm or degrees: position, deviation towards plus and towards minus.
@@ -104,6 +104,43 @@ impl<'i> Stated<'i> {
     }
 }
 
+/// The machine file with tables that no machine file may have as comments: what is wrong with each
+/// is a remark, and the rest of the file can be used.
+pub(super) fn without_refused(mut text: String, remarks: &mut Vec<Remark>) -> String {
+    let Err(found) = crate::machine::parse(&text, 0) else { return text };
+    let refused: Vec<_> =
+        found.iter().filter(|one| one.message.starts_with("`table` of ")).collect();
+    remarks.extend(refused.iter().map(|one| Remark {
+        kind: RemarkKind::Missing,
+        key: "compensation.table".to_owned(),
+        text: format!("{}; its rows are comments in the file", one.message),
+    }));
+    let mut places: Vec<_> = refused.iter().map(|one| one.span.start as usize).collect();
+    places.sort_unstable();
+    places.dedup();
+    for place in places.into_iter().rev() {
+        text = commented(&text, place);
+    }
+    text
+}
+
+/// The table that a place is in, or that follows it, line by line as a comment.
+fn commented(text: &str, place: usize) -> String {
+    const BEGINS: &str = "table = [";
+    let mut at = 0;
+    let (mut is_within, mut is_over) = (false, false);
+    let lines = text.split_inclusive('\n').map(|line| {
+        at += line.len();
+        is_within |= !is_over && at > place && line.starts_with(BEGINS);
+        let commented = if is_within { format!("# {line}") } else { line.to_owned() };
+        if is_within && line.trim_end() == "]" {
+            (is_within, is_over) = (false, true);
+        }
+        commented
+    });
+    lines.collect()
+}
+
 fn read_rows(text: &str, scale: f64, measured: bool) -> Vec<Row> {
     let row = |line: &str| -> Option<Row> {
         let mut numbers = line.split_whitespace().map(str::parse::<f64>);
@@ -153,6 +190,29 @@ mod tests {
         }
         // at 100 mm the slide is 12 µm too far
         assert!((measured[1][1] - 0.012).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_table_that_is_refused_stands_as_comments_and_the_other_ones_are_kept() {
+        let axis = |letter: char, um: f64| {
+            format!(
+                "[axes.{letter}.compensation]\ntable = [# a file\n    {{ at_mm = -100, up_um = 0, down_um = 0 }},\n    \
+                 {{ at_mm = -99, up_um = {um}, down_um = {um} }},\n]\n"
+            )
+        };
+        let machine = "extends = \"tapping-center\"\nname = \"x\"\n";
+        let text = format!("{machine}{}{}", axis('x', 500.0), axis('y', 0.5));
+        let mut remarks = Vec::new();
+        let kept = without_refused(text.clone(), &mut remarks);
+        let file = crate::machine::parse(&kept, 0).map_err(|found| format!("{found:#?}")).unwrap();
+        let has = file
+            .axes
+            .each_ref()
+            .map(|axis| axis.as_ref().is_some_and(|axis| axis.compensation.is_some()));
+        assert_eq!(has[..2], [false, true], "{kept}");
+        assert!(kept.contains("# table = [# a file\n#     { at_mm = -100"), "{kept}");
+        assert!(!remarks.is_empty() && remarks.iter().all(|one| one.text.contains("of X")));
+        assert_eq!(without_refused(kept.clone(), &mut remarks), kept, "nothing is left to do");
     }
 
     #[test]

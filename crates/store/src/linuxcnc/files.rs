@@ -61,6 +61,7 @@ pub fn read(path: &Path, more: &[PathBuf]) -> Result<Import, Error> {
         hal.read(&name, &text, &ini, &mut |name| beside(folder, name, &libraries));
     }
     let (text, mut remarks) = super::import(&ini, &hal);
+    let text = text.map(|text| super::compensation::without_refused(text, &mut remarks));
     let unread = hal.unread.into_iter();
     remarks.extend(unread.map(|text| Remark {
         kind: RemarkKind::Unread,

@@ -10,7 +10,7 @@
 //! The reference is that of a new tap and is not learnt further, so that a tap which gets duller
 //! does not take its band along unseen: the level does that, up to [`WORN`], and the line says how
 //! fast.
-use super::depth::{BINS, DepthTorque, Way};
+use super::depth::{BINS, DepthTorque, StrokeWay};
 use super::own::OwnTorque;
 use libm::sqrt;
 use units::{Lead, Length, Spin};
@@ -177,7 +177,7 @@ impl StrokeBand {
     }
 
     /// Standard deviation of a bin from hole to hole, N·m; infinite before there are two.
-    pub fn spread(&self, way: Way, bin: usize) -> f64 {
+    pub fn spread(&self, way: StrokeWay, bin: usize) -> f64 {
         if self.holes < 2 {
             return f64::INFINITY;
         }
@@ -185,22 +185,22 @@ impl StrokeBand {
     }
 
     /// What is expected at a bin, N·m.
-    pub fn expected(&self, way: Way, bin: usize) -> f64 {
+    pub fn expected(&self, way: StrokeWay, bin: usize) -> f64 {
         self.level * self.mean[way.index()][bin]
     }
 
     /// Bound above which a reading is too high at a bin, N·m, and how far a good reading is below
     /// it. A reading belongs to a place within its bin: the neighbours' means count. At the bottom
     /// the chip's root is sheared on the way out with a torque like that on the way in.
-    pub fn upper(&self, way: Way, bin: usize, share: f64) -> (f64, f64) {
+    pub fn upper(&self, way: StrokeWay, bin: usize, share: f64) -> (f64, f64) {
         let near = bin.saturating_sub(1)..=(bin + 1).min(BINS - 1);
-        let on = |way: Way| {
+        let on = |way: StrokeWay| {
             let means = near.clone().map(|bin| self.expected(way, bin));
             means.fold(0.0, f64::max)
         };
         let spread = near.clone().map(|bin| self.spread(way, bin)).fold(0.0, f64::max);
-        let turns = way == Way::Out && bin + 2 >= BINS;
-        let mean = if turns { on(Way::Out).max(on(Way::In)) } else { on(way) };
+        let turns = way == StrokeWay::Out && bin + 2 >= BINS;
+        let mean = if turns { on(StrokeWay::Out).max(on(StrokeWay::In)) } else { on(way) };
         let distance = share * mean.max(FULL_SHARE * self.level * self.plateau());
         (mean + distance + SPREADS * spread, distance)
     }
@@ -212,7 +212,7 @@ impl StrokeBand {
         if !near.clone().all(|bin| self.is_full(bin)) {
             return None;
         }
-        let mean = near.map(|bin| self.expected(Way::In, bin)).fold(f64::INFINITY, f64::min);
+        let mean = near.map(|bin| self.expected(StrokeWay::In, bin)).fold(f64::INFINITY, f64::min);
         Some((GONE_SHARE * mean, (1.0 - GONE_SHARE) * mean))
     }
 
@@ -221,7 +221,7 @@ impl StrokeBand {
         let (mut both, mut own) = (0.0, 0.0);
         for bin in (0..BINS).filter(|bin| self.is_full(*bin)) {
             let mean = self.mean[0][bin];
-            both += mean * torque.at(Way::In, bin)?;
+            both += mean * torque.at(StrokeWay::In, bin)?;
             own += mean * mean;
         }
         (own > 0.0).then(|| both / own)
@@ -242,7 +242,7 @@ impl StrokeBand {
         }
         self.holes += 1;
         let n = f64::from(self.holes);
-        for way in Way::BOTH {
+        for way in StrokeWay::BOTH {
             for bin in 0..BINS {
                 let Some(value) = torque.at(way, bin) else { continue };
                 let (mean, squares) =
@@ -274,7 +274,7 @@ mod tests {
         }
         assert!(band.is_known());
         assert!((band.mean[0][7] - 2.0).abs() < 1e-6);
-        assert!((band.spread(Way::In, 7) - 0.5_f64.sqrt()).abs() < 1e-6);
+        assert!((band.spread(StrokeWay::In, 7) - 0.5_f64.sqrt()).abs() < 1e-6);
     }
 
     #[test]
@@ -308,12 +308,12 @@ mod tests {
         for _ in 0..FEWEST_HOLES {
             band.learn(&hole(2.0));
         }
-        let (upper, distance) = band.upper(Way::In, 12, 0.25);
+        let (upper, distance) = band.upper(StrokeWay::In, 12, 0.25);
         assert!((upper - 2.5).abs() < 1e-6 && (distance - 0.5).abs() < 1e-6);
         let (lower, distance) = band.lower(12).unwrap();
         assert!((lower - 0.2).abs() < 1e-6 && (distance - 1.8).abs() < 1e-6);
         // out: 0.4 and a quarter of half of the way in; at the bottom as on the way in
-        assert!((band.upper(Way::Out, 12, 0.25).0 - 0.65).abs() < 1e-6);
-        assert!((band.upper(Way::Out, BINS - 1, 0.25).0 - 2.5).abs() < 1e-6);
+        assert!((band.upper(StrokeWay::Out, 12, 0.25).0 - 0.65).abs() < 1e-6);
+        assert!((band.upper(StrokeWay::Out, BINS - 1, 0.25).0 - 2.5).abs() < 1e-6);
     }
 }

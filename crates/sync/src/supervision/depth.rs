@@ -5,14 +5,14 @@ pub const BINS: usize = 24;
 
 /// Which way a tap goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum StrokeWay {
     /// Into the hole.
     In,
     /// Out of it.
     Out,
 }
 
-impl Way {
+impl StrokeWay {
     /// Both, in the order in which arrays have them.
     pub const BOTH: [Self; 2] = [Self::In, Self::Out];
 
@@ -37,20 +37,20 @@ pub struct DepthTorque {
 
 impl DepthTorque {
     /// Mean of a bin, N·m; `None` where nothing was measured.
-    pub fn at(&self, way: Way, bin: usize) -> Option<f64> {
+    pub fn at(&self, way: StrokeWay, bin: usize) -> Option<f64> {
         let is_measured = self.measured[way.index()] >> bin & 1 == 1;
         is_measured.then(|| f64::from(self.mean[way.index()][bin]))
     }
 
     /// Mean of all bins of a way, N·m.
-    pub fn mean(&self, way: Way) -> Option<f64> {
+    pub fn mean(&self, way: StrokeWay) -> Option<f64> {
         let bins = (0..BINS).filter_map(|bin| self.at(way, bin));
         let (sum, count) = bins.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
         (count > 0.0).then(|| sum / count)
     }
 
     /// Largest mean on a way, N·m, with its bin.
-    pub fn largest(&self, way: Way) -> Option<(usize, f64)> {
+    pub fn largest(&self, way: StrokeWay) -> Option<(usize, f64)> {
         let bins = (0..BINS).filter_map(|bin| Some((bin, self.at(way, bin)?)));
         bins.max_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -73,10 +73,16 @@ impl DepthSums {
     pub const NONE: Self = Self { sum: [[0.0; BINS]; 2], count: [[0; BINS]; 2] };
 
     /// Takes one reading at a share of the depth.
-    pub fn add(&mut self, way: Way, share: f64, torque: f64) {
+    pub fn add(&mut self, way: StrokeWay, share: f64, torque: f64) {
         let bin = bin_of(share);
         self.sum[way.index()][bin] += torque;
         self.count[way.index()][bin] += 1;
+    }
+
+    /// Mean of a bin, N·m; `None` where nothing was measured.
+    pub fn mean(&self, way: StrokeWay, bin: usize) -> Option<f64> {
+        let count = self.count[way.index()][bin];
+        (count > 0).then(|| self.sum[way.index()][bin] / f64::from(count))
     }
 
     /// Means so far.
@@ -103,12 +109,12 @@ mod tests {
     fn a_bin_is_the_mean_of_what_was_measured_in_it_and_an_empty_one_has_none() {
         let mut sums = DepthSums::NONE;
         for torque in [1.0, 3.0] {
-            sums.add(Way::In, 0.5 / BINS as f64, torque);
+            sums.add(StrokeWay::In, 0.5 / BINS as f64, torque);
         }
-        sums.add(Way::Out, 1.0, 0.25);
+        sums.add(StrokeWay::Out, 1.0, 0.25);
         let means = sums.means();
-        assert_eq!(means.at(Way::In, 0), Some(2.0));
-        assert_eq!(means.at(Way::In, 1), None);
-        assert_eq!(means.largest(Way::Out), Some((BINS - 1, 0.25)));
+        assert_eq!(means.at(StrokeWay::In, 0), Some(2.0));
+        assert_eq!(means.at(StrokeWay::In, 1), None);
+        assert_eq!(means.largest(StrokeWay::Out), Some((BINS - 1, 0.25)));
     }
 }

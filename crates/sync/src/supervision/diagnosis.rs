@@ -12,7 +12,7 @@
 //! A tap that is worn is not seen in one hole: [`StrokeBand::trend`] says it. What two causes can
 //! make is said not to be sure.
 use super::band::{LEARNING_SHARE, LOWER_SHARE, StrokeBand, WORN};
-use super::depth::{BINS, DepthTorque, Way};
+use super::depth::{BINS, DepthTorque, StrokeWay};
 
 /// Bins with less than this share of the largest mean are not looked at.
 const USABLE_SHARE: f64 = 0.3;
@@ -89,8 +89,8 @@ impl Ratios {
         // in the last one the spindle turns back
         for bin in 0..BINS - 1 {
             let usable = band.mean[0][bin] >= USABLE_SHARE * band.plateau();
-            let Some(value) = torque.at(Way::In, bin).filter(|_| usable) else { continue };
-            ratios.bins[ratios.count] = (bin, value / band.expected(Way::In, bin));
+            let Some(value) = torque.at(StrokeWay::In, bin).filter(|_| usable) else { continue };
+            ratios.bins[ratios.count] = (bin, value / band.expected(StrokeWay::In, bin));
             ratios.count += 1;
         }
         ratios
@@ -125,8 +125,8 @@ impl Ratios {
 fn dragged(torque: &DepthTorque, band: &StrokeBand) -> Option<f64> {
     let (mut sum, mut expected) = (0.0, 0.0);
     for bin in 0..BINS - 2 {
-        sum += torque.at(Way::Out, bin)?;
-        expected += band.expected(Way::Out, bin);
+        sum += torque.at(StrokeWay::Out, bin)?;
+        expected += band.expected(StrokeWay::Out, bin);
     }
     (expected > 0.0).then(|| sum / expected)
 }
@@ -192,7 +192,7 @@ fn over_depth(torque: &DepthTorque, band: &StrokeBand, share: f64) -> Diagnosed 
 
 /// No band is in use: a hole that is far from those before is not learnt from.
 fn while_learning(torque: &DepthTorque, band: &StrokeBand, least: f64) -> Diagnosed {
-    if band.holes == 0 && torque.mean(Way::In).is_none_or(|mean| mean < least) {
+    if band.holes == 0 && torque.mean(StrokeWay::In).is_none_or(|mean| mean < least) {
         return Diagnosed::new(Diagnosis::CutsNothing, false);
     }
     let ratio = band.ratio(torque).filter(|_| band.holes > 0);
@@ -204,10 +204,10 @@ fn while_learning(torque: &DepthTorque, band: &StrokeBand, least: f64) -> Diagno
 /// What a stroke was that was stopped at a limit, without a band; `early`: at this share of the
 /// depth, where the tap has not cut more than its chamfer yet.
 pub fn diagnose_alone(torque: &DepthTorque, early: bool) -> Diagnosed {
-    let Some((_, largest)) = torque.largest(Way::In) else {
+    let Some((_, largest)) = torque.largest(StrokeWay::In) else {
         return Diagnosed::new(Diagnosis::AboveBand(1.0), false);
     };
-    let measured = (0..BINS).filter_map(|bin| torque.at(Way::In, bin));
+    let measured = (0..BINS).filter_map(|bin| torque.at(StrokeWay::In, bin));
     let full = measured.filter(|value| *value > USABLE_SHARE * largest);
     let (sum, count) = full.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     let factor = largest * count / sum;

@@ -41,8 +41,8 @@ impl OwnTorque {
         }
     }
 
-    /// Takes a reading above the work: torques of acceleration and of friction by the model, the one
-    /// measured, and its noise, N·m.
+    /// Takes a reading above the work: torques of acceleration and of friction by the model, the
+    /// one measured, and its noise, N·m.
     pub fn add(&mut self, (inertial, friction): (f64, f64), measured: f64, noise: f64) {
         let noise = noise.max(LEAST_NOISE);
         let weight = 1.0 / (noise * noise);
