@@ -10,7 +10,7 @@ fn machine(packing: u32, crack: u32) -> String {
     format!(
         "extends = \"tapping-center\"\n\n[tapping.supervision]\non_overload = \"retract\"\n\n[simulation.tap_mishaps]\npacking_percent = {packing}\n\
          packed_from_diameters = 1\npacked_to_diameters = 2\npacked_rise_percent = 150\n\
-         crack_percent = {crack}\ncracked_strength_percent = 15\n"
+         crack_percent = {crack}\ncracked_strength_percent = 20\n"
     )
 }
 

@@ -434,12 +434,13 @@ impl WatchedStroke {
         weighted.sum::<f64>() / (span * span) as f64
     }
 
-    /// The bin before this one has shown what a cut takes.
+    /// The bin before this one has shown what a cut takes, where half of it was to be seen.
     fn cut_before(&self, band: &StrokeBand, way: StrokeWay, bin: usize) -> bool {
         let before = bin.checked_sub(1).filter(|_| way == StrokeWay::In);
         before.is_some_and(|before| {
-            let least = CUTS_SHARE * band.expected(StrokeWay::In, before);
-            band.is_full(before) && self.sums.mean(StrokeWay::In, before) >= Some(least)
+            let expected = band.expected(StrokeWay::In, before);
+            let shows = expected >= CUTS_SHARE * band.level * band.plateau();
+            shows && self.sums.mean(StrokeWay::In, before) >= Some(CUTS_SHARE * expected)
         })
     }
 
