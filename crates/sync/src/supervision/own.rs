@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Least squares with what is known before (P): a torque constant and an inertia within
-//! [`GAIN_SPREAD`], a friction within [`FRICTION_SPREAD`]. What earlier strokes have shown counts
+//! `GAIN_SPREAD`, a friction within `FRICTION_SPREAD`. What earlier strokes have shown counts
 //! less with each stroke, as bearings get warm.
 
 /// Standard deviation of g before anything is measured.
