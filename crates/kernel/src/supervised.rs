@@ -35,7 +35,7 @@ pub struct Crossing {
     pub limit: Torque,
     /// Depth of the tip below the surface.
     pub depth: Length,
-    /// From the first reading beyond the bound to the order to retract: what the noise takes.
+    /// From the first reading beyond the bound to the alarm: what the noise takes.
     pub took: Time,
 }
 

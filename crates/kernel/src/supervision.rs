@@ -5,7 +5,7 @@
 //!   torque     ──► what was given at t − D ──────────────────────────┴─► − ─► cutting torque c
 //!
 //!      c ─► bins over depth ─► at the end: diagnosis, band
-//!      c ─► sums above band and limit, below band ─► in the same period: alarm, retract along the thread
+//!      c ─► sums above band and limit, below band ─► in the same period: alarm
 //!
 //!   α = (θ(t−D+w) − 2·θ(t−D) + θ(t−D−w))/w²      D the drive's delay and w; the torque is the mean
 //!                                                with the same weights, (w − |i|)/w²
@@ -195,8 +195,8 @@ impl Supervision {
         self.is_to_retract
     }
 
-    /// It comes out now.
-    pub(crate) const fn retracts(&mut self) {
+    /// It comes out now, or not any more.
+    pub(crate) const fn forget_retract(&mut self) {
         self.is_to_retract = false;
     }
 
@@ -383,7 +383,7 @@ impl WatchedStroke {
         if way == StrokeWay::In { inward } else { -inward }
     }
 
-    /// The reading of so many periods ago.
+    /// The reading this many periods back.
     const fn ago(&self, periods: usize) -> &TorqueSample {
         &self.readings[(self.next + 2 * READINGS - 1 - periods) % READINGS]
     }

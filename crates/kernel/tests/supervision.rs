@@ -122,7 +122,7 @@ impl Bench {
     }
 }
 
-/// What happened after the program was over: the tap is out, or was left for so many seconds.
+/// What happened after the program was over: the tap is out, or was left for a time, s.
 fn run_on_to_the_end(bench: &Bench) -> (Vec<Supervised>, Kernel, SimulatedMachine, Vec<Event>) {
     let (mut plant, control) = bench.plant();
     let mut kernel = Kernel::new(control);

@@ -138,7 +138,7 @@ fn of_many_holes_on_scattered_machines_faults_are_found_and_good_ones_are_left_a
         }
     }
     println!(
-        "| hole | holes | not within the band | right name | wrong name, said to be sure | stopped | longest to the order | broken |"
+        "| hole | holes | not within the band | right name | wrong name, said to be sure | stopped | longest to the alarm | broken |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     for (case, t) in Case::ALL.into_iter().zip(&tallies) {

@@ -346,7 +346,7 @@ fn one_stroke(seen: &kernel::Supervised) -> file::Supervision {
             torque_n_m: Measured::n_m(crossing.torque),
             limit_n_m: Measured::n_m(crossing.limit),
             depth_mm: Measured::mm(crossing.depth),
-            order_after_s: Measured::s(crossing.took),
+            alarm_after_s: Measured::s(crossing.took),
         }),
     }
 }

@@ -48,7 +48,7 @@ pub(crate) struct Mishap {
 }
 
 impl Mishap {
-    /// None.
+    /// Nothing goes wrong.
     pub(crate) const NONE: Self =
         Self { packed_from: f64::INFINITY, packed_rise: 0.0, strength: 1.0 };
 
@@ -64,7 +64,7 @@ impl Mishap {
     }
 }
 
-/// Draws them.
+/// Draws what each hole meets, by chance.
 #[derive(Clone, Debug)]
 pub(crate) struct Draw {
     of: Mishaps,

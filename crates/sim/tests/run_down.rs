@@ -124,7 +124,7 @@ fn coupled_stop() -> LeftAlone {
     }
 }
 
-/// A tap's axis on its line, the chain opened for so many periods, and then what the control says:
+/// A tap's axis on its line, the chain opened for some periods, and then what the control says:
 /// nothing, or what it said before. How far off the line at the worst, mm; whether the opened chain
 /// was heard.
 fn chain_opened_for(periods: u32, says: &Command) -> (f64, bool) {

@@ -308,7 +308,7 @@ mod tests {
         assert_eq!(all(&mut keys), [Request::JogStop, jog(Axis::X, 5.0)]);
         keys.take(held(0, 0), &ready);
         assert_eq!(all(&mut keys), [Request::JogStop]);
-        assert_eq!(keys.count(), begun + 1, "stopping takes the command from nobody");
+        assert_eq!(keys.count(), begun + 1, "a stop does not take the right to command");
     }
 
     #[test]

@@ -75,7 +75,7 @@ pub fn sentence(seen: &Supervised) -> String {
         };
         let _ = write!(
             said,
-            "; {:.2} N·m against {bound} of {:.2} N·m at {:.1} mm, order to retract {:.2} ms after the first reading beyond it",
+            "; {:.2} N·m against {bound} of {:.2} N·m at {:.1} mm, alarm {:.2} ms after the first reading beyond it",
             crossing.torque.value(),
             crossing.limit.value(),
             crossing.depth.value(),
@@ -166,10 +166,12 @@ fn trend(slope: f64, error: f64, level: f64) -> String {
 pub fn not_supervised(machine: &MachineFile) -> Option<String> {
     machine.tapping.supervision?;
     let spindle = machine.spindles.first()?;
-    spindle.measured_torque.is_none().then(|| {
-        format!(
-            "supervision: not supervised: the drive of {} does not measure its torque\n",
-            spindle.name
-        )
-    })
+    let why = match (&spindle.measured_torque, machine.measures_torque(0)) {
+        (Some(_), _) => return None,
+        (None, false) => "does not measure its torque",
+        (None, true) => {
+            "measures its torque, and measured_torque does not say with which noise and delay"
+        }
+    };
+    Some(format!("supervision: not supervised: the drive of {} {why}\n", spindle.name))
 }

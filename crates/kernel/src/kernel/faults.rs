@@ -153,7 +153,7 @@ impl Kernel {
     /// An overloaded tap comes out as soon as it stands, as if the operator had asked for it.
     fn retract_when_standing(&mut self) {
         if self.drives.supervision.is_to_retract() && self.can_back_out() {
-            self.drives.supervision.retracts();
+            self.drives.supervision.forget_retract();
             self.order(Order::Retract);
         }
     }

@@ -33,6 +33,7 @@ impl Kernel {
         self.manual.forget();
         self.homing.abandon(&mut self.drives.axes);
         self.faults.clear();
+        self.drives.supervision.forget_retract(); // an alarm that is cleared orders nothing more
         (self.answer, self.drives.outputs) = (None, bus::Signals::default());
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) =

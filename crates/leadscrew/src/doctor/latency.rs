@@ -13,7 +13,7 @@ const SAID: Duration = Duration::from_millis(100);
 /// Memory that each thread of the load goes through, bytes.
 const LOAD_BYTES: usize = 16 << 20;
 
-/// What is measured.
+/// Length and conditions of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct LatencyOptions {
     /// Servo period.

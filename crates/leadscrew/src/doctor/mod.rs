@@ -26,7 +26,7 @@ use units::{Spin, Time};
 /// Share of a period that a period may begin late without a remark.
 const LATE_SHARE: f64 = 0.25;
 
-/// What is looked at.
+/// The machine that the computer is to lead.
 #[derive(Clone, Debug)]
 pub struct ExaminationOptions {
     /// Servo period of the machine.
@@ -51,7 +51,7 @@ impl ExaminationOptions {
     }
 }
 
-/// What was found.
+/// Result of an examination.
 #[derive(Clone, Debug)]
 pub struct Examination {
     /// Topic by topic.

@@ -31,6 +31,6 @@ pub struct SupervisionStop {
     pub limit_n_m: Measured,
     /// Depth of the tip.
     pub depth_mm: Measured,
-    /// From the first reading beyond the bound to the order to retract.
-    pub order_after_s: Measured,
+    /// From the first reading beyond the bound to the alarm.
+    pub alarm_after_s: Measured,
 }

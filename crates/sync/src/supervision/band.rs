@@ -134,7 +134,7 @@ impl Trend {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StrokeBand {
-    /// Which.
+    /// Kind of stroke.
     pub key: BandKey,
     /// Good holes that the reference is made of.
     pub holes: u32,

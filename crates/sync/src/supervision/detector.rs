@@ -22,7 +22,7 @@ const FALSE_ALARM: f64 = 1e-10;
 /// Share of the distance below which noise is as good as none.
 const LEAST_DISTANCE: f64 = 1e-6;
 
-/// One sum.
+/// Page's sum for one bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Detector {
     sum: f64,

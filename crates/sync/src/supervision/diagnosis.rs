@@ -60,7 +60,7 @@ pub enum Diagnosis {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Diagnosed {
-    /// What.
+    /// What the hole was.
     pub what: Diagnosis,
     /// No other cause is likely.
     pub is_sure: bool,
