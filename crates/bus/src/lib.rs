@@ -18,7 +18,7 @@ mod panel;
 mod watched;
 
 pub use engaged_tool::{EngagedTool, EngagementEvidence, RunDownKind, STANDSTILL, SpindleSense};
-pub use panel::{OverrideDial, Panel, WHEEL_STEPS_PER_UNIT, WheelTravel};
+pub use panel::{MDI_KEYS, OverrideDial, Panel, WHEEL_STEPS_PER_UNIT, WheelTravel};
 pub use watched::{WatchedInput, WatchedInputs};
 
 use units::{

@@ -2,7 +2,10 @@
 //!
 //! ```text
 //!   levels   feed_inhibit, spindle_inhibit ─► kernel, in the same period
-//!   keys     cycle_start, hold, stop, reset ─► control: as the page asks, when one is pressed
+//!   keys     cycle_start, hold, stop, reset,
+//!            power_on, power_off, home, mdi ─► control: as the page asks, when one is pressed
+//!   switches single_block, optional_stop,
+//!            block_skip                     ─► control: as they are set
 //!   dials, wheel, jog keys                  ─► control: as they are turned or held
 //! ```
 use crate::{AXES, SPINDLES};
@@ -36,6 +39,8 @@ impl WheelTravel {
     }
 }
 
+/// Keys of blocks that a panel may have: [`Panel::mdi`].
+pub const MDI_KEYS: usize = 32;
 /// Steps of a [`WheelTravel`] in a mm or a degree.
 pub const WHEEL_STEPS_PER_UNIT: f64 = 1e4;
 
@@ -56,8 +61,20 @@ pub struct Panel {
     pub stop: bool,
     /// Clear alarms.
     pub reset: bool,
+    /// Power the drives.
+    pub power_on: bool,
+    /// Take the power from the drives.
+    pub power_off: bool,
+    /// Home all axes.
+    pub home: bool,
+    /// Keys of blocks that the machine file has, a bit each.
+    pub mdi: u32,
     /// Hold after each block, while it is set.
     pub single_block: bool,
+    /// Stop at M1, while it is set.
+    pub optional_stop: bool,
+    /// Leave out blocks behind `/`, while it is set.
+    pub block_skip: bool,
     /// Dials of the overrides of feed, rapid and spindle.
     pub overrides: [OverrideDial; 3],
     /// Handwheel, by bus index of the axis.
@@ -77,7 +94,13 @@ impl Panel {
         hold: false,
         stop: false,
         reset: false,
+        power_on: false,
+        power_off: false,
+        home: false,
+        mdi: 0,
         single_block: false,
+        optional_stop: false,
+        block_skip: false,
         overrides: [OverrideDial { turned: 0.0, at: None }; 3],
         wheel: [WheelTravel::of_steps(0); AXES],
         jog: [0; AXES],

@@ -4,7 +4,7 @@
 use crate::bench::*;
 use crate::fake;
 use control::Control;
-use control::operation::{Event, Execution, Request, Signals};
+use control::operation::{Event, Execution, Request, Signals, Switches};
 use std::path::PathBuf;
 use test_support::size;
 
@@ -217,8 +217,33 @@ fn keys_of_a_panel_ask_for_what_the_page_asks_for() {
     press(&mut control, "reset");
     assert_eq!(control.execution(), Execution::Ready);
 
-    fake::with(|hal| hal.set_bit("single-block", true));
-    until(&mut control, |control| control.status().switches.single_block);
+    for (pin, is_set) in [
+        ("single-block", (|s| s.single_block) as fn(&Switches) -> bool),
+        ("optional-stop", |s| s.optional_stop),
+        ("block-skip", |s| s.block_skip.contains(&1)),
+    ] {
+        fake::with(|hal| hal.set_bit(pin, true));
+        until(&mut control, |control| is_set(&control.status().switches));
+    }
+    drop(control);
+    until_free();
+    running.end();
+}
+
+#[test]
+fn keys_of_a_panel_power_the_drives_and_home_the_axes() {
+    let _one = fake::one_at_a_time();
+    let running = Running::start();
+    let mut control = control().unwrap();
+    live(&mut control);
+    press(&mut control, "home-all");
+    assert!(!control.is_homed_all(), "the drives have no power");
+    press(&mut control, "power-on");
+    until(&mut control, |control| fake::with(|hal| hal.bit("x.enable")) && control.is_ready());
+    press(&mut control, "home-all");
+    until(&mut control, Control::is_homed_all);
+    press(&mut control, "power-off");
+    until(&mut control, |_| !fake::with(|hal| hal.bit("x.enable")));
     drop(control);
     until_free();
     running.end();

@@ -32,6 +32,7 @@ fn exported() -> Vec<String> {
         spindles: 1,
         digital: (1, 1),
         analogue: (1, 1),
+        mdi: 1,
         name: "default".into(),
     };
     let hal = Hal::begin("leadscrew").unwrap();

@@ -1,9 +1,9 @@
 //! Pins of a panel beside the machine, and of a door that inhibits the feed.
 use crate::dial_pins::DialPins;
 use crate::driven::DrivenPin;
-use crate::ffi::{Hal, Pin};
+use crate::ffi::{Direction, Hal, Pin};
 use crate::jog_pins::JogPins;
-use crate::new_pin::input;
+use crate::new_pin::{input, row};
 use crate::parameters::{LETTERS, LoadParameters};
 use bus::{AXES, Panel, WatchedInput, WatchedInputs};
 use units::CoordinateSpeed;
@@ -16,7 +16,13 @@ pub(crate) struct PanelPins {
     stop: DrivenPin<bool>,
     cycle_start: Pin<bool>,
     reset: Pin<bool>,
+    power_on: Pin<bool>,
+    power_off: Pin<bool>,
+    home: Pin<bool>,
+    mdi: Vec<Pin<bool>>,
     single_block: Pin<bool>,
+    optional_stop: Pin<bool>,
+    block_skip: Pin<bool>,
     /// Feed, rapid, spindle.
     dials: [DialPins; 3],
     axes: [Option<JogPins>; AXES],
@@ -37,7 +43,13 @@ impl PanelPins {
             stop: DrivenPin::new(hal, "stop")?,
             cycle_start: input(hal, "cycle-start")?,
             reset: input(hal, "reset")?,
+            power_on: input(hal, "power-on")?,
+            power_off: input(hal, "power-off")?,
+            home: input(hal, "home-all")?,
+            mdi: row(hal, "mdi", of.mdi, Direction::In)?,
             single_block: input(hal, "single-block")?,
+            optional_stop: input(hal, "optional-stop")?,
+            block_skip: input(hal, "block-skip")?,
             dials: [
                 DialPins::new(hal, "feed-override")?,
                 DialPins::new(hal, "rapid-override")?,
@@ -60,7 +72,13 @@ impl PanelPins {
             stop: is_set(&self.stop, WatchedInput::Stop),
             cycle_start: self.cycle_start.get(),
             reset: self.reset.get(),
+            power_on: self.power_on.get(),
+            power_off: self.power_off.get(),
+            home: self.home.get(),
+            mdi: bits(&self.mdi),
             single_block: self.single_block.get(),
+            optional_stop: self.optional_stop.get(),
+            block_skip: self.block_skip.get(),
             jog_speed: CoordinateSpeed::new(self.jog_speed.get() / 60.0),
             ..Panel::default()
         };
@@ -86,4 +104,9 @@ impl PanelPins {
         let driven = pins.into_iter().filter(|(pin, _)| pin.is_driven());
         driven.fold(WatchedInputs::default(), |all, (_, input)| all.with(input))
     }
+}
+
+/// A bit for each pin that is TRUE.
+fn bits(pins: &[Pin<bool>]) -> u32 {
+    pins.iter().enumerate().fold(0, |bits, (at, pin)| bits | u32::from(pin.get()) << at)
 }

@@ -1,5 +1,5 @@
-//! What `loadrt leadscrew` is told: `axes=XYZ spindles=1 din=8 dout=8 ain=0 aout=0 name=mill`.
-use bus::{ANALOGUE, AXES, DIGITAL, SPINDLES};
+//! What `loadrt leadscrew` is told: `axes=XYZ spindles=1 din=8 dout=8 ain=0 aout=0 mdi=0 name=mill`.
+use bus::{ANALOGUE, AXES, DIGITAL, MDI_KEYS, SPINDLES};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicI32, AtomicPtr, Ordering::Relaxed};
@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicI32, AtomicPtr, Ordering::Relaxed};
 pub(crate) const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 
 /// What is meant where `loadrt` does not say it: axes, name; spindles, digital inputs and outputs,
-/// analogue ones.
+/// analogue ones, keys of blocks.
 const AXES_USUAL: &str = "XYZ";
 const NAME_USUAL: &str = "default";
-const COUNTS_USUAL: [(&str, c_int); 5] =
-    [("spindles", 1), ("din", 4), ("dout", 4), ("ain", 0), ("aout", 0)];
+const COUNTS_USUAL: [(&str, c_int); 6] =
+    [("spindles", 1), ("din", 4), ("dout", 4), ("ain", 0), ("aout", 0), ("mdi", 0)];
 
 /// As they were told.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,6 +25,8 @@ pub(crate) struct LoadParameters {
     pub(crate) digital: (usize, usize),
     /// Analogue inputs and outputs.
     pub(crate) analogue: (usize, usize),
+    /// Keys of blocks.
+    pub(crate) mdi: usize,
     /// Name of the shared memory.
     pub(crate) name: String,
 }
@@ -69,6 +71,8 @@ mod told {
         rtapi_info_address_ain, rtapi_info_type_ain, rtapi_info_description_ain);
     parameter!(AOUT: AtomicI32 = COUNTS_USUAL[4].1, c"i", c"number of analogue outputs",
         rtapi_info_address_aout, rtapi_info_type_aout, rtapi_info_description_aout);
+    parameter!(MDI: AtomicI32 = COUNTS_USUAL[5].1, c"i", c"number of keys that run blocks",
+        rtapi_info_address_mdi, rtapi_info_type_mdi, rtapi_info_description_mdi);
 
     /// The licence that rtapi is told: MIT and Apache-2.0 go with the GPL of what loads this
     /// module.
@@ -93,6 +97,7 @@ pub(crate) fn read() -> Result<LoadParameters, String> {
         count(&told::SPINDLES),
         (count(&told::DIN), count(&told::DOUT)),
         (count(&told::AIN), count(&told::AOUT)),
+        count(&told::MDI),
     )
 }
 
@@ -119,6 +124,7 @@ fn parsed(
     spindles: c_int,
     digital: (c_int, c_int),
     analogue: (c_int, c_int),
+    mdi: c_int,
 ) -> Result<LoadParameters, String> {
     let mut has = [false; AXES];
     for letter in axes.chars() {
@@ -142,6 +148,7 @@ fn parsed(
         spindles: within("spindles", spindles, SPINDLES)?,
         digital: (within("din", digital.0, DIGITAL)?, within("dout", digital.1, DIGITAL)?),
         analogue: (within("ain", analogue.0, ANALOGUE)?, within("aout", analogue.1, ANALOGUE)?),
+        mdi: within("mdi", mdi, MDI_KEYS)?,
         name: name.to_owned(),
     })
 }
@@ -153,11 +160,12 @@ mod tests {
 
     #[test]
     fn parameters_are_taken_as_told_and_what_is_wrong_is_said_with_what_would_work() {
-        let read = parsed("xzW", "mill-1", 2, (64, 0), (0, 16)).unwrap();
+        let read = parsed("xzW", "mill-1", 2, (64, 0), (0, 16), 3).unwrap();
         assert_eq!(read.axes, [true, false, true, false, false, false, false, false, true]);
         assert_eq!((read.spindles, read.digital, read.analogue), (2, (64, 0), (0, 16)));
-        let wrong =
-            |axes, name, spindles, din| parsed(axes, name, spindles, (din, 0), (0, 0)).unwrap_err();
+        let wrong = |axes, name, spindles, din| {
+            parsed(axes, name, spindles, (din, 0), (0, 0), 0).unwrap_err()
+        };
         assert_eq!(wrong("XQ", "a", 1, 0), "axes=XQ: Q is no axis: expected letters of XYZABCUVW");
         assert_eq!(
             wrong("X", "../x", 1, 0),

@@ -202,7 +202,7 @@ impl Control {
             seed,
             drives_were_ready: false,
             broken_in_spindle: None,
-            panel: PanelKeys::default(),
+            panel: PanelKeys::new(base.machine.hal.as_ref().map_or(&[], |hal| &hal.mdi)),
             told_features: 0,
             told_changes: 0,
             base,

@@ -9,7 +9,7 @@ impl Control {
         let now = self.executor.machine.feedback().panel;
         let context = self.panel_context();
         if let Some(why) = self.panel.take(now, &context) {
-            self.say_of_panel(why);
+            self.say_of_panel(&why);
         }
     }
 

@@ -6,7 +6,11 @@
 //! | hold | hold the feed; without a program: what is moved by hand comes to rest |
 //! | stop | give the program up; without one the same |
 //! | reset | clear alarms |
+//! | power on, power off | the same |
+//! | home all | home all axes, in the machine's order |
+//! | a key of blocks | execute the blocks that the machine file has for it |
 //! | single block | hold after each block as long as it is set |
+//! | optional stop, block skip | stop at M1, leave out blocks behind `/` as long as it is set |
 //! | dial of an override | so much more or less than now, or the value at which it is set |
 //! | handwheel | the axis goes by as much, while no program is under way |
 //! | jog key | the axis is jogged until the key is released |
@@ -15,7 +19,7 @@
 //! while hold or stop is pressed. What stops is asked for first.
 use super::request::{Jog, Request};
 use super::state::Execution;
-use bus::{AXES, OverrideDial, Panel};
+use bus::{AXES, MDI_KEYS, OverrideDial, Panel};
 use canon::Axis;
 use std::collections::VecDeque;
 use units::{Coordinate, CoordinateSpeed, Time};
@@ -46,14 +50,21 @@ pub(super) struct PanelKeys {
     jogged: Time,
     /// Keys, dials and wheels that have asked for something that begins or changes something.
     count: u64,
+    /// What each key of blocks executes.
+    mdi: Vec<String>,
 }
 
 impl PanelKeys {
+    /// A panel whose keys of blocks execute these.
+    pub(super) fn new(mdi: &[String]) -> Self {
+        Self { mdi: mdi.to_vec(), ..Self::default() }
+    }
+
     /// Takes what is pressed now; what is to be said of it.
-    pub(super) fn take(&mut self, now: Panel, context: &PanelContext) -> Option<&'static str> {
+    pub(super) fn take(&mut self, now: Panel, context: &PanelContext) -> Option<String> {
         let Some(before) = self.before.replace(now) else {
-            if now.single_block {
-                self.ask(Request::SingleBlock(true));
+            for (_, request) in switches(&now).into_iter().filter(|(is_set, _)| *is_set) {
+                self.ask(request);
             }
             return None;
         };
@@ -67,26 +78,55 @@ impl PanelKeys {
         if now.hold && !before.hold {
             self.ask(if has_program { Request::FeedHold } else { Request::JogStop });
         }
-        if now.reset && !before.reset {
-            self.begin(Request::Reset);
+        for (pressed, was_pressed, request) in [
+            (now.reset, before.reset, Request::Reset),
+            (now.power_off, before.power_off, Request::Power(false)),
+            (now.power_on, before.power_on, Request::Power(true)),
+            (now.home, before.home, Request::Home(None)),
+        ] {
+            if pressed && !was_pressed {
+                self.begin(request);
+            }
         }
-        if now.single_block != before.single_block {
-            self.begin(Request::SingleBlock(now.single_block));
+        for ((is_set, request), (was_set, _)) in switches(&now).into_iter().zip(switches(&before)) {
+            if is_set != was_set {
+                self.begin(request);
+            }
         }
         self.turn_dials(&now, &before, context);
         self.press_jog_keys(&now, &before, context);
-        let said = self.turn_wheels(&now, &before, has_program);
+        let wheels = self.turn_wheels(&now, &before, has_program).map(str::to_owned);
+        let said = self.press_mdi(now.mdi & !before.mdi).or(wheels);
         if !now.cycle_start || before.cycle_start {
             return said;
         }
         if now.hold || now.stop {
-            return Some("hold or stop is pressed: release it, then press cycle start");
+            return Some("hold or stop is pressed: release it, then press cycle start".into());
         }
         self.begin(match context.execution {
             Execution::ProgramStopped | Execution::OptionalStop => Request::Confirm,
             _ if has_program => Request::Resume,
             _ => Request::Start,
         });
+        said
+    }
+
+    /// Blocks of the keys that were pressed; what is said of one that has none.
+    fn press_mdi(&mut self, pressed: u32) -> Option<String> {
+        let mut said = None;
+        for key in (0..MDI_KEYS).filter(|key| pressed >> key & 1 == 1) {
+            match self.mdi.get(key).cloned() {
+                Some(blocks) => {
+                    self.begin(Request::ManualDataInput(blocks));
+                }
+                None => {
+                    said = Some(format!(
+                        "mdi-{key:02} has no blocks: the machine file has {} under [hal], in `mdi`",
+                        self.mdi.len()
+                    ));
+                }
+            }
+        }
         said
     }
 
@@ -175,6 +215,16 @@ impl PanelKeys {
     pub(super) const fn count(&self) -> u64 {
         self.count
     }
+}
+
+/// Switches, and what each asks for as it is set.
+fn switches(panel: &Panel) -> [(bool, Request); 3] {
+    let Panel { single_block, optional_stop, block_skip, .. } = *panel;
+    [
+        (single_block, Request::SingleBlock(single_block)),
+        (optional_stop, Request::OptionalStop(optional_stop)),
+        (block_skip, Request::BlockSkip(1, block_skip)),
+    ]
 }
 
 /// Where a dial has set an override, share; `None`: it was not turned.
@@ -323,6 +373,37 @@ mod tests {
         assert_eq!(asked(Panel { reset: true, ..none() }, Execution::Stopped), [Request::Reset]);
         let both = Panel { stop: true, ..cycle_start() };
         assert_eq!(asked(both, Execution::Active), [Request::Stop], "never a start beside a stop");
+    }
+
+    #[test]
+    fn keys_of_power_homing_and_blocks_ask_for_them_and_switches_as_they_are_set() {
+        let power = Panel { power_on: true, ..none() };
+        assert_eq!(asked(power, Execution::Ready), [Request::Power(true)]);
+        let off = Panel { power_off: true, ..none() };
+        assert_eq!(asked(off, Execution::Ready), [Request::Power(false)]);
+        let home = Panel { home: true, ..none() };
+        assert_eq!(asked(home, Execution::Ready), [Request::Home(None)]);
+        let mut keys = PanelKeys::new(&["G53 G0 Z0".into(), "M8".into()]);
+        let ready = context(Execution::Ready);
+        keys.take(none(), &ready);
+        assert_eq!(keys.take(Panel { mdi: 0b10, ..none() }, &ready), None);
+        assert_eq!(keys.take(Panel { mdi: 0b10, ..none() }, &ready), None, "once");
+        let said = keys.take(Panel { mdi: 0b1000, ..none() }, &ready);
+        assert!(
+            said.is_some_and(
+                |said| said.starts_with("mdi-03 has no blocks: the machine file has 2")
+            )
+        );
+        assert_eq!(all(&mut keys), [Request::ManualDataInput("M8".into())]);
+        let set = Panel { optional_stop: true, block_skip: true, ..none() };
+        let on = [Request::OptionalStop(true), Request::BlockSkip(1, true)];
+        assert_eq!(asked(set, Execution::Ready), on);
+        let mut keys = PanelKeys::default();
+        keys.take(set, &ready);
+        assert_eq!(all(&mut keys), on, "also where it was set before the control began");
+        keys.take(none(), &ready);
+        let off = [Request::OptionalStop(false), Request::BlockSkip(1, false)];
+        assert_eq!(all(&mut keys), off);
     }
 
     #[test]

@@ -67,7 +67,7 @@ const REASONS: [(&str, &str, &str); 38] = [
     ("EMC", "", "of LinuxCNC itself"),
     ("TASK", "", "milltask is not loaded"),
     ("FILTER", "", "of a display that is not used"),
-    ("HALUI", "", "MDI commands of halui: no pin runs them"),
+    ("HALUI", "", "halui is not loaded"),
     ("APPLICATIONS", "", "programs that LinuxCNC starts"),
     ("PYTHON", "", "Python in the interpreter is not run"),
 ];
@@ -112,8 +112,8 @@ fn fate(entry: &Entry, first: Option<&Entry>) -> (RemarkKind, String) {
     if let Some((_, _, what)) = DECIDE.iter().find(is).filter(|(_, key, _)| *key == entry.key) {
         return (RemarkKind::Taken, (*what).to_owned());
     }
-    let repeats =
-        entry.section == "HAL" || ["REMAP", "PROGRAM_EXTENSION"].contains(&entry.key.as_str());
+    let repeats = entry.section == "HAL"
+        || ["REMAP", "PROGRAM_EXTENSION", "MDI_COMMAND"].contains(&entry.key.as_str());
     if let Some(first) = first.filter(|_| !repeats) {
         return (RemarkKind::Unread, format!("the first one counts, {}", first.place));
     }

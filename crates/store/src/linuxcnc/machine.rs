@@ -221,7 +221,23 @@ fn control(w: &mut MachineWriter, ini: &Ini) -> f64 {
         "on a computer that has other work; shorter with a real-time kernel",
     );
     w.guessed("obeys_after_periods", "1", "of servo drives that follow within a period; what halscope shows from pos-cmd to pos-fb at speed");
+    mdi(w, ini);
     period_us
+}
+
+/// Blocks of halui's MDI commands.
+fn mdi(w: &mut MachineWriter, ini: &Ini) {
+    let stated: Vec<&Entry> = ini.all("HALUI", "MDI_COMMAND").collect();
+    if stated.is_empty() {
+        return;
+    }
+    let list = stated.iter().map(|entry| quoted(&entry.value)).collect::<Vec<_>>().join(", ");
+    let why = format!("loadrt leadscrew mdi={}: leadscrew.mdi-00 and on", stated.len());
+    w.line("mdi", &format!("[{list}]"), &why);
+    for (key, entry) in stated.iter().enumerate() {
+        let text = format!("{} from {}, by leadscrew.mdi-{key:02}", entry.value, entry.cited());
+        w.say(RemarkKind::Taken, "mdi", &text);
+    }
 }
 
 /// `X Y Z` of a tool change, in units of `mm`; of axes that the machine has, which `at` knows.

@@ -138,6 +138,11 @@ const PINS: &[(&str, Fate)] = &[
     ("halui.machine.off", Unguarded(CHAIN)),
     ("halui.spindle.N.stop", Unguarded("no pin stops a spindle alone: leadscrew.stop ends the program, leadscrew.spindle.N.inhibit stops the spindle while it is set")),
     ("halui.spindle-stop", Unguarded("no pin stops a spindle alone: leadscrew.stop ends the program, leadscrew.spindle.0.inhibit stops the spindle while it is set")),
+    ("halui.machine.on", Pin("leadscrew.power-on")),
+    ("halui.home-all", Pin("leadscrew.home-all")),
+    ("halui.mdi-command-N", Pin("leadscrew.mdi-N")),
+    ("halui.program.optional-stop.on", Pin("leadscrew.optional-stop: as long as it is TRUE")),
+    ("halui.program.block-delete.on", Pin("leadscrew.block-skip: as long as it is TRUE")),
     ("halui.feed-override.counts", Pin("leadscrew.feed-override.counts")),
     ("halui.feed-override.scale", Pin("leadscrew.feed-override.scale")),
     ("halui.feed-override.count-enable", Pin("leadscrew.feed-override.count-enable")),
@@ -252,6 +257,7 @@ mod tests {
         assert_eq!(name("spindle.1.revs"), "leadscrew.spindle.1.revs");
         assert_eq!(name("motion.digital-in-03"), "leadscrew.din-03");
         assert_eq!(name("motion.probe-input"), "leadscrew.probe-in");
+        assert_eq!(name("halui.mdi-command-04"), "leadscrew.mdi-04");
         assert_eq!(name("axis.y.jog-counts"), "leadscrew.y.jog-counts");
         assert_eq!(name("joint.2.jog-enable"), "leadscrew.z.jog-enable");
         assert_eq!(name("halui.spindle.0.override.counts"), "leadscrew.spindle-override.counts");

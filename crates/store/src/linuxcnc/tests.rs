@@ -197,6 +197,16 @@ fn a_gantry_is_one_axis_and_what_it_loses_is_said() {
 }
 
 #[test]
+fn blocks_of_haluis_keys_are_those_of_the_panel_in_their_order() {
+    let mdi = "[HALUI]\nMDI_COMMAND = G53 G0 Z0\nMDI_COMMAND = o<touch> call [1]\n";
+    let (written, remarks) = imported(&format!("{MILL}{mdi}"), HAL);
+    let hal = written.hal.unwrap();
+    assert_eq!(hal.mdi, ["G53 G0 Z0", "o<touch> call [1]"]);
+    has(&remarks, "hal.mdi: o<touch> call [1] from small.ini:");
+    has(&remarks, "[HALUI]MDI_COMMAND, by leadscrew.mdi-01");
+}
+
+#[test]
 fn everything_that_is_wrong_is_said_at_once_and_there_is_no_file() {
     let broken = MILL
         .replace("MAX_LIMIT = 9", "MAX_LIMIT = 9,5")

@@ -1,6 +1,6 @@
 //! How the control leads drives through LinuxCNC's HAL.
 use crate::keys::Keys;
-use bus::{WatchedInput, WatchedInputs};
+use bus::{MDI_KEYS, WatchedInput, WatchedInputs};
 use units::Time;
 
 /// With it an answer begins that nobody has given yet.
@@ -22,6 +22,8 @@ pub struct Hal {
     /// Inputs that something must drive: the emergency stop chain unless `estop = "none"`, `ready`
     /// and `torque-fb` of these drives, and pins that are answers of `[hal.safety]`.
     pub watched: WatchedInputs,
+    /// Blocks that the panel's keys of blocks execute: `mdi-00` the first.
+    pub mdi: Vec<String>,
     /// What stopped the machine in another control, and has no answer yet: in a sentence each.
     pub unanswered: Vec<String>,
 }
@@ -56,7 +58,13 @@ impl Hal {
                 SafetyAnswer::None(why) => unanswered.push(why),
             }
         }
-        Self { component, silent_after, obeys_after_periods, watched, unanswered }
+        let mdi = keys.optional_texts("mdi");
+        if mdi.len() > MDI_KEYS {
+            let found = mdi.len();
+            let sentence = format!("`mdi`: found {found} keys, expected at most {MDI_KEYS}");
+            keys.unknown_name("mdi", sentence);
+        }
+        Self { component, silent_after, obeys_after_periods, watched, mdi, unanswered }
     }
 }
 
