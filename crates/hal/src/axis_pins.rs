@@ -1,7 +1,8 @@
 //! Pins of an axis: mm, degrees.
 use crate::driven::DrivenPin;
-use crate::ffi::{Hal, Pin};
-use crate::new_pin::{input, output};
+use crate::ffi::{Direction, Hal, Pin};
+use crate::index::Unwrapped;
+use crate::new_pin::{input, named, output};
 use bus::AxisFeedback;
 use units::{Coordinate, Force};
 
@@ -24,6 +25,8 @@ pub(crate) struct AxisPins {
     torque: DrivenPin<f64>,
     home_sw: Pin<bool>,
     limits: [Pin<bool>; 2],
+    index_enable: Pin<bool>,
+    counted: Unwrapped,
 }
 
 impl AxisPins {
@@ -39,13 +42,17 @@ impl AxisPins {
             torque: DrivenPin::new(hal, &name("torque-fb"))?,
             home_sw: input(hal, &name("home-sw"))?,
             limits: [input(hal, &name("limit-neg"))?, input(hal, &name("limit-pos"))?],
+            index_enable: named(hal, &name("index-enable"), Direction::Io)?,
+            counted: Unwrapped::default(),
         })
     }
 
     /// `relied_on`: the pins of this drive that the machine's file relies on.
-    pub(crate) fn read(&self, enabled: bool, relied_on: ReliedOn) -> AxisFeedback {
+    pub(crate) fn read(&mut self, enabled: bool, relied_on: ReliedOn) -> AxisFeedback {
+        let (position, index) = self.counted.read(self.pos_fb.get(), self.index_enable.get());
         AxisFeedback {
-            position: Coordinate::new(self.pos_fb.get()),
+            position: Coordinate::new(position),
+            index: index.map(Coordinate::new),
             ready: enabled && !self.fault.get() && (!relied_on.ready || self.ready.says()),
             force: self.torque.said().filter(|_| relied_on.torque).map(Force::n),
             home_switch: self.home_sw.get(),
@@ -59,9 +66,14 @@ impl AxisPins {
         ReliedOn { ready: self.ready.is_driven(), torque: self.torque.is_driven() }
     }
 
-    pub(crate) fn write(&self, enable: bool, position: f64, speed: f64) {
+    /// `mark`: the next index mark is looked for.
+    pub(crate) fn write(&mut self, enable: bool, position: f64, speed: f64, mark: bool) {
+        if self.counted.look(mark) != self.index_enable.get() {
+            self.index_enable.set(mark);
+        }
         // one that is off is told to be where it is, so that nothing jumps when it is switched on
-        self.pos_cmd.set(if enable { position } else { self.pos_fb.get() });
+        let reading = self.counted.reading_at(position);
+        self.pos_cmd.set(if enable { reading } else { self.pos_fb.get() });
         self.vel_cmd.set(if enable { speed } else { 0.0 });
         self.enable.set(enable);
     }

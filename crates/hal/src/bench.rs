@@ -56,9 +56,11 @@ impl Running {
         let seen = Arc::clone(&places);
         let thread = std::thread::Builder::new().spawn(move || {
             let (mut speed, mut turned) = (0.0_f64, 0.0);
+            let mut encoder = MarkedEncoder::default();
             while !told.load(Relaxed) && fake::call(1_000_000) {
                 fake::with(|hal| {
-                    for axis in ["x", "y", "z"] {
+                    encoder.follow(hal);
+                    for axis in ["y", "z"] {
                         hal.set_float(
                             &format!("{axis}.pos-fb"),
                             hal.float(&format!("{axis}.pos-cmd")),
@@ -93,6 +95,34 @@ impl Running {
         self.thread.take().unwrap().join().unwrap();
         rtapi_app_exit();
         self.take_places()
+    }
+}
+
+/// X with its encoder, which counts from its index mark when it is asked to, and its home switch:
+/// mm from where it was switched on.
+#[derive(Default)]
+struct MarkedEncoder {
+    place: f64,
+    zero: f64,
+}
+
+/// Marks of X are so far apart, the first one here.
+const MARKS: (f64, f64) = (10.0, 3.0);
+/// From here on the home switch of X is actuated.
+const SWITCH: f64 = 20.0;
+
+impl MarkedEncoder {
+    /// The drive is where it is told to be.
+    fn follow(&mut self, hal: &mut fake::Asked) {
+        let before = self.place;
+        self.place = self.zero + hal.float("x.pos-cmd");
+        let number = |place: f64| ((place - MARKS.1) / MARKS.0).floor();
+        if hal.bit("x.index-enable") && number(before) != number(self.place) {
+            self.zero = MARKS.0 * number(before).max(number(self.place)) + MARKS.1;
+            hal.set_bit("x.index-enable", false);
+        }
+        hal.set_bit("x.home-sw", self.place > SWITCH);
+        hal.set_float("x.pos-fb", self.place - self.zero);
     }
 }
 

@@ -1,15 +1,16 @@
-//! The count of a spindle's encoder, which goes on where the encoder is set back at its index mark.
+//! The count of an encoder, of a spindle or of an axis, which goes on where the encoder is set back
+//! at its index mark.
 //!
 //! ```text
 //!   index-enable   ____/‾‾‾‾‾‾‾‾\____     set by the component, taken back by the encoder when it counts from the mark
 //!   revs           4.81 4.90 4.98 0.06     the mark lies at 4.98 + 0.09 − 0.06 = 5.01: the way of a period before is made again
+//!   revs           4.81 4.90 4.98 5.07     an encoder that counts on: the mark lies where it was read
 //! ```
-use units::Angle;
 
-/// What was read of an encoder, as one count.
+/// What was read of an encoder, as one count: revolutions, mm or degrees.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Unwrapped {
-    /// The encoder's zero in this count, rev.
+    /// The encoder's zero in this count.
     zero: f64,
     /// The last reading of the encoder, and the way of the period before it.
     reading: f64,
@@ -20,20 +21,31 @@ pub(crate) struct Unwrapped {
 }
 
 impl Unwrapped {
-    /// A reading, with the pin that asks for the mark: the angle, and where the mark lies if it has
+    /// A reading, with the pin that asks for the mark: the count, and where the mark lies if it has
     /// passed.
-    pub(crate) fn read(&mut self, revs: f64, is_set: bool) -> (Angle, Option<Angle>) {
+    pub(crate) fn read(&mut self, reading: f64, is_set: bool) -> (f64, Option<f64>) {
         let passed = self.looks && !is_set && self.is_read;
         let mut mark = None;
         if passed {
-            let expected = self.zero + self.reading + self.way;
-            self.zero = expected - revs;
-            (self.looks, mark) = (false, Some(Angle::rev(self.zero)));
+            let expected = self.reading + self.way;
+            // one that is set back has come no further since than in the period before
+            let is_near = reading.abs() <= 1.5 * self.way.abs();
+            let counts_on = !is_near && (reading - expected).abs() < reading.abs();
+            if !counts_on {
+                self.zero += expected - reading;
+            }
+            mark = Some(if counts_on { self.zero + reading } else { self.zero });
+            self.looks = false;
         } else if self.is_read {
-            self.way = revs - self.reading;
+            self.way = reading - self.reading;
         }
-        (self.reading, self.is_read) = (revs, true);
-        (Angle::rev(self.zero + revs), mark)
+        (self.reading, self.is_read) = (reading, true);
+        (self.zero + reading, mark)
+    }
+
+    /// What the encoder reads at this count.
+    pub(crate) const fn reading_at(&self, count: f64) -> f64 {
+        count - self.zero
     }
 
     /// Whether the mark is looked for from now on: what the pin shall be.
@@ -62,8 +74,9 @@ mod tests {
             let (angle, mark) = unwrapped.read(revs, is_set);
             // each mark is known to a count or so
             let known = (4.0 + found.len() as f64) / counts;
-            assert!((angle.value() - turned).abs() < known, "{angle} {turned}");
-            found.extend(mark.map(Angle::value));
+            assert!((angle - turned).abs() < known, "{angle} {turned}");
+            assert!((unwrapped.reading_at(angle) - revs).abs() < 1e-9);
+            found.extend(mark);
             is_set = unwrapped.look(true);
         }
         found
@@ -84,7 +97,18 @@ mod tests {
     fn nothing_is_found_where_nothing_is_asked_for() {
         let mut unwrapped = Unwrapped::default();
         for revs in [0.1, 0.2, 0.3] {
-            assert_eq!(unwrapped.read(revs, false), (Angle::rev(revs), None));
+            assert_eq!(unwrapped.read(revs, false), (revs, None));
         }
+    }
+
+    #[test]
+    fn the_mark_of_an_encoder_that_counts_on_lies_where_it_was_read() {
+        let mut unwrapped = Unwrapped::default();
+        for reading in [4.81, 4.90, 4.98] {
+            unwrapped.read(reading, true);
+            unwrapped.look(true);
+        }
+        assert_eq!(unwrapped.read(5.07, false), (5.07, Some(5.07)));
+        assert_eq!(unwrapped.read(5.16, false), (5.16, None));
     }
 }

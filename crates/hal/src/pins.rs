@@ -13,7 +13,7 @@ use crate::panel_pins::PanelPins;
 use crate::parameters::{LETTERS, LoadParameters};
 use crate::spindle_pins::SpindlePins;
 use bus::{AXES, Command, Feedback, Report, SPINDLES, Signals, WatchedInput, WatchedInputs};
-use shm::{Fieldbus, WriteTo};
+use shm::{Fieldbus, Marks, WriteTo};
 use units::Time;
 
 /// A tool changer that is asked and answers.
@@ -151,7 +151,7 @@ impl Fieldbus for Pins {
         let mut feedback = Feedback { time, ..Feedback::default() };
         let watched = self.watched;
         feedback.panel = self.panel.read(watched);
-        for (index, pins) in self.axes.iter().enumerate() {
+        for (index, pins) in self.axes.iter_mut().enumerate() {
             if let Some(pins) = pins {
                 let relied_on = ReliedOn {
                     ready: watched.has(WatchedInput::AxisReady(index as u8)),
@@ -188,19 +188,19 @@ impl Fieldbus for Pins {
     }
 
     fn write(&mut self, command: &Command, report: &Report, to: &WriteTo) {
-        for (index, pins) in self.axes.iter().enumerate() {
+        for (index, pins) in self.axes.iter_mut().enumerate() {
             if let Some(pins) = pins {
                 let told = &command.axes[index];
                 let ahead =
                     told.position.value() + told.speed.value() * to.obeys_after[index].value();
-                pins.write(told.enable, ahead, told.speed.value());
+                pins.write(told.enable, ahead, told.speed.value(), to.marks.axes[index]);
                 self.enabled.0[index] = told.enable;
             }
         }
         for (index, pins) in self.spindles.iter_mut().enumerate() {
             if let Some(pins) = pins {
                 let told = &command.spindles[index];
-                pins.write(told, to.spindles_obey_after[index], to.marks[index]);
+                pins.write(told, to.spindles_obey_after[index], to.marks.spindles[index]);
                 self.enabled.1[index] = told.enable;
             }
         }
@@ -224,7 +224,7 @@ impl Fieldbus for Pins {
         let at_once = WriteTo {
             obeys_after: [Time::ZERO; AXES],
             spindles_obey_after: [Time::ZERO; SPINDLES],
-            marks: [false; SPINDLES],
+            marks: Marks::default(),
         };
         self.write(&Command { tool, ..Command::default() }, &Report::default(), &at_once);
         self.connected.set(false);

@@ -65,7 +65,8 @@ impl SpindlePins {
     /// `relied_on`: the pins of this drive that the machine's file relies on.
     pub(crate) fn read(&mut self, enabled: bool, relied_on: ReliedOn) -> SpindleFeedback {
         let is_set = self.index_enable.get();
-        let (angle, index) = self.counted.read(self.revs.get(), is_set);
+        let (revs, index) = self.counted.read(self.revs.get(), is_set);
+        let (angle, index) = (Angle::rev(revs), index.map(Angle::rev));
         self.at = angle;
         SpindleFeedback {
             angle,

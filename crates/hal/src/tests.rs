@@ -208,6 +208,39 @@ fn a_spindle_that_is_told_an_angle_taps_on_its_helix_and_is_told_where_it_is_whi
 }
 
 #[test]
+fn an_axis_is_homed_to_the_index_mark_of_an_encoder_that_counts_from_it() {
+    let _one = fake::one_at_a_time();
+    let folder = Folder::new();
+    let homing = "[axes.x.homing]\nmethod = \"switch-and-index\"\norder = 1\ndirection = \"+\"\nedge = \"off\"\nfast_mm_per_min = 3000\nslow_mm_per_min = 300\nreference_mm = -5\nswitch_mm = 2\npull_off_mm = 1\nindex_every_mm = 10\n";
+    let mill = concat!(env!("CARGO_MANIFEST_DIR"), "/../../machines/hal/mill.toml");
+    let text = std::fs::read_to_string(mill).unwrap();
+    let absolute = "[axes.x.homing]\nmethod = \"absolute\"                   # mill.hal: pos-fb counts from machine zero\nreference_mm = 0\n";
+    assert!(text.contains(absolute));
+    std::fs::create_dir_all(&folder.0).unwrap();
+    let path = folder.0.join("mill.toml");
+    std::fs::write(&path, text.replace(absolute, homing)).unwrap();
+    let running = Running::start();
+    let mut control = home(control_at(path.to_str().unwrap(), None).unwrap());
+    let slowest = 300.0 / 60.0 * PERIOD_S;
+    for _ in 0..2 {
+        // the mark that is let go of at 20 mm is at 13, and 1 mm behind it X stands
+        let x = || fake::with(|hal| hal.float("x.pos-fb"));
+        until(&mut control, Control::is_at_standstill);
+        assert!((x() + 1.0).abs() < slowest, "{} mm from the mark", x());
+        let shown = control.status().axes[0].machine;
+        assert!((shown + 6.0).abs() < 1e-6, "{shown}");
+        asked(&mut control, &Request::ManualDataInput("G53 G0 X-37".into()));
+        until(&mut control, |control| control.execution() == Execution::ProgramCompleted);
+        assert!((x() + 32.0).abs() < slowest, "pos-cmd counts from the mark: {}", x());
+        asked(&mut control, &Request::Home(Some(canon::Axis::X)));
+        until(&mut control, |control| !control.is_referencing() && control.is_homed_all());
+    }
+    drop(control);
+    until_free();
+    running.end();
+}
+
+#[test]
 fn a_drive_that_orients_the_spindle_has_the_pins_of_linuxcnc() {
     let _one = fake::one_at_a_time();
     let hal = Hal::begin("leadscrew").unwrap();
@@ -215,7 +248,7 @@ fn a_drive_that_orients_the_spindle_has_the_pins_of_linuxcnc() {
     let instantly = WriteTo {
         obeys_after: [Time::ZERO; bus::AXES],
         spindles_obey_after: [Time::ZERO; bus::SPINDLES],
-        marks: [false; bus::SPINDLES],
+        marks: shm::Marks::default(),
     };
     let mut write = |orient: Option<(f64, TurnDirection)>, locked: bool| {
         let mut command = Command::default();

@@ -14,6 +14,9 @@
 //!                                                                     └─► PullOff ──► homed
 //! ```
 //!
+//! Where the reference is approached off the switch, its edge is where BackOff is released, and the
+//! mark is the next one from there, back into the travel.
+//!
 //! Setting the reference moves the encoder's zero, and the setpoint with it by as much: the axis
 //! feels nothing. Every search is bounded by a distance, so that a switch, a mark or a stop that is
 //! not there is an alarm and not a wait.
@@ -72,6 +75,8 @@ pub struct HomingOrder {
     pub method: HomingMethod,
     /// The reference is approached towards plus.
     pub positive: bool,
+    /// Edge and mark are looked for off the switch, back into the travel.
+    pub off_switch: bool,
     /// Largest speed while the switch is searched …
     pub fast: f64,
     /// … and while its edge, a mark or a stop is.
@@ -175,6 +180,14 @@ impl Homing {
     pub(crate) const fn begin_anew(&mut self, index: usize) {
         self.was_homed[index] = self.homed[index];
         self.homed[index] = false;
+    }
+
+    /// The next index mark of an axis is looked for.
+    pub(crate) const fn looks_for_index(&self, index: usize) -> bool {
+        match &self.runs[index] {
+            Some(run) => matches!(run.phase, Phase::Index { .. }),
+            None => false,
+        }
     }
 
     /// All homing ends where it is.

@@ -181,6 +181,7 @@ fn an_axis_is_compensated_once_it_is_homed_and_nothing_moves() {
     let order = HomingOrder {
         method: HomingMethod::Given,
         positive: true,
+        off_switch: false,
         fast: 50.0,
         slow: 20.0,
         accel: 2000.0,

@@ -32,6 +32,7 @@ const ALONG: Travel = Travel {
 const ORDER: HomingOrder = HomingOrder {
     method: HomingMethod::SwitchAndIndex,
     positive: true,
+    off_switch: false,
     fast: 50.0,
     slow: 20.0,
     accel: 2000.0,
@@ -263,6 +264,33 @@ fn an_axis_beyond_a_short_cam_comes_back_from_the_limit_switch() {
             "{start}: {:?}",
             bench.kernel.faults()
         );
+        assert!(bench.off().abs() <= COUNT_MM, "{start}: {}", bench.off());
+    }
+}
+
+#[test]
+fn off_the_switch_the_mark_inside_the_travel_is_found_and_the_edge_at_which_it_lets_go() {
+    // marks at 1, -15, -31; the switch is let go of at -7.05
+    for (seed, positive) in (1..=8).map(|seed| (seed, seed % 2 == 0)) {
+        let (along, sense) = if positive { (ALONG, 1.0) } else { (mirrored(&ALONG), -1.0) };
+        let order = HomingOrder { positive, off_switch: true, reference: -15.0 * sense, ..ORDER };
+        let mut bench = Bench::new(&along, None, seed);
+        assert!(bench.home(&order), "{:?}", bench.kernel.faults());
+        assert!(bench.off().abs() <= COUNT_MM, "{} mm", bench.off());
+        assert!((bench.truth().value() + 16.0 * sense).abs() < 3e-3, "{:?}", bench.truth());
+        bench.move_to(-40.0 * sense);
+        assert!(bench.home(&order));
+        assert!(bench.deviation().expect("it was known before").abs().value() <= COUNT_MM);
+        assert!(bench.kept_limits(), "{:?}", bench.most);
+        let edge = HomingOrder { method: HomingMethod::Switch, reference: -7.05 * sense, ..order };
+        assert!(bench.home(&edge));
+        let a_period = ORDER.slow * PERIOD.value();
+        assert!(bench.off().abs() <= a_period + COUNT_MM, "{} mm", bench.off());
+    }
+    let order = HomingOrder { off_switch: true, reference: -15.0, ..ORDER };
+    for start in [-6.9, 2.0, 5.9] {
+        let mut bench = Bench::new(&ALONG, Some(start), 1);
+        assert!(bench.home(&order), "{start}: {:?}", bench.kernel.faults());
         assert!(bench.off().abs() <= COUNT_MM, "{start}: {}", bench.off());
     }
 }

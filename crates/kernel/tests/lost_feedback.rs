@@ -128,6 +128,7 @@ impl Bench {
                 let order = HomingOrder {
                     method: HomingMethod::SwitchAndIndex,
                     positive: true,
+                    off_switch: false,
                     fast: 50.0,
                     slow: 20.0,
                     accel: 2000.0,

@@ -25,6 +25,6 @@ pub use layout::{BUILD_MARK, BUILD_WORDS, STEPS_BEFORE, STEPS_USUAL, memory_name
 pub use mapping::Mapping;
 pub use retained::{RetainedMemory, RetainedState, TiedPeriod};
 pub use ring::{Damaged, Place, RingReader, RingWriter};
-pub use servo_process::{Fieldbus, ServoProcess, WriteTo};
+pub use servo_process::{Fieldbus, Marks, ServoProcess, WriteTo};
 pub use servo_side::{Made, ServoSide, SetUps, make};
 pub use session::ServoProcessOptions;

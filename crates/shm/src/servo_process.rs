@@ -12,7 +12,7 @@ use crate::attendant::{Attendant, Desk};
 use crate::session::{ControlSession, ServoProcessOptions};
 use crate::{Made, TiedPeriod};
 use bus::{AXES, Command, Feedback, Report, RunDownKind, SPINDLES, STANDSTILL, WatchedInputs};
-use kernel::FaultKind;
+use kernel::{FaultKind, Kernel};
 use rtrb::{Consumer, Producer, RingBuffer};
 use servo::{PeriodAnswer, Record};
 use std::sync::Arc;
@@ -50,8 +50,26 @@ pub struct WriteTo {
     pub obeys_after: [Time; AXES],
     /// The same of spindles.
     pub spindles_obey_after: [Time; SPINDLES],
-    /// The next index mark of these spindles is looked for.
-    pub marks: [bool; SPINDLES],
+    /// Index marks that are looked for.
+    pub marks: Marks,
+}
+
+/// Of which axes and spindles the next index mark is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// By bus index.
+    pub axes: [bool; AXES],
+    /// By spindle.
+    pub spindles: [bool; SPINDLES],
+}
+
+impl Marks {
+    fn of(kernel: &Kernel) -> Self {
+        Self {
+            axes: std::array::from_fn(|index| kernel.axis_looks_for_index(index)),
+            spindles: std::array::from_fn(|index| kernel.looks_for_index(index)),
+        }
+    }
 }
 
 /// Time constant of the speeds that are taken from counts, s.
@@ -200,7 +218,7 @@ impl<F: Fieldbus> ServoProcess<F> {
         };
         session.seat.rings.record(&record);
         let (obeys_after, spindles_obey_after) = session.obeys_after;
-        let marks = std::array::from_fn(|index| session.seat.kernel.looks_for_index(index));
+        let marks = Marks::of(&session.seat.kernel);
         let to = WriteTo { obeys_after, spindles_obey_after, marks };
         self.fieldbus.write(&command, &sample.report, &to);
     }

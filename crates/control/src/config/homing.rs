@@ -41,6 +41,7 @@ fn how(file: &Axis) -> HomingOrder {
             machine::HomingMethod::Given => HomingMethod::Given,
         },
         positive: homing.positive,
+        off_switch: homing.off_switch,
         fast: homing.fast.value(),
         slow: homing.slow.value(),
         accel: file.approach.acceleration.value(),

@@ -74,6 +74,9 @@ impl HomingRun {
             Phase::Search { .. } => Goal::Speed(towards * fast),
             Phase::Return { .. } => Goal::Speed(-towards * fast),
             Phase::BackOff { .. } => Goal::Speed(-towards * slow),
+            Phase::Index { edge: Some(_), .. } if self.order.off_switch => {
+                Goal::Speed(-towards * slow)
+            }
             Phase::Approach { .. } | Phase::Index { .. } | Phase::Press { .. } => {
                 Goal::Speed(towards * slow)
             }
@@ -91,6 +94,16 @@ impl HomingRun {
         Next::Stay
     }
 
+    /// The switch has changed in the sense in which its edge counts: it is the reference, or the
+    /// mark behind it is.
+    const fn at_edge(&mut self, setpoint: f64, said: &AxisFeedback) -> Next {
+        let reading = said.position.value();
+        if matches!(self.order.method, HomingMethod::Switch) {
+            return Next::Reference(reading);
+        }
+        self.turn_to(Phase::Index { from: setpoint, edge: Some(reading) }, said)
+    }
+
     /// One period of the phase.
     pub(super) fn next(
         &mut self,
@@ -101,7 +114,6 @@ impl HomingRun {
         let order = self.order;
         let setpoint = self.state.position;
         self.check_limits(said, setpoint)?;
-        let reading = said.position.value();
         let far = |from: f64, most: f64, kind| {
             let way = (setpoint - from).abs();
             if way > most { Err((kind, way, most)) } else { Ok(Next::Stay) }
@@ -125,16 +137,17 @@ impl HomingRun {
                     },
                 )
             }
+            Phase::BackOff { .. } if !said.home_switch && order.off_switch => {
+                Ok(self.at_edge(setpoint, said))
+            }
             Phase::Return { seen: true, .. } | Phase::BackOff { .. } if !said.home_switch => {
                 Ok(self.turn_to(Phase::Approach { from: setpoint }, said))
             }
             Phase::BackOff { from } => far(from, order.search, FaultKind::HomeSwitchNotReleased),
-            Phase::Approach { .. } if said.home_switch => {
-                if order.method == HomingMethod::Switch {
-                    return Ok(Next::Reference(reading));
-                }
-                Ok(self.turn_to(Phase::Index { from: setpoint, edge: Some(reading) }, said))
+            Phase::Approach { .. } if said.home_switch && order.off_switch => {
+                Ok(self.turn_to(Phase::BackOff { from: setpoint }, said))
             }
+            Phase::Approach { .. } if said.home_switch => Ok(self.at_edge(setpoint, said)),
             Phase::Search { from } | Phase::Return { from, .. } | Phase::Approach { from } => {
                 far(from, order.search, FaultKind::HomeSwitchNotFound)
             }

@@ -15,6 +15,11 @@ impl Kernel {
         has_index && spindle.encoder_check.is_under_way()
     }
 
+    /// Of this axis, by its bus index, the index mark is looked for.
+    pub const fn axis_looks_for_index(&self, axis: usize) -> bool {
+        self.homing.looks_for_index(axis)
+    }
+
     /// Whether the step at the queue's front waits for the check of its spindle, which goes on by a
     /// period. A path that flows into the step is not stopped for it: the check is made when the
     /// spindle is used next.

@@ -5,16 +5,20 @@
 //! | 0 | 0 | | where it stands | `given` |
 //! | 0 | not 0 | yes | to the next index mark | `given`, the mark is missing |
 //! | not 0 | not 0 | no | to the switch's edge | `switch` |
-//! | not 0 | not 0 | yes | to the mark behind the switch | `switch`, the mark is missing |
+//! | not 0 | not 0 | yes | to the mark behind the switch | `switch-and-index` |
 //!
-//! `HOME_ABSOLUTE_ENCODER` is `absolute`. `HOME_OFFSET` is where switch or mark stand, `HOME` where
+//! Where `HOME_LATCH_VEL` has the other sign than `HOME_SEARCH_VEL` it looks for the edge, and for the
+//! mark, off the switch: `edge = "off"`. `HOME_ABSOLUTE_ENCODER` is `absolute`. `HOME_OFFSET` is where switch or mark stand, `HOME` where
 //! the axis goes afterwards.
 use super::axes::{AxisOf, Written};
-use super::ini::Ini;
+use super::ini::{Entry, Ini};
 use super::writer::{Cited, MachineWriter, RemarkKind, plain};
 
 /// From the travel to limit switches and hard stops, where nothing is said.
 const BEYOND: (f64, f64) = (3.0, 6.0);
+
+/// From one index mark to the next, where nothing is said, mm or degrees.
+const MARKS: f64 = 10.0;
 
 /// Farthest that an axis goes back from its switch.
 const MOST_BACK: f64 = 1000.0;
@@ -36,7 +40,7 @@ pub(super) fn write(
     let home = read("HOME").map(|found| found.map(|v| v * axis.scale));
     let index =
         axis.joints.first().and_then(|joint| ini.get(&format!("JOINT_{joint}"), "HOME_USE_INDEX"));
-    let index = index.filter(|entry| entry.is_yes());
+    let mut index = index.filter(|entry| entry.is_yes());
     let unit = if axis.is_rotary() { "deg" } else { "mm" };
     let moves = |found: &Option<Cited>| found.as_ref().is_some_and(|found| found.value != 0.0);
     if let Some(absolute) = absolute {
@@ -47,9 +51,13 @@ pub(super) fn write(
         w.taken(&format!("reference_{unit}"), &plain(at.0), &at.1);
     } else if moves(&search) && moves(&latch) {
         let (Some(search), Some(latch)) = (search, latch) else { return };
-        let switch = Switch { axis, written, search, latch, offset, home, unit };
+        let mark = index.take().map(Entry::cited);
+        let switch = Switch { axis, written, search, latch, offset, home, mark, unit };
         if switch.is_reached() {
-            w.taken("method", "\"switch\"", &switch.search.from);
+            match &switch.mark {
+                Some(from) => w.taken("method", "\"switch-and-index\"", from),
+                None => w.taken("method", "\"switch\"", &switch.search.from),
+            }
             order_of(w, order);
             switch.write(w);
         } else {
@@ -67,7 +75,7 @@ pub(super) fn write(
     }
     if let Some(index) = index {
         let text = format!(
-            "{}: Leadscrew reads no index mark of an axis through HAL, so that homing repeats as well as the switch does",
+            "{}: a mark without a switch does not tell where the axis is, unless its travel has no other",
             index.cited()
         );
         w.say(RemarkKind::Missing, "method", &text);
@@ -89,6 +97,8 @@ struct Switch<'a> {
     latch: Cited,
     offset: Option<Cited>,
     home: Option<Cited>,
+    /// Where the file asks for the index mark.
+    mark: Option<String>,
     unit: &'static str,
 }
 
@@ -109,10 +119,15 @@ impl Switch<'_> {
         let positive = self.search.value > 0.0;
         let sense = if positive { 1.0 } else { -1.0 };
         w.taken("direction", if positive { "\"+\"" } else { "\"-\"" }, &self.search.from);
+        let off = self.search.value * self.latch.value < 0.0;
+        w.taken("edge", if off { "\"off\"" } else { "\"onto\"" }, &self.latch.from);
         self.speeds(w);
         let at = self.at();
         let from = self.offset.as_ref().map_or("no HOME_OFFSET", |found| &found.from);
         w.taken(&format!("reference_{unit}"), &plain(at), from);
+        if self.mark.is_some() {
+            self.marks(w, at - if off { -sense } else { sense } * MARKS / 2.0);
+        }
         let home = self.home.as_ref().map_or(0.0, |found| found.value);
         let back = (at - home) * sense;
         let (least, most) = self.written.travel;
@@ -128,6 +143,16 @@ impl Switch<'_> {
             );
             w.guessed(&key, &plain(needed), &why);
         }
+    }
+
+    /// What LinuxCNC is not told of marks.
+    fn marks(&self, w: &mut MachineWriter, switch: f64) {
+        let unit = self.unit;
+        let every =
+            "from one index mark to the next: the screw's lead where the motor's encoder has it";
+        w.missing(&format!("index_every_{unit}"), &plain(MARKS), every);
+        let edge = "where the switch's edge stands, half of that from the mark: alarm 504 says where it is not";
+        w.missing(&format!("switch_{unit}"), &plain(switch), edge);
     }
 
     /// The search must end between limit switch and hard stop, and where those stand is not known.

@@ -42,7 +42,7 @@ const PINS: &[(&str, Fate)] = &[
     ("joint.N.home-sw-in", Pin("leadscrew.L.home-sw")),
     ("joint.N.neg-lim-sw-in", Pin("leadscrew.L.limit-neg")),
     ("joint.N.pos-lim-sw-in", Pin("leadscrew.L.limit-pos")),
-    ("joint.N.index-enable", Nothing("index marks of axes are not read through HAL: the home switch alone counts")),
+    ("joint.N.index-enable", Pin("leadscrew.L.index-enable")),
     ("joint.N.is-unlocked", Unguarded("an axis that is locked at rest is moved without waiting for its lock: keep its lock open, or leave the axis out")),
     ("joint.N.unlock", Unguarded("an axis that is locked at rest is moved without opening its lock: keep its lock open, or leave the axis out")),
     ("joint.N.jog-counts", Pin("leadscrew.L.jog-counts")),

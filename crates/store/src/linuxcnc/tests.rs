@@ -123,9 +123,22 @@ fn homing_goes_to_the_switch_in_the_order_of_the_sequence_or_asks_the_operator()
     let z = &file.axis(canon::Axis::Z).unwrap().homing;
     assert_eq!((z.method, z.order), (HomingMethod::Given, 1));
     let indexed = MILL.replace("HOME_OFFSET = -0.4", "HOME_USE_INDEX = YES\nHOME_OFFSET = -0.4");
+    assert!(x.off_switch, "HOME_LATCH_VEL has the other sign");
+    let onto = MILL.replace("HOME_LATCH_VEL = 0.05", "HOME_LATCH_VEL = -0.05");
+    assert!(!imported(&onto, HAL).0.axis(canon::Axis::X).unwrap().homing.off_switch);
+    let (file, said) = imported(&indexed, HAL);
+    let x = &file.axis(canon::Axis::X).unwrap().homing;
+    assert_eq!((x.method, x.off_switch), (HomingMethod::SwitchAndIndex, true));
+    assert!((x.reference.value() + 10.16).abs() < 1e-9, "HOME_OFFSET is where the mark is");
     has(
-        &imported(&indexed, HAL).1,
-        "missing  axes.x.homing.method: small.ini:34 [JOINT_0]HOME_USE_INDEX",
+        &said,
+        "taken    axes.x.homing.method: \"switch-and-index\" from small.ini:34 [JOINT_0]HOME_USE_INDEX",
+    );
+    has(&said, "missing  axes.x.homing.index_every_mm: 10 stands in for it");
+    let alone = indexed.replace("HOME_SEARCH_VEL = -0.5", "HOME_SEARCH_VEL = 0");
+    has(
+        &imported(&alone, HAL).1,
+        "missing  axes.x.homing.method: small.ini:34 [JOINT_0]HOME_USE_INDEX: a mark without a switch",
     );
     has(&remarks, "rewire   joint.1.home-sw-in: leadscrew.z.home-sw on signal z-home, small.hal:4");
 }

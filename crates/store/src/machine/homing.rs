@@ -76,6 +76,9 @@ pub struct Homing {
     pub order: u32,
     /// The reference is approached towards plus.
     pub positive: bool,
+    /// The switch's edge is where it is let go of, and the mark the next one from there, back into
+    /// the travel.
+    pub off_switch: bool,
     /// Speed to the switch.
     pub fast: CoordinateSpeed,
     /// Speed to the switch's edge, the mark or the stop.
@@ -214,6 +217,7 @@ impl Homing {
         method: HomingMethod::Given,
         order: 1,
         positive: true,
+        off_switch: false,
         fast: CoordinateSpeed::ZERO,
         slow: CoordinateSpeed::ZERO,
         reference: Coordinate::ZERO,
@@ -246,6 +250,7 @@ impl Homing {
                 Letter::A | Letter::B | Letter::C => 3,
             },
             positive,
+            off_switch: false,
             fast: of.approach.speed,
             slow: of.approach.speed / 10.0,
             reference,
@@ -269,6 +274,12 @@ impl Homing {
             return Self { method, order, reference, ..usual };
         }
         let positive = keys.choice("direction", &[("+", true), ("-", false)]);
+        let off_switch = match method {
+            HomingMethod::SwitchAndIndex | HomingMethod::Switch => {
+                keys.optional_choice("edge", &[("onto", false), ("off", true)]).unwrap_or(false)
+            }
+            _ => false,
+        };
         let mut speed = |key| CoordinateSpeed::per_min(keys.number(key, 0.1..=1e6));
         let (fast, slow) = match method {
             HomingMethod::SwitchAndIndex | HomingMethod::Switch => {
@@ -294,6 +305,7 @@ impl Homing {
             method,
             order,
             positive,
+            off_switch,
             fast,
             slow,
             reference,
@@ -359,11 +371,13 @@ impl Homing {
 
     fn refuse_switch(&self, names: &Names, keys: &Keys<'_>) {
         let every = self.index_every.value();
-        let apart = (self.reference - self.switch).value() * self.sense();
+        // in the sense in which the axis goes from the edge to the mark
+        let sense = if self.off_switch { -self.sense() } else { self.sense() };
+        let apart = (self.reference - self.switch).value() * sense;
         let fine = apart >= APART * every && apart <= (1.0 - APART) * every;
         if !fine && keys.has(names.switch) && keys.has(names.reference) {
             let (key, other, unit) = (names.switch, names.reference, names.unit);
-            let works = self.reference.value() - self.sense() * every / 2.0;
+            let works = self.reference.value() - sense * every / 2.0;
             keys.conflict(key, format!("`{key}` is {apart} {unit} before `{other}`, and index marks are {every} {unit} apart: another mark would be found, expected {works}"));
         }
     }
