@@ -116,9 +116,9 @@ impl MarkedEncoder {
     fn follow(&mut self, hal: &mut fake::Asked) {
         let before = self.place;
         self.place = self.zero + hal.float("x.pos-cmd");
-        let number = |place: f64| ((place - MARKS.1) / MARKS.0).floor();
+        let number = |place: f64| ((place - MARKS.1) / MARKS.0).floor() as i32;
         if hal.bit("x.index-enable") && number(before) != number(self.place) {
-            self.zero = MARKS.0 * number(before).max(number(self.place)) + MARKS.1;
+            self.zero = MARKS.0 * f64::from(number(before).max(number(self.place))) + MARKS.1;
             hal.set_bit("x.index-enable", false);
         }
         hal.set_bit("x.home-sw", self.place > SWITCH);

@@ -14,8 +14,8 @@
 //!                                                                     └─► PullOff ──► homed
 //! ```
 //!
-//! Where the reference is approached off the switch, its edge is where BackOff is released, and the
-//! mark is the next one from there, back into the travel.
+//! Where the reference is approached off the switch, its edge is where the axis that backs off lets
+//! go of it, and the mark is the next one from there, back into the travel.
 //!
 //! Setting the reference moves the encoder's zero, and the setpoint with it by as much: the axis
 //! feels nothing. Every search is bounded by a distance, so that a switch, a mark or a stop that is

@@ -6,6 +6,7 @@ use crate::folder::Folder;
 use crate::metrics::metering::Metering;
 use crate::monitoring::Monitoring;
 use crate::mqtt::Publisher;
+use crate::paced::RequestPace;
 use crate::rights::{Rights, SessionId};
 use crate::runs::Runs;
 use crate::timeouts::ClientTimeouts;
@@ -55,6 +56,8 @@ pub(crate) struct App {
     /// With what its addresses begin: `http` or `https`.
     pub(crate) scheme: &'static str,
     pub(crate) timeouts: ClientTimeouts,
+    /// How many requests are answered in a second.
+    pub(crate) pace: RequestPace,
     /// By which sessions and tokens end.
     pub(crate) clock: Clock,
     rights: Mutex<Rights>,
@@ -84,6 +87,7 @@ impl App {
             hosts,
             scheme,
             timeouts,
+            pace: RequestPace::default(),
             rights: Mutex::new(Rights::new(tokens, clock.clone())),
             clock,
             fields: Mutex::default(),

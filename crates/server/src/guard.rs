@@ -8,6 +8,8 @@ use crate::access::{Access, Admission};
 use crate::answer::ApiError;
 use crate::app::App;
 use crate::connections::Connection;
+use crate::paced::Paced;
+use crate::reserved::REQUESTS;
 use crate::rights::{Denied, Shown};
 use crate::role::Role;
 use axum::extract::Request;
@@ -33,11 +35,23 @@ const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self'; \
 pub(crate) async fn guard(app: Arc<App>, request: Request, next: Next) -> Response {
     let path = request.uri().path();
     let is_data = ["/api/", "/mtconnect", "/metrics"].iter().any(|base| path.starts_with(base));
+    let (may_stop, has_body) = (path == REQUESTS, has_body(request.headers()));
+    if !may_stop {
+        app.pace.turn().await;
+    }
     let mut response = match look(&app, &request, is_data) {
         Ok(()) => next.run(request).await,
         Err(error) => error.into_response(),
     };
+    // a stop has been asked for before its turn, and its answer waits for that; so does what is refused
+    if may_stop && response.extensions_mut().remove::<Paced>().is_none() {
+        app.pace.turn().await;
+    }
+    let is_unread = UNREAD.contains(&response.status());
     let headers = response.headers_mut();
+    if has_body && is_unread {
+        headers.insert(header::CONNECTION, HeaderValue::from_static("close"));
+    }
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     // a report has a policy of its own
     headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(POLICY));
@@ -47,6 +61,23 @@ pub(crate) async fn guard(app: Arc<App>, request: Request, next: Next) -> Respon
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     }
     response
+}
+
+/// What is answered before a body is read. The connection ends with it: what is left of the body
+/// would be taken for the next request, and a client that is not told of it finds the end instead of
+/// an answer.
+const UNREAD: [StatusCode; 6] = [
+    StatusCode::UNAUTHORIZED,
+    StatusCode::FORBIDDEN,
+    StatusCode::NOT_FOUND,
+    StatusCode::METHOD_NOT_ALLOWED,
+    StatusCode::PAYLOAD_TOO_LARGE,
+    StatusCode::SERVICE_UNAVAILABLE,
+];
+
+fn has_body(headers: &HeaderMap) -> bool {
+    let length = headers.get(header::CONTENT_LENGTH);
+    headers.contains_key(header::TRANSFER_ENCODING) || length.is_some_and(|length| length != "0")
 }
 
 fn look(app: &App, request: &Request, is_data: bool) -> Result<(), ApiError> {

@@ -32,6 +32,8 @@ mod answer;
 mod app;
 mod clock;
 mod connections;
+#[cfg(test)]
+mod flooded_tests;
 mod folder;
 mod guard;
 mod language;
@@ -40,6 +42,7 @@ mod metrics;
 mod monitoring;
 mod mqtt;
 mod mtconnect;
+mod paced;
 mod page;
 mod page_words;
 mod reserved;

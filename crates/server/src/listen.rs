@@ -87,7 +87,8 @@ pub struct Server {
     fingerprint: Option<String>,
     runtime: Option<Runtime>,
     // after the runtime: the last answers come from it
-    _hosted: Hosted,
+    #[cfg_attr(not(test), allow(dead_code))] // it lives as long as what it is served by
+    pub(crate) hosted: Hosted,
     // after the control: it writes what that has given it
     _recorder: Recorder,
 }
@@ -176,13 +177,7 @@ impl Server {
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
         runtime.spawn(accept(listener, acceptor, router(app), timeouts));
-        Ok(Self {
-            address,
-            fingerprint,
-            runtime: Some(runtime),
-            _hosted: hosted,
-            _recorder: recorder,
-        })
+        Ok(Self { address, fingerprint, runtime: Some(runtime), hosted, _recorder: recorder })
     }
 
     /// Where it is called.

@@ -24,7 +24,7 @@ pub(crate) const HEADER_COMES: Duration = Duration::from_secs(1);
 /// Request and answer take no longer.
 pub(crate) const LASTS: Duration = Duration::from_secs(3);
 /// The address at which the control is asked for something.
-const REQUESTS: &str = "/api/v1/request";
+pub(crate) const REQUESTS: &str = "/api/v1/request";
 
 /// A request came by one of them.
 #[derive(Clone, Copy, Debug)]

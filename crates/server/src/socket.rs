@@ -7,6 +7,7 @@
 use crate::answer::ApiError;
 use crate::app::{App, Fields};
 use crate::guard;
+use crate::paced::SocketPace;
 use crate::rights::Who;
 use crate::scope::Scope;
 use crate::wire::{AcceptedBody, EventBody, FeatureBody, OperatorBody, RequestBody};
@@ -104,6 +105,7 @@ struct Talk {
     scope: Option<Scope>,
     /// Answers that the control still owes it.
     answers: JoinSet<Value>,
+    pace: SocketPace,
 }
 
 impl Talk {
@@ -121,6 +123,7 @@ impl Talk {
             operator: None,
             scope: None,
             answers: JoinSet::new(),
+            pace: SocketPace::default(),
         }
     }
 
@@ -223,11 +226,17 @@ impl Talk {
     async fn hear(&mut self, text: &str) -> Result<(), Gone> {
         match serde_json::from_str(text) {
             Ok(Said::Request { id, request }) => {
-                let asked = if self.answers.len() < MOST_ASKED || request.is_stop() {
-                    self.app.ask(self.who.session, request)
+                let too_many = if request.is_stop() {
+                    None
+                } else if self.answers.len() >= MOST_ASKED {
+                    Some(format!("{MOST_ASKED} requests of this socket have no answer yet"))
                 } else {
-                    let reason = format!("{MOST_ASKED} requests of this socket have no answer yet");
-                    Err(ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason))
+                    let slower = "this socket asks too often: 500 requests a second are answered";
+                    (!self.pace.has_turn()).then(|| slower.to_owned())
+                };
+                let asked = match too_many {
+                    None => self.app.ask(self.who.session, request),
+                    Some(reason) => Err(ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason)),
                 };
                 match asked {
                     Ok(asked) => {

@@ -4,7 +4,7 @@
 
 use crate::common::Served;
 use serde_json::json;
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 
 /// Memory that this process has in use, bytes.
@@ -84,4 +84,19 @@ fn where_all_connections_are_taken_a_stop_finds_one_and_nothing_else_does() {
     let (status, answer) = served.request(&json!({ "request": "feed_hold" }));
     assert_eq!(status, 409, "{answer}");
     drop(open);
+}
+
+#[test]
+fn what_is_answered_before_its_body_has_come_ends_the_connection_and_says_so() {
+    let served = Served::at_pace(1.0);
+    let address = served.server.address();
+    for (path, status) in [("/api/v1/nothing", "404"), ("/api/v1/status", "405")] {
+        let mut stream = TcpStream::connect(address).unwrap();
+        let head = format!("POST {path} HTTP/1.1\r\nHost: {address}\r\nContent-Length: 2\r\n\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap(); // it ends
+        assert!(answer.starts_with(&format!("HTTP/1.1 {status}")), "{answer}");
+        assert!(answer.to_ascii_lowercase().contains("connection: close"), "{answer}");
+    }
 }

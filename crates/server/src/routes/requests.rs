@@ -1,6 +1,7 @@
 //! What the control is asked for.
 use crate::answer::{ApiError, json, object};
 use crate::app::App;
+use crate::paced::Paced;
 use crate::reserved::{ForStops, too_many};
 use crate::rights::Who;
 use crate::wire::{AcceptedBody, RequestBody};
@@ -20,6 +21,14 @@ pub(super) async fn request(
     if for_stops.is_some() && !body.is_stop() {
         return Err(too_many());
     }
+    let is_paced = !body.is_stop();
+    if is_paced {
+        app.pace.turn().await;
+    }
     let accepted = app.request(who.session, body).await?;
-    Ok(json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text))))
+    let mut answer = json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text)));
+    if is_paced {
+        answer.extensions_mut().insert(Paced);
+    }
+    Ok(answer)
 }
