@@ -3,7 +3,8 @@
 //! ```text
 //!   levels   feed_inhibit, spindle_inhibit ─► kernel, in the same period
 //!   keys     cycle_start, hold, stop, reset,
-//!            power_on, power_off, home, mdi ─► control: as the page asks, when one is pressed
+//!            power_on, power_off, home, flood,
+//!            mist, mdi                       ─► control: as the page asks, when one is pressed
 //!   switches single_block, optional_stop,
 //!            block_skip                     ─► control: as they are set
 //!   dials, wheel, jog keys                  ─► control: as they are turned or held
@@ -67,6 +68,10 @@ pub struct Panel {
     pub power_off: bool,
     /// Home all axes.
     pub home: bool,
+    /// Switch the flood coolant off and on.
+    pub flood: [bool; 2],
+    /// The same of the mist coolant.
+    pub mist: [bool; 2],
     /// Keys of blocks that the machine file has, a bit each.
     pub mdi: u32,
     /// Hold after each block, while it is set.
@@ -97,6 +102,8 @@ impl Panel {
         power_on: false,
         power_off: false,
         home: false,
+        flood: [false; 2],
+        mist: [false; 2],
         mdi: 0,
         single_block: false,
         optional_stop: false,

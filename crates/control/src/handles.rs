@@ -59,6 +59,7 @@ seen! {
     is_moving_manually: bool,
     is_moving_on_lease: bool,
     has_faded: bool,
+    coolant: [bool; 2],
     consulted: Option<u16>,
     engaged: Option<sync::recovery::Stored>,
     surface: Option<Length>,

@@ -117,6 +117,41 @@ fn a_spindle_turns_on_after_typed_blocks_until_a_word_or_a_stop_of_everything() 
 }
 
 #[test]
+fn coolant_that_is_switched_by_hand_flows_until_the_program_a_stop_or_a_hand_switches_it() {
+    let mut control = homed("tapping-center");
+    let flows = |control: &Control, after: &str| {
+        let status = control.status();
+        let has = |code: &str| status.codes.iter().any(|known| known == code);
+        let told = [status.mist, status.flood];
+        assert_eq!(
+            [has("M7"), has("M8"), has("M9")],
+            [told[0], told[1], told == [false; 2]],
+            "{after}"
+        );
+        told
+    };
+    typed(&mut control, "G91 G0 Z-1");
+    asked(&mut control, &Request::Flood(true));
+    pass(&mut control, Time::s(0.01));
+    assert_eq!(flows(&control, "by hand"), [false, true]);
+    asked(&mut control, &Request::ManualDataInput("G91 G1 F600 X-10\nM9\nX-10\nM7\nX-10".into()));
+    pass(&mut control, Time::s(0.3));
+    assert_eq!(flows(&control, "blocks that say nothing of it"), [false, true]);
+    until(&mut control, "M9", |control| !control.status().flood);
+    asked(&mut control, &Request::Flood(true));
+    until(&mut control, "M7", |control| control.status().mist);
+    assert_eq!(flows(&control, "M7"), [true, true], "M7 switches the mist alone");
+    asked(&mut control, &Request::Flood(false));
+    until(&mut control, "over", |control| !control.execution().is_under_way());
+    assert_eq!(flows(&control, "the other by hand"), [true, false]);
+    asked(&mut control, &Request::EmergencyStop(true));
+    until(&mut control, "an alarm", Control::has_alarm);
+    assert_eq!(flows(&control, "an emergency stop"), [false, false]);
+    let why = control.request(&Request::Flood(true)).err().map(|why| why.to_string());
+    assert!(why.is_some_and(|why| why.contains("emergency stop")));
+}
+
+#[test]
 fn an_axis_that_is_not_homed_goes_slowly_and_not_far_and_its_limit_switches_stop_it() {
     for (axis, speed) in [(Axis::X, 1.0), (Axis::X, -1.0), (Axis::Y, 1.0), (Axis::Z, 1.0)] {
         let mut control = powered("tapping-center");

@@ -51,6 +51,10 @@ pub enum Order {
     SingleBlock(bool),
     /// M1 stops the program as M0 does.
     OptionalStop(bool),
+    /// Flood coolant, until the program switches it.
+    Flood(bool),
+    /// Mist coolant, likewise.
+    Mist(bool),
 }
 
 /// How far the operator may override, as the machine's file has it.
@@ -275,6 +279,7 @@ impl Operator {
                 self.optional_stop = on;
                 None
             }
+            Order::Flood(_) | Order::Mist(_) => None, // the kernel's
         }
     }
 

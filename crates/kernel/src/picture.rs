@@ -66,6 +66,8 @@ pub struct Picture {
     pub is_homing: [bool; AXES],
     /// [`Kernel::ordered_spin`], by spindle.
     pub ordered_spins: [Spin; SPINDLES],
+    /// [`Kernel::coolant`].
+    pub coolant: [bool; 2],
     /// [`Kernel::faults`], oldest first.
     pub faults: [Option<Fault>; FAULTS],
 }
@@ -109,6 +111,7 @@ impl Kernel {
             spindle_shifts: core::array::from_fn(|spindle| self.spindle_shift(spindle)),
             is_homing,
             ordered_spins: core::array::from_fn(|spindle| self.ordered_spin(spindle)),
+            coolant: self.coolant(),
             faults,
         }
     }

@@ -56,6 +56,14 @@ work_offset: string,
  */
 codes: Array<string>, 
 /**
+ * Coolant flows: flood.
+ */
+flood: boolean, 
+/**
+ * The same: mist.
+ */
+mist: boolean, 
+/**
  * Speed of the path of X, Y and Z as it is ordered, mm/min, over 20 ms.
  */
 path_mm_per_min: number, 
@@ -437,7 +445,7 @@ export type RequestBody = { "request": "power", on: boolean, } | { "request": "e
 /**
  * Also where the program was changed since it was left half done.
  */
-program_changed?: boolean, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "begin_workpiece", name?: string, } | { "request": "end_workpiece", } | { "request": "acknowledge_state", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
+program_changed?: boolean, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "begin_workpiece", name?: string, } | { "request": "end_workpiece", } | { "request": "acknowledge_state", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "flood", on: boolean, } | { "request": "mist", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
 
 export type ToolFieldName = "length" | "diameter" | "wear_length" | "wear_radius";
 

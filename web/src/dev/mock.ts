@@ -58,7 +58,7 @@ export function mock(): void {
     const status: Status = {
       time_s: s, emergency_stop: 'ARMED', power: 'ON', is_ready: true, mode: 'AUTOMATIC', execution: 'ACTIVE', activity: 'tapping',
       waiting_for: null, axes: [axis('X', 76), axis('Y', 40), axis('Z', z)], spindles: [{ ordered_rpm: 6000, angle_deg: (s * 1000) % 360, measured_rpm: 5998, torque_n_m: 4.6, load_percent: 23, thermal_percent: 9 }],
-      tool: 3, work_offset: 'G54', codes: ['G0', 'G17', 'G21', 'G90', 'G94', 'G54', 'G43', 'G80', 'M3', 'M8'],
+      tool: 3, work_offset: 'G54', codes: ['G0', 'G17', 'G21', 'G90', 'G94', 'G54', 'G43', 'G80', 'M3', 'M8'], flood: true, mist: false,
       overrides: { feed_percent: 100, rapid_percent: 50, spindle_percent: 100, is_locked: true },
       program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s, left_s: Math.max(0, 62 - s), ahead_s: 0.5 }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
       features: { good: 6, failed: 0, not_judged: 1 }, workpiece: { number: 1, name: null, programs: 1, is_ended: false, unlisted: 0 }, alarms: [], path_mm_per_min: 0, switches: { single_block: false, optional_stop: false, block_skip: [] }, unmet: ['program_waits_for_confirmation', ...(how ? ['program_under_way'] : [])].map((need) => ({ need, reason: 'this is a mock', remedy: null })),

@@ -94,7 +94,7 @@ export const t = {
   confirm: 'Confirm',
   stop: 'Stop',
   single: 'Single block',
-  optional: 'Optional stop',
+  optional: 'Optional stop', flood: 'Flood', mist: 'Mist',
   skip: 'Block skip',
   powerOn: 'Power on',
   powerOff: 'Power off',

@@ -71,6 +71,8 @@ pub(crate) const WORDS: [(&str, &str); 46] = [
     ("tool is free", "state that no tool is in the work"),
     ("single block on|off", "hold after each block"),
     ("optional stop on|off", "stop at M1"),
+    ("flood on|off", "switch the flood coolant, until the program does"),
+    ("mist on|off", "the same of the mist coolant"),
     ("block skip 1 on|off", "leave out blocks of this level of /"),
     ("feed 80", "percent of the programmed feed"),
     ("rapid 25", "percent of the rapids"),
@@ -148,6 +150,8 @@ impl Command {
             ["tool", "is", "free"] => Self::Request(Request::ToolIsFree),
             ["single", "block", switch] => Self::Request(Request::SingleBlock(is_on(switch)?)),
             ["optional", "stop", switch] => Self::Request(Request::OptionalStop(is_on(switch)?)),
+            ["flood", switch] => Self::Request(Request::Flood(is_on(switch)?)),
+            ["mist", switch] => Self::Request(Request::Mist(is_on(switch)?)),
             ["block", "skip", level, switch] => {
                 let level = level
                     .parse()

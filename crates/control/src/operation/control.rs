@@ -284,6 +284,8 @@ impl Control {
             Request::Reset => self.reset(),
             Request::SingleBlock(on) => self.set(kernel::Order::SingleBlock(*on)),
             Request::OptionalStop(on) => self.set(kernel::Order::OptionalStop(*on)),
+            Request::Flood(on) => self.set(kernel::Order::Flood(*on)),
+            Request::Mist(on) => self.set(kernel::Order::Mist(*on)),
             Request::BlockSkip(level, on) => self.skip_blocks(*level, *on),
             Request::FeedOverride(share) => self.set(kernel::Order::FeedOverride(*share)),
             Request::RapidOverride(share) => self.set(kernel::Order::RapidOverride(*share)),

@@ -8,6 +8,7 @@
 //! | reset | clear alarms |
 //! | power on, power off | the same |
 //! | home all | home all axes, in the machine's order |
+//! | flood, mist, on and off | switch the coolant, also while a program is under way |
 //! | a key of blocks | execute the blocks that the machine file has for it |
 //! | single block | hold after each block as long as it is set |
 //! | optional stop, block skip | stop at M1, leave out blocks behind `/` as long as it is set |
@@ -83,6 +84,10 @@ impl PanelKeys {
             (now.power_off, before.power_off, Request::Power(false)),
             (now.power_on, before.power_on, Request::Power(true)),
             (now.home, before.home, Request::Home(None)),
+            (now.flood[0], before.flood[0], Request::Flood(false)),
+            (now.flood[1], before.flood[1], Request::Flood(true)),
+            (now.mist[0], before.mist[0], Request::Mist(false)),
+            (now.mist[1], before.mist[1], Request::Mist(true)),
         ] {
             if pressed && !was_pressed {
                 self.begin(request);
@@ -383,6 +388,9 @@ mod tests {
         assert_eq!(asked(off, Execution::Ready), [Request::Power(false)]);
         let home = Panel { home: true, ..none() };
         assert_eq!(asked(home, Execution::Ready), [Request::Home(None)]);
+        let flood = Panel { flood: [false, true], mist: [true, false], ..none() };
+        let both = [Request::Flood(true), Request::Mist(false)];
+        assert_eq!(asked(flood, Execution::Active), both);
         let mut keys = PanelKeys::new(&["G53 G0 Z0".into(), "M8".into()]);
         let ready = context(Execution::Ready);
         keys.take(none(), &ready);

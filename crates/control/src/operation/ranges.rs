@@ -110,7 +110,9 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
         | Request::EndWorkpiece
         | Request::Reset
         | Request::SingleBlock(_)
-        | Request::OptionalStop(_) => Ok(()),
+        | Request::OptionalStop(_)
+        | Request::Flood(_)
+        | Request::Mist(_) => Ok(()),
     }
 }
 

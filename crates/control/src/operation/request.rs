@@ -87,6 +87,10 @@ pub enum Request {
     SingleBlock(bool),
     /// Stop at M1.
     OptionalStop(bool),
+    /// Switch the flood coolant, until the program does.
+    Flood(bool),
+    /// Switch the mist coolant, likewise.
+    Mist(bool),
     /// Leave out blocks of this level of `/`, 1 to 9; acts on the next start.
     BlockSkip(u8, bool),
     /// Share of the programmed feed.
@@ -216,6 +220,8 @@ impl Request {
             | Self::RapidOverride(_)
             | Self::SpindleOverride(_) => &[],
             Self::EmergencyStop(false) => &[EmergencyStopTriggered],
+            Self::Flood(true) | Self::Mist(true) => &[EmergencyStopArmed, NoAlarm, PowerOn],
+            Self::Flood(false) | Self::Mist(false) => &[],
             Self::Home(_) => HOME,
             Self::Jog(_, Jog::To(_)) => JOG_TO,
             Self::Jog(..) => &[

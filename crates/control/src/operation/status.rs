@@ -176,6 +176,10 @@ pub struct Status {
     /// Codes in force at the block that is executed; none are known of a program that asks the
     /// machine something.
     pub codes: Vec<String>,
+    /// Coolant flows: flood.
+    pub flood: bool,
+    /// The same: mist.
+    pub mist: bool,
     /// Speed of the path of X, Y and Z as it is ordered, mm/min, over 20 ms.
     pub path_mm_per_min: f64,
     /// Overrides.
@@ -219,6 +223,21 @@ pub struct Status {
     pub real_time: Option<crate::RealTimeFigures>,
 }
 
+/// Codes in force, with those of the coolant that flows: it may have been switched by hand.
+fn with_coolant(mut codes: Vec<String>, flows: [bool; 2]) -> Vec<String> {
+    const CODES: [&str; 2] = ["M7", "M8"];
+    let says = CODES.map(|code| codes.iter().any(|other| other == code));
+    if says != flows {
+        codes.retain(|code| !["M7", "M8", "M9"].contains(&code.as_str()));
+        let on = CODES.iter().zip(flows).filter(|(_, flows)| *flows);
+        codes.extend(on.map(|(code, _)| (*code).to_owned()));
+        if flows == [false; 2] {
+            codes.push("M9".into());
+        }
+    }
+    codes
+}
+
 impl StateChangeStatus {
     fn of(change: &store::state::StateChange) -> Self {
         let store::state::StateChange { datum, before, now, why } = change.clone();
@@ -250,6 +269,8 @@ impl Control {
             tool: feedback.tool,
             work_offset: offsets::name(self.work_offset()),
             codes: self.codes(),
+            flood: kernel.coolant()[1],
+            mist: kernel.coolant()[0],
             path_mm_per_min: self.meters.path_speed() * 60.0,
             overrides: Overrides {
                 feed_percent: percent(operator.share(false)),
@@ -283,11 +304,12 @@ impl Control {
     }
 
     fn codes(&self) -> Vec<String> {
-        match (&self.under_way, &self.data.rest) {
+        let codes = match (&self.under_way, &self.data.rest) {
             (Some(under_way), _) => under_way.codes(),
             (None, Some(rest)) => rest.standing().codes,
-            (None, None) => Vec::new(),
-        }
+            (None, None) => return Vec::new(),
+        };
+        with_coolant(codes, self.executor.kernel.coolant())
     }
 
     fn unmet(&self) -> Vec<NeedStatus> {

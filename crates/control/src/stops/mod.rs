@@ -278,6 +278,8 @@ fn name(order: Order) -> String {
         Order::RapidOverride(share) => format!("rapid override {:.0} %", share * 100.0),
         Order::SingleBlock(on) => format!("single block {}", if on { "on" } else { "off" }),
         Order::OptionalStop(on) => format!("optional stop {}", if on { "on" } else { "off" }),
+        Order::Flood(on) => format!("flood {}", if on { "on" } else { "off" }),
+        Order::Mist(on) => format!("mist {}", if on { "on" } else { "off" }),
     }
 }
 

@@ -35,6 +35,11 @@ impl Kernel {
             Order::SpindleOverride(_) => synchronised || !self.drives.spindle_overridden,
             _ => synchronised,
         };
+        match order {
+            Order::Flood(on) => self.drives.flood = on,
+            Order::Mist(on) => self.drives.mist = on,
+            _ => {}
+        }
         let asked = paused || by_hand.is_some();
         if let Some(notice) = self.operator.take(order, locked, (paused, asked)) {
             self.note(EventKind::Operator(notice));
@@ -50,6 +55,11 @@ impl Kernel {
             self.activity = Activity::AtOnce;
             self.note(EventKind::Resumed);
         }
+    }
+
+    /// Mist and flood coolant flow.
+    pub const fn coolant(&self) -> [bool; 2] {
+        [self.drives.mist, self.drives.flood]
     }
 
     /// Give back what has not been done, so that it can be planned anew: what has pushed it

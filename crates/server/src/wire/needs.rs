@@ -64,6 +64,8 @@ fn samples() -> Vec<Request> {
         Request::Reset,
         Request::SingleBlock(true),
         Request::OptionalStop(true),
+        Request::Flood(true),
+        Request::Mist(true),
         Request::BlockSkip(1, true),
         Request::FeedOverride(1.0),
         Request::RapidOverride(1.0),
@@ -106,6 +108,8 @@ const fn name(request: &Request) -> &'static str {
         Request::Reset => "reset",
         Request::SingleBlock(_) => "single_block",
         Request::OptionalStop(_) => "optional_stop",
+        Request::Flood(_) => "flood",
+        Request::Mist(_) => "mist",
         Request::BlockSkip(..) => "block_skip",
         Request::FeedOverride(_) => "feed_override",
         Request::RapidOverride(_) => "rapid_override",
@@ -121,7 +125,10 @@ const fn name(request: &Request) -> &'static str {
 /// Which way, where the two ways need different things.
 const fn switched(request: &Request) -> Option<bool> {
     match request {
-        Request::Power(on) | Request::EmergencyStop(on) => Some(*on),
+        Request::Power(on)
+        | Request::EmergencyStop(on)
+        | Request::Flood(on)
+        | Request::Mist(on) => Some(*on),
         _ => None,
     }
 }

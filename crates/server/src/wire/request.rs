@@ -129,6 +129,10 @@ pub(crate) enum RequestBody {
     SingleBlock { on: bool },
     /// Stop at M1.
     OptionalStop { on: bool },
+    /// Switch the flood coolant, until the program does.
+    Flood { on: bool },
+    /// Switch the mist coolant, likewise.
+    Mist { on: bool },
     /// Leave out blocks of a level of `/`, 1 to 9.
     BlockSkip { level: u8, on: bool },
     /// Percent of the programmed feed.
@@ -286,6 +290,8 @@ impl RequestBody {
             Self::Reset {} => Request::Reset,
             Self::SingleBlock { on } => Request::SingleBlock(on),
             Self::OptionalStop { on } => Request::OptionalStop(on),
+            Self::Flood { on } => Request::Flood(on),
+            Self::Mist { on } => Request::Mist(on),
             Self::BlockSkip { level, on } => Request::BlockSkip(level, on),
             Self::FeedOverride { percent } => Request::FeedOverride(share(
                 "feed override",

@@ -86,6 +86,8 @@ const fn begins(request: &Request) -> Begins {
         | Request::Reset
         | Request::SingleBlock(_)
         | Request::OptionalStop(_)
+        | Request::Flood(_)
+        | Request::Mist(_)
         | Request::BlockSkip(..)
         | Request::FeedOverride(_)
         | Request::RapidOverride(_)
