@@ -39,7 +39,7 @@ const WAITS: Time = Time::s(600.0);
 const JOGS: Time = Time::s(1.0);
 
 /// What can be typed: words, and what they do.
-pub(crate) const WORDS: [(&str, &str); 46] = [
+pub(crate) const WORDS: [(&str, &str); 48] = [
     ("power on|off", "drives on or off"),
     ("emergency stop|release", "press or release the emergency stop of the simulated machine"),
     ("home [AXIS]", "home an axis, or all in the machine's order"),
