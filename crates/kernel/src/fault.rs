@@ -70,6 +70,8 @@ pub enum FaultKind {
     NotInPosition,
     /// The tool was not changed in time.
     ToolNotChanged,
+    /// An input that a machine sequence waits for did not come in time.
+    InputsNotSeen,
     /// A geared spindle did not reach the gear's speed in time.
     RatioNotHeld,
     /// A geared spindle does not turn at all.
@@ -145,7 +147,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 56] = [
+    pub const ALL: [Self; 57] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -172,6 +174,7 @@ impl FaultKind {
         Self::NotOriented,
         Self::NotInPosition,
         Self::ToolNotChanged,
+        Self::InputsNotSeen,
         Self::RatioNotHeld,
         Self::StillClamped,
         Self::PhaseNotReached,
@@ -266,7 +269,7 @@ impl Fault {
                 "mm/s³" => "°/s³",
                 unit => unit,
             },
-            (Subject::Machine | Subject::Axis(_) | Subject::Spindle(_), unit) => unit,
+            (_, unit) => unit,
         }
     }
 }

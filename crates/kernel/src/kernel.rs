@@ -255,6 +255,10 @@ impl Kernel {
         if matches!(self.mode, Mode::Halted) {
             self.go_on_halted(feedback);
         }
+        let counts = matches!(self.activity, Activity::Counting(_));
+        if !counts || !matches!(self.mode, Mode::Running) {
+            self.drives.stop_motor();
+        }
         let mut command = match self.mode {
             Mode::Disabled => self.leave(feedback),
             Mode::New | Mode::Starting(_) => self.start(feedback),

@@ -104,6 +104,8 @@ pub fn check_step(step: &Step<Inline>) -> Result<(), Senseless> {
         | StepKind::SpindleOverride(_)
         | StepKind::Output(_)
         | StepKind::Input(_)
+        | StepKind::Inputs(_)
+        | StepKind::Count(_)
         | StepKind::Probe { .. }
         | StepKind::UserCode(_)
         | StepKind::Pause { .. }
