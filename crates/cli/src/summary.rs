@@ -33,6 +33,7 @@ pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
     }
     let machine_file = &job.session.machine;
     said += &control::services::sequence::text(&outcome.changes, machine_file);
+    said += &control::services::sequence::wrong(outcome.carousel.as_ref());
     said += &control::stops::text(&outcome.stops, &outcome.happened, &outcome.withdrawn);
     said += &alarms(outcome);
     said += &format!("{}, cycle time {}\n", verdict(outcome), clock(outcome));

@@ -68,6 +68,8 @@ pub struct Outcome {
     pub left: Option<Left>,
     /// Tool changes by a machine sequence, one after the other.
     pub changes: Vec<crate::services::sequence::MadeChange>,
+    /// What is true of the simulated carousel at the end.
+    pub carousel: Option<sim::CarouselTruth>,
     /// What is gone of the machine and why, if it is; why the record is not on the disk, if it is
     /// not.
     pub broke_off: Vec<String>,
@@ -211,6 +213,7 @@ impl EndedRun {
             withdrawn: stops.withdrawn,
             left: feeder.ops.left(),
             changes: sequences.changes(),
+            carousel: machine.carousel(),
             broke_off,
         };
         (outcome, Unwritten { trace, record: record_writer })

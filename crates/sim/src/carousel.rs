@@ -40,8 +40,9 @@ pub struct CarouselModel {
     pub clear_z: Length,
     /// Outputs: drawbar, carousel in, carousel out, forward, backward.
     pub outputs: [u8; 5],
-    /// Inputs: drawbar open, tool in the taper, carousel in, carousel out, pocket, pocket 1.
-    pub inputs: [u8; 6],
+    /// Inputs: drawbar open, tool in the taper, carousel in, carousel out, pocket, pocket 1,
+    /// drawbar closed.
+    pub inputs: [u8; 7],
     /// Time in which the carousel swings in or out.
     pub swing: Time,
     /// Time in which the drawbar opens or closes.
@@ -111,7 +112,7 @@ pub(crate) struct Carousel {
     collisions: u32,
     described: Vec<String>,
     dropped: Vec<u32>,
-    sensors: [Sensor; 6],
+    sensors: [Sensor; 7],
     rng: Rng,
 }
 
@@ -154,7 +155,7 @@ impl Carousel {
             collisions: 0,
             described: Vec::new(),
             dropped: Vec::new(),
-            sensors: [Sensor::default(); 6],
+            sensors: [Sensor::default(); 7],
             rng: Rng::new(model.seed),
             model,
         };
@@ -341,7 +342,7 @@ impl Carousel {
     }
 
     /// What its sensors see.
-    fn seen(&self) -> [bool; 6] {
+    fn seen(&self) -> [bool; 7] {
         let seated = self.is_in() && self.below() != 0 && self.height().abs() < SEATED_MM;
         let dwells = (self.motor - self.motor.round()).abs() < DWELL;
         let is_first =
@@ -353,6 +354,7 @@ impl Carousel {
             self.is_out(),
             dwells,
             dwells && is_first,
+            self.drawbar < 0.05,
         ]
     }
 
@@ -406,7 +408,7 @@ mod tests {
             change_z: Length::mm(-100.0),
             clear_z: Length::mm(-5.0),
             outputs: [0, 1, 2, 3, 4],
-            inputs: [0, 1, 2, 3, 4, 5],
+            inputs: [0, 1, 2, 3, 4, 5, 6],
             swing: Time::s(0.5),
             drawbar: Time::s(0.2),
             pocket: Time::s(0.4),

@@ -9,6 +9,7 @@ use crate::KernelHandle;
 use canon::{Change, Stage};
 use motion::SEQUENCE_MARKS;
 use plan::SequenceMark;
+use sim::CarouselTruth;
 use std::collections::VecDeque;
 use store::machine::MachineFile;
 use units::Time;
@@ -65,6 +66,21 @@ pub fn text(changes: &[MadeChange], machine: &MachineFile) -> String {
     if changes.len() > MOST_CHANGES {
         said += &format!("and {} more of them\n", changes.len() - MOST_CHANGES);
     }
+    said
+}
+
+/// What went wrong in a simulated carousel, a line each.
+pub fn wrong(carousel: Option<&CarouselTruth>) -> String {
+    let Some(truth) = carousel else { return String::new() };
+    let mut said: String = truth
+        .described
+        .iter()
+        .map(|what| format!("collision in the tool changer: {what}\n"))
+        .collect();
+    if truth.collisions as usize > truth.described.len() {
+        said += &format!("{} collisions in the tool changer in all\n", truth.collisions);
+    }
+    said.extend(truth.dropped.iter().map(|tool| format!("T{tool} dropped from the spindle\n")));
     said
 }
 

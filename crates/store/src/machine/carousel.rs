@@ -12,8 +12,9 @@ pub struct CarouselModel {
     pub clear_z: Length,
     /// Outputs: drawbar, carousel in, carousel out, forward, backward.
     pub outputs: [u8; 5],
-    /// Inputs: drawbar open, tool in the taper, carousel in, carousel out, pocket, pocket 1.
-    pub inputs: [u8; 6],
+    /// Inputs: drawbar open, tool in the taper, carousel in, carousel out, pocket, pocket 1,
+    /// drawbar closed.
+    pub inputs: [u8; 7],
     /// Time in which the carousel swings in or out.
     pub swing: Time,
     /// Time in which the drawbar opens or closes.
@@ -52,6 +53,7 @@ impl CarouselModel {
                 input(keys, "is_out"),
                 input(keys, "pocket"),
                 input(keys, "pocket_1"),
+                input(keys, "drawbar_closed"),
             ],
             swing: time(keys, "swing_s", 0.01),
             drawbar: time(keys, "drawbar_s", 0.01),

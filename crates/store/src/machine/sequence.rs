@@ -64,6 +64,7 @@ impl CarouselFile {
         let guards = Guards {
             pocket_at_spindle: input(keys, "pocket_at_spindle").unwrap_or(0),
             tool_released: input(keys, "tool_released").unwrap_or(0),
+            tool_clamped: input(keys, "tool_clamped").unwrap_or(0),
         };
         Self { carousel, guards }
     }

@@ -16,6 +16,8 @@ pub(super) struct Guards {
     pub(super) pocket_at_spindle: u8,
     /// On: the drawbar is open, and a tool in the spindle is held by nothing else.
     pub(super) tool_released: u8,
+    /// On: the drawbar is closed. It is neither while it moves.
+    pub(super) tool_clamped: u8,
 }
 
 /// The three kinds of changes, and what each is.
@@ -195,13 +197,14 @@ impl Walk<'_> {
             ));
         }
         let proof = match step.handover {
-            Some(Handover::ToPocket) => Some(true),
-            Some(Handover::ToSpindle) => Some(false),
+            Some(Handover::ToPocket) => Some(guards.tool_released),
+            Some(Handover::ToSpindle) => Some(guards.tool_clamped),
             None => None,
         };
-        if let Some(on) = proof.filter(|on| !waits(guards.tool_released, *on)) {
+        if let Some(input) = proof.filter(|input| !waits(*input, true)) {
+            let proves = name(names, input);
             add(format!(
-                "{place} hands over a tool, and nothing proves it: expected wait = {{ \"{released_name}\" = {on} }}"
+                "{place} hands over a tool, and nothing proves it: expected wait = {{ \"{proves}\" = true }}"
             ));
         }
     }
