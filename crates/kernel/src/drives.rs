@@ -70,6 +70,8 @@ pub(crate) struct Drives {
     pub(crate) flood: bool,
     /// Outputs as the program has switched them.
     pub(crate) outputs: Signals,
+    /// Inputs that must stay as they are wherever something moves.
+    pub(crate) guard: crate::sequence_steps::Guard,
     /// Output that is on only while a step counts edges.
     pub(crate) motor: Option<u8>,
     lookahead_s: f64,
@@ -130,6 +132,7 @@ impl Drives {
             mist: false,
             flood: false,
             outputs: Signals::default(),
+            guard: crate::sequence_steps::Guard::default(),
             motor: None,
             lookahead_s,
         }

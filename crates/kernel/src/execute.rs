@@ -24,7 +24,7 @@ use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::queue::{Queue, SpindleStep, StepKind};
-use crate::sequence_steps::{Awaited, Counted, await_inputs, count_edges};
+use crate::sequence_steps::{Awaited, Counted, Guard, await_inputs, count_edges};
 use crate::signals::{self, Answered, Probing};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
@@ -199,6 +199,10 @@ impl Activity {
             StepKind::Input(_) => Self::AwaitingInput { armed: false, waited_s: 0.0 },
             StepKind::Inputs(_) => Self::AwaitingInputs(Awaited::default()),
             StepKind::Count(_) => Self::Counting(Counted::default()),
+            StepKind::Guard { on, off } => {
+                drives.guard = Guard::new(*on, *off);
+                Self::AtOnce
+            }
             StepKind::Probe { order, until } => {
                 Self::Probing(Probing::begin(order, *until, drives, context.feedback)?)
             }

@@ -72,6 +72,8 @@ pub enum FaultKind {
     ToolNotChanged,
     /// An input that a machine sequence waits for did not come in time.
     InputsNotSeen,
+    /// An input changed that must stay as it is while something moves.
+    InputLost,
     /// A geared spindle did not reach the gear's speed in time.
     RatioNotHeld,
     /// A geared spindle does not turn at all.
@@ -147,7 +149,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 57] = [
+    pub const ALL: [Self; 58] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -175,6 +177,7 @@ impl FaultKind {
         Self::NotInPosition,
         Self::ToolNotChanged,
         Self::InputsNotSeen,
+        Self::InputLost,
         Self::RatioNotHeld,
         Self::StillClamped,
         Self::PhaseNotReached,

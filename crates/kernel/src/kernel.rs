@@ -313,6 +313,14 @@ impl Kernel {
     fn run(&mut self, feedback: &Feedback) -> Command {
         self.drives.rest();
         self.drives.override_spindles(self.operator.spindle_share());
+        if matches!(self.activity, Activity::Moving(..) | Activity::Counting(_)) {
+            let guarded = self.drives.guard.check(self.config.period.value(), &feedback.inputs);
+            if let Err(finding) = guarded {
+                self.drives.stop_motor();
+                self.raise(finding, feedback);
+                return self.halt(feedback);
+            }
+        }
         let mut left = self.config.period.value();
         for _ in 0..STEPS_PER_TICK {
             match self.step(left, feedback) {

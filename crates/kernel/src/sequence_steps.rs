@@ -45,6 +45,36 @@ impl Awaited {
     }
 }
 
+/// Inputs that must stay as they are wherever something moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Guard {
+    on: u64,
+    off: u64,
+    /// Time for which one has not been as it must be, s.
+    wrong_s: f64,
+}
+
+impl Guard {
+    /// Time for which an input may be otherwise: contacts bounce, s.
+    const BOUNCES_S: f64 = 0.01;
+
+    pub(crate) const fn new(on: u64, off: u64) -> Self {
+        Self { on, off, wrong_s: 0.0 }
+    }
+
+    /// One period in which something moves.
+    pub(crate) fn check(&mut self, dt: f64, inputs: &Signals) -> Result<(), Finding> {
+        let wrong = self.on & !inputs.digital | self.off & inputs.digital;
+        self.wrong_s = if wrong == 0 { 0.0 } else { self.wrong_s + dt };
+        if self.wrong_s > Self::BOUNCES_S {
+            let input = wrong.trailing_zeros().min(63) as u8;
+            let found = (self.wrong_s, Self::BOUNCES_S);
+            return Err((FaultKind::InputLost, Subject::Input(input), found.0, found.1));
+        }
+        Ok(())
+    }
+}
+
 /// A count of edges under way.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counted {
@@ -157,6 +187,16 @@ mod tests {
         let ended = (0..9).find_map(|_| awaited.advance(&wait, 0.001, &inputs(false)).err());
         let (kind, subject, ..) = ended.unwrap();
         assert_eq!((kind, subject), (FaultKind::InputsNotSeen, Subject::Input(3)));
+    }
+
+    #[test]
+    fn a_guarded_input_may_bounce_and_not_go() {
+        let mut guard = Guard::new(1 << 3, 0);
+        for on in [true, false, true].into_iter().cycle().take(90) {
+            guard.check(0.004, &inputs(on)).unwrap();
+        }
+        let ended = (0..9).position(|_| guard.check(0.004, &inputs(false)).is_err());
+        assert_eq!(ended, Some(2));
     }
 
     #[test]

@@ -112,6 +112,14 @@ pub enum StepKind<S: Storage> {
     Inputs(InputsWait),
     /// Count edges of an input while an output is on.
     Count(EdgeCount),
+    /// From here on digital inputs must stay as they are now wherever something moves: it is an
+    /// alarm if one does not. No bit at all: none must.
+    Guard {
+        /// A bit for each that must be on.
+        on: u64,
+        /// A bit for each that must be off.
+        off: u64,
+    },
     /// Move from rest to rest, or to where the probe changes.
     Probe {
         /// The move to its end.

@@ -115,6 +115,7 @@ impl Clock {
             | StepKind::SpindleOverride(_)
             | StepKind::Output(_)
             | StepKind::Input(_)
+            | StepKind::Guard { .. }
             | StepKind::UserCode(_)
             | StepKind::Pause { .. }
             | StepKind::End => {}

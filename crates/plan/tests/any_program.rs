@@ -187,6 +187,7 @@ fn assert_hangs_together(steps: &[Step]) {
             | StepKind::Input(_)
             | StepKind::Inputs(_)
             | StepKind::Count(_)
+            | StepKind::Guard { .. }
             | StepKind::UserCode(_)
             | StepKind::Pause { .. }
             | StepKind::End => {}

@@ -106,6 +106,7 @@ pub fn check_step(step: &Step<Inline>) -> Result<(), Senseless> {
         | StepKind::Input(_)
         | StepKind::Inputs(_)
         | StepKind::Count(_)
+        | StepKind::Guard { .. }
         | StepKind::Probe { .. }
         | StepKind::UserCode(_)
         | StepKind::Pause { .. }

@@ -195,9 +195,14 @@ impl Carousel {
 
     /// Index of the pocket at the spindle.
     fn at(&self) -> Option<usize> {
-        let (turned, count) = (self.turned(), self.pockets.len().max(1));
+        let turned = self.turned();
         let is_there = (turned - turned.round()).abs() < 0.01;
-        is_there.then(|| (turned.round() as i64).rem_euclid(count as i64) as usize)
+        is_there.then(|| self.pocket_of_turn(turned))
+    }
+
+    /// Index of the pocket that this many turns bring to the spindle.
+    fn pocket_of_turn(&self, turns: f64) -> usize {
+        turns.round().rem_euclid(self.pockets.len().max(1) as f64) as usize
     }
 
     /// Tool in the pocket at the spindle.
@@ -345,8 +350,7 @@ impl Carousel {
     fn seen(&self) -> [bool; 7] {
         let seated = self.is_in() && self.below() != 0 && self.height().abs() < SEATED_MM;
         let dwells = (self.motor - self.motor.round()).abs() < DWELL;
-        let is_first =
-            (self.motor.round() as i64).rem_euclid(self.pockets.len().max(1) as i64) == 0;
+        let is_first = self.pocket_of_turn(self.motor) == 0;
         [
             self.drawbar > 0.95,
             self.spindle != 0 || seated,

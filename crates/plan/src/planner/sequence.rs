@@ -26,6 +26,8 @@ use units::{Orientation, Spin, Time};
 
 /// Time for which an input must keep its state to count.
 const STEADY: Time = Time::s(0.01);
+/// Longest time until what was proved before is seen again, before something moves.
+const PROVED: Time = Time::s(1.0);
 /// The same of an input that is counted: pockets pass quickly.
 const STEADY_EDGE: Time = Time::s(0.005);
 
@@ -252,10 +254,12 @@ impl Planner {
                 SpindleStep::Orient { to: Orientation::shortest(angle), longest: Some(longest) };
             self.hand_on(job, StepKind::Spindle { spindle: 0, order });
         }
+        let is_guarded = self.guard(run, job, step);
         self.move_to(job, &step.to, step.speed);
         if let Some(pocket) = step.index {
             self.turn_carousel(run, job, run.pocket(pocket));
         }
+        self.end_guard(job, is_guarded);
         self.set(job, &step.outputs);
         if step.dwell > Time::ZERO {
             self.hand_on(job, StepKind::Dwell(step.dwell));
@@ -298,6 +302,7 @@ impl Planner {
         if !step.outputs.is_empty() {
             self.await_inputs(job, &wait, step.longest, step.usual);
         }
+        let is_guarded = self.guard(run, job, step);
         let earlier: Vec<usize> = sequence.steps_of(change).take_while(|i| *i < index).collect();
         if step.index.is_some() {
             let before = earlier.iter().rev().find_map(|i| sequence.steps[*i].index);
@@ -311,11 +316,34 @@ impl Planner {
             back.extend(places.clone().find(|(other, _)| other == axis).copied());
         }
         self.move_to(job, &back, step.speed);
+        self.end_guard(job, is_guarded);
         if step.outputs.is_empty() {
             self.await_inputs(job, &wait, step.longest, step.usual);
         }
         if let Some(handover) = step.handover {
             self.hand_over(run, job, handover, true);
+        }
+    }
+
+    /// Where something moves, all that the steps before have proved must be so, and stay so; whether
+    /// anything is guarded.
+    fn guard(&mut self, run: &SequenceRun, job: &mut Job, step: &SequenceStep) -> bool {
+        if step.to.is_empty() && step.index.is_none() {
+            return false;
+        }
+        let SequenceRun { sequence, change } = run;
+        let index = sequence.steps.iter().position(|other| other.name == step.name).unwrap_or(0);
+        let (_, mut inputs) = sequence.before(index, change);
+        inputs.retain(|(number, _)| !step.inputs.iter().any(|(own, _)| own == number));
+        self.await_inputs(job, &inputs, PROVED, Time::ZERO);
+        let (on, off) = (bits(&inputs, true), bits(&inputs, false));
+        self.hand_on(job, StepKind::Guard { on, off });
+        true
+    }
+
+    fn end_guard(&mut self, job: &mut Job, is_guarded: bool) {
+        if is_guarded {
+            self.hand_on(job, StepKind::Guard { on: 0, off: 0 });
         }
     }
 
@@ -337,11 +365,7 @@ impl Planner {
         if inputs.is_empty() {
             return;
         }
-        let bits = |state: bool| {
-            let of = inputs.iter().filter(|(number, on)| *on == state && *number < 64);
-            of.fold(0_u64, |bits, (number, _)| bits | 1 << number)
-        };
-        let (on, off) = (bits(true), bits(false));
+        let (on, off) = (bits(inputs, true), bits(inputs, false));
         self.hand_on(job, StepKind::Inputs(InputsWait { on, off, steady: STEADY, longest, usual }));
     }
 
@@ -452,6 +476,12 @@ impl SequenceRun<'_> {
             Pocket::Fetched => self.change.fetched_from,
         }
     }
+}
+
+/// A bit for each input that shall be in this state.
+fn bits(inputs: &[(u8, bool)], state: bool) -> u64 {
+    let of = inputs.iter().filter(|(number, on)| *on == state && *number < 64);
+    of.fold(0_u64, |bits, (number, _)| bits | 1 << number)
 }
 
 /// A signal of this number among those that are known.
