@@ -426,7 +426,9 @@ mod tests {
 
     fn outputs(on: &[u8]) -> Signals {
         let mut outputs = Signals::default();
-        on.iter().for_each(|number| outputs.switch(*number, true));
+        for number in on {
+            outputs.switch(*number, true);
+        }
         outputs
     }
 

@@ -218,3 +218,107 @@ fn name(names: &[(u8, String)], number: u8) -> String {
 const fn state(on: bool) -> &'static str {
     if on { "on" } else { "off" }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::machine::{embedded, parse};
+
+    /// What is found where one part of the umbrella mill's file is another.
+    fn found(from: &str, to: &str) -> String {
+        let text = embedded("umbrella-mill").unwrap();
+        assert!(text.contains(from), "the file does not say {from}");
+        let findings = parse(&text.replace(from, to), 0).unwrap_err();
+        let each =
+            findings.iter().map(|d| format!("{} line {}: {}", d.code, d.span.line, d.message));
+        each.collect::<Vec<_>>().join("\n")
+    }
+
+    fn check(from: &str, to: &str, expected: &[&str]) {
+        let found = found(from, to);
+        for sentence in expected {
+            assert!(found.contains(sentence), "expected \"{sentence}\", found:\n{found}");
+        }
+    }
+
+    #[test]
+    fn what_is_shipped_is_in_order() {
+        let machine = parse(embedded("umbrella-mill").unwrap(), 0).unwrap();
+        assert_eq!(machine.tool_change_sequence.unwrap().steps.len(), 15);
+    }
+
+    #[test]
+    fn each_wait_has_a_limit_and_each_signal_is_there() {
+        check(
+            "wait = { \"drawbar open\" = true, \"drawbar closed\" = false }, limit_s = 2, usual_s = 0.3, hands",
+            "wait = { \"drawbar opened\" = true }, usual_s = 0.3, hands",
+            &[
+                "no input is named \"drawbar opened\": expected one of",
+                "hands over a tool, and nothing proves it: expected wait = { \"drawbar open\" = true }",
+            ],
+        );
+        check(
+            "move = { z_mm = 0 }, wait = { \"tool in taper\" = false }, limit_s = 1",
+            "move = { z_mm = 0 }, wait = { \"tool in taper\" = false }",
+            &["step \"clear above\" waits without a limit: expected `limit_s`"],
+        );
+        check(
+            "set = { drawbar = false }, wait = { \"drawbar closed\" = true, \"drawbar open\" = false }, limit_s = 2, usual_s = 0.3 }",
+            "set = { drawbar = false } }",
+            &["step \"close\" switches outputs, and nothing says when that is done"],
+        );
+    }
+
+    #[test]
+    fn no_axis_moves_towards_a_clamped_tool_and_none_drops() {
+        // Z goes up before the drawbar is open
+        check(
+            "{ name = \"unclamp\"",
+            "{ name = \"up\", when = \"returns\", move = { z_mm = 0 } },\n  { name = \"unclamp\"",
+            &[
+                "step 7 \"up\" moves an axis while a pocket is at the spindle and the tool is clamped",
+            ],
+        );
+        // the drawbar opens before the carousel has come
+        check(
+            "{ name = \"swing in\", when = \"returns\"",
+            "{ name = \"open early\", when = \"returns\", set = { drawbar = true }, wait = { \"drawbar open\" = true }, limit_s = 2 },\n  { name = \"swing in\", when = \"returns\"",
+            &["step 6 \"open early\" releases the tool, and no pocket is at the spindle"],
+        );
+        check(
+            "{ name = \"unclamp\"",
+            "{ name = \"turn\", when = \"returns fetches\", index = \"fetched\" },\n  { name = \"unclamp\"",
+            &["step 7 \"turn\" turns the carousel while a pocket holds the tool of the spindle"],
+        );
+    }
+
+    #[test]
+    fn every_step_is_reached_has_a_way_back_and_leads_to_the_rest_state() {
+        check(
+            "when = \"fetches-none\"",
+            "when = \"returns-none fetches-none\"",
+            &[
+                "step 15 \"close\" is never reached",
+                "a change (the spindle emptied) ends with output \"drawbar\" on, and begins with it off",
+            ],
+        );
+        check(
+            "set = { drawbar = false, \"carousel in\" = false, \"carousel out\" = true }",
+            "set = { \"carousel in\" = false, \"carousel out\" = true }",
+            &[
+                "step 7 \"unclamp\" has no way back: nothing before it says what output \"drawbar\" was",
+            ],
+        );
+        check(
+            "hands_over = \"to-spindle\"",
+            "dwell_s = 0",
+            &[
+                "the spindle has not the tool that is fetched: expected a step with hands_over = \"to-spindle\"",
+            ],
+        );
+        check(
+            "move = { z_mm = -100, mm_per_min = 20_000 }",
+            "move = { z_mm = -500 }",
+            &["step \"lower\" moves Z to -500: outside its travel from -400 to 0 mm"],
+        );
+    }
+}

@@ -60,8 +60,9 @@ impl Datum for ChangerRecord {
         let mut tools: Vec<u32> = read.pockets.iter().copied().chain([read.spindle]).collect();
         tools.retain(|tool| *tool != 0);
         tools.sort_unstable();
-        if let Some(twice) = tools.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(format!("tool {} is in two places", twice[0]));
+        let mut pairs = tools.iter().zip(tools.iter().skip(1));
+        if let Some((twice, _)) = pairs.find(|(one, next)| one == next) {
+            return Err(format!("tool {twice} is in two places"));
         }
         for pocket in [read.home, read.at] {
             if pocket as usize > most {
