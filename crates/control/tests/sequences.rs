@@ -337,6 +337,9 @@ fn a_tool_change_that_is_stopped_anywhere_collides_with_nothing_and_loses_no_too
         half_way += u32::from(bench.half_way());
         ways += lead_on(&mut bench, &mut dice, &seed);
         bench.check(&seed);
+        if case % 100 == 99 {
+            println!("{} changes, {half_way} left half way, {ways} ways on", case + 1);
+        }
         // a program goes on from here
         let next = (dice.draw() % 7) as u32;
         if dice.chance(0.2) {

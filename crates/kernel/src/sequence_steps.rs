@@ -151,6 +151,7 @@ pub(crate) fn count_edges(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
     use units::Time;
 
     fn inputs(on: bool) -> Signals {

@@ -20,6 +20,8 @@ const SEATED_MM: f64 = 1.0;
 const GRIPS_MM: f64 = 2.0;
 /// From this far above the change height downwards the gripper meets the stud of a tool, mm.
 const STUD_MM: f64 = 40.0;
+/// Play of a closed gripper over the stud of a tool, mm.
+const PLAY_MM: f64 = 0.2;
 /// The motor's turn over which a pocket dwells, and its sensor is on, to either side of the middle.
 const DWELL: f64 = 0.1;
 /// Time constant with which the motor comes to rest, s.
@@ -108,6 +110,8 @@ pub(crate) struct Carousel {
     /// The drawbar grips the tool that a pocket holds as well.
     shared: bool,
     z: f64,
+    /// Highest Z since the drawbar has been closed over a pocket.
+    closed_from: f64,
     in_collision: bool,
     collisions: u32,
     described: Vec<String>,
@@ -151,6 +155,7 @@ impl Carousel {
             spindle: 0,
             shared: false,
             z: f64::INFINITY,
+            closed_from: f64::NEG_INFINITY,
             in_collision: false,
             collisions: 0,
             described: Vec::new(),
@@ -260,6 +265,8 @@ impl Carousel {
             falls: z_before.is_finite() && z < z_before - 1e-4,
             spins: spin.abs() > AT_REST,
         };
+        let may_pass = self.drawbar >= 0.5 || !self.is_in();
+        self.closed_from = if may_pass { z } else { self.closed_from.max(z) };
         self.hand_over(drawbar_before);
         self.judge(moves);
         self.show(dt);
@@ -322,12 +329,11 @@ impl Carousel {
             Some("the carousel turns under a spindle that is not clear of it")
         } else if moves.swings && !above && self.spindle == 0 && !self.shared && self.below() != 0 {
             Some("a full pocket swings against a spindle that is not clear of it")
-        } else if moves.falls
+        } else if self.z < self.closed_from - PLAY_MM
             && self.is_in()
             && self.below() != 0
             && !self.shared
             && height < STUD_MM
-            && self.drawbar < 0.5
         {
             Some("Z comes down on a tool with the drawbar closed")
         } else if moves.falls && !self.is_in() && self.spindle == 0 && !above {
