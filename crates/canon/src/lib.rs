@@ -25,6 +25,7 @@ mod coupling;
 mod frame;
 mod material;
 mod op;
+mod sequence;
 mod series;
 mod thread;
 mod tool;
@@ -39,6 +40,10 @@ pub use material::Material;
 pub use op::{
     Answer, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, Probe,
     ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
+};
+pub use sequence::{
+    Carousel, Change, Handover, Magazine, Pocket, Resume, Sequence, SequenceStep, SignalStates,
+    Stage, When,
 };
 pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};

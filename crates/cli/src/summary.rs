@@ -31,6 +31,9 @@ pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
         said += line;
         said.push('\n');
     }
+    let machine_file = &job.session.machine;
+    said += &control::services::sequence::text(&outcome.changes, machine_file);
+    said += &control::services::sequence::wrong(outcome.carousel.as_ref());
     said += &control::stops::text(&outcome.stops, &outcome.happened, &outcome.withdrawn);
     said += &alarms(outcome);
     said += &format!("{}, cycle time {}\n", verdict(outcome), clock(outcome));

@@ -154,6 +154,7 @@ impl Feeder {
             self.planner.written_in(self.ops.frame());
             self.planner.push(index, &op, &mut |step| self.queue.push_back(step));
             self.check();
+            services.sequences.planned(self.planner.take_marks());
             for table in self.planner.take_tables() {
                 // the planner's tables are finite, and a step without its table is an alarm
                 if let Ok(function) = kernel::Periodic::new(&table.nodes) {

@@ -66,6 +66,10 @@ pub struct Outcome {
     pub withdrawn: Vec<crate::stops::Withdrawn>,
     /// What the program has left behind, where that was known only when it ran.
     pub left: Option<Left>,
+    /// Tool changes by a machine sequence, one after the other.
+    pub changes: Vec<crate::services::sequence::MadeChange>,
+    /// What is true of the simulated carousel at the end.
+    pub carousel: Option<sim::CarouselTruth>,
     /// What is gone of the machine and why, if it is; why the record is not on the disk, if it is
     /// not.
     pub broke_off: Vec<String>,
@@ -169,7 +173,7 @@ impl EndedRun {
         let not_granted = std::mem::take(&mut executor.refused);
         let ticks = std::mem::replace(&mut executor.ticks, TickTimes::new(false));
         let Executor { kernel, machine, .. } = executor;
-        let Services { record_writer, mut cams, polygons, mut stops } = services;
+        let Services { record_writer, mut cams, polygons, sequences, mut stops } = services;
         let Observers { judge, mut timings, trace, .. } = observers;
         let features = timings.judging(|| judge.finish());
         timings.stop(periods, took);
@@ -208,6 +212,8 @@ impl EndedRun {
             stops: stops.threads,
             withdrawn: stops.withdrawn,
             left: feeder.ops.left(),
+            changes: sequences.changes(),
+            carousel: machine.carousel(),
             broke_off,
         };
         (outcome, Unwritten { trace, record: record_writer })

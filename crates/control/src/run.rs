@@ -246,6 +246,16 @@ impl Running {
         self.observers.changed_since(change)
     }
 
+    /// Before the first period: who reads [`Running::next_mark`] answers the kernel.
+    pub const fn record_marks(&mut self, recorded: bool) {
+        self.services.sequences.is_recorded = recorded;
+    }
+
+    /// The next mark of a sequence that the kernel has come to and waits at.
+    pub fn next_mark(&mut self) -> Option<crate::services::sequence::ReachedMark> {
+        self.services.sequences.next_reached()
+    }
+
     /// Before the first period: keep what pictures need, and every period.
     pub fn record(&mut self, recorder: report::Recorder, trace: TraceThread) {
         if let Some(observers) = self.observers.here() {

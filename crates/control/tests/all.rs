@@ -11,6 +11,7 @@ mod proving;
 mod real_time;
 mod recovery;
 mod requests;
+mod sequences;
 mod state;
 mod stated_stock;
 mod stop_lane;

@@ -341,6 +341,8 @@ pub enum Subject {
     Axis(Axis),
     /// One spindle, counted from 0.
     Spindle(u8),
+    /// One digital input.
+    Input(u8),
 }
 
 impl core::fmt::Display for Subject {
@@ -349,6 +351,7 @@ impl core::fmt::Display for Subject {
             Self::Machine => f.write_str("machine"),
             Self::Axis(axis) => write!(f, "axis {}", axis.letter()),
             Self::Spindle(index) => write!(f, "spindle {index}"),
+            Self::Input(number) => write!(f, "input {number}"),
         }
     }
 }

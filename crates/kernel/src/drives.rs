@@ -70,6 +70,10 @@ pub(crate) struct Drives {
     pub(crate) flood: bool,
     /// Outputs as the program has switched them.
     pub(crate) outputs: Signals,
+    /// Inputs that must stay as they are wherever something moves.
+    pub(crate) guard: crate::sequence_steps::Guard,
+    /// Output that is on only while a step counts edges.
+    pub(crate) motor: Option<u8>,
     lookahead_s: f64,
 }
 
@@ -128,6 +132,8 @@ impl Drives {
             mist: false,
             flood: false,
             outputs: Signals::default(),
+            guard: crate::sequence_steps::Guard::default(),
+            motor: None,
             lookahead_s,
         }
     }
@@ -222,6 +228,20 @@ impl Drives {
     }
 
     /// Switch an output.
+    /// A motor turns while edges are counted.
+    pub(crate) fn start_motor(&mut self, output: u8) {
+        self.stop_motor();
+        self.outputs.switch(output, true);
+        self.motor = Some(output);
+    }
+
+    /// It turns no more.
+    pub(crate) fn stop_motor(&mut self) {
+        if let Some(output) = self.motor.take() {
+            self.outputs.switch(output, false);
+        }
+    }
+
     pub(crate) fn switch(&mut self, output: &Output) {
         match output.signal {
             Signal::Digital { on } => self.outputs.switch(output.number, on),

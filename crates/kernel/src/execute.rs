@@ -6,6 +6,7 @@
 //!   Idle ─► begin ─┬─► Moving ──► Settling (exact stop) ──────────────────┤
 //!                  ├─► Dwelling, AwaitingSpeed, AwaitingAngle, Changing ──┤
 //!                  ├─► AwaitingInput, Probing ──► Settling ───────────────┤
+//!                  ├─► AwaitingInputs, Counting ──────────────────────────┤
 //!                  ├─► ChangingByHand ─ confirm ─► Changing ──────────────┤
 //!                  ├─► Tapping, Threading ────────────────────────────────┤
 //!                  ├─► Recording, Engaging, Fading, Revolving, Consulting ┤
@@ -23,6 +24,7 @@ use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::queue::{Queue, SpindleStep, StepKind};
+use crate::sequence_steps::{Awaited, Counted, Guard, await_inputs, count_edges};
 use crate::signals::{self, Answered, Probing};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
@@ -83,6 +85,10 @@ pub(crate) enum Activity {
     ChangingByHand { tool: u32 },
     /// Waiting for an input; whether it has been the other way, for how long.
     AwaitingInput { armed: bool, waited_s: f64 },
+    /// Waiting for several inputs.
+    AwaitingInputs(Awaited),
+    /// Counting edges of an input while an output is on.
+    Counting(Counted),
     /// Along a path until the probe changes.
     Probing(Probing),
     /// Waiting for the tool.
@@ -191,6 +197,12 @@ impl Activity {
                 Self::AtOnce
             }
             StepKind::Input(_) => Self::AwaitingInput { armed: false, waited_s: 0.0 },
+            StepKind::Inputs(_) => Self::AwaitingInputs(Awaited::default()),
+            StepKind::Count(_) => Self::Counting(Counted::default()),
+            StepKind::Guard { on, off } => {
+                drives.guard = Guard::new(*on, *off);
+                Self::AtOnce
+            }
             StepKind::Probe { order, until } => {
                 Self::Probing(Probing::begin(order, *until, drives, context.feedback)?)
             }
@@ -271,9 +283,13 @@ impl Activity {
             Self::Settling { waited_s, inside_s } => {
                 settle(dt, waited_s, inside_s, drives, waits.in_position)
             }
-            Self::AwaitingInput { .. } | Self::Dwelling { .. } if context.operator.wants_rest() => {
+            Self::AwaitingInput { .. } | Self::AwaitingInputs(_) | Self::Dwelling { .. }
+                if context.operator.wants_rest() =>
+            {
                 Ok(StepProgress::Busy)
             }
+            Self::AwaitingInputs(awaited) => await_inputs(step, dt, awaited, context.feedback),
+            Self::Counting(counted) => count_edges(step, dt, counted, drives, context),
             Self::AwaitingInput { armed, waited_s } => {
                 Ok(signals::wait_on(step, dt, (armed, waited_s), context))
             }
@@ -320,6 +336,7 @@ impl Activity {
             | Self::Pausing
             | Self::ChangingByHand { .. }
             | Self::AwaitingInput { .. }
+            | Self::AwaitingInputs(_)
             | Self::Dwelling { .. } => operator.wants_rest(),
             Self::Probing(probing) => operator.wants_rest() && probing.is_held(),
             Self::Moving(moving, _) => moving.is_held(),
@@ -328,6 +345,7 @@ impl Activity {
             | Self::AwaitingSpeed { .. }
             | Self::AwaitingAngle { .. }
             | Self::Changing { .. }
+            | Self::Counting(_)
             | Self::Recording { .. }
             | Self::Engaging(_)
             | Self::Fading { .. }
@@ -353,7 +371,10 @@ impl Activity {
             Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } | Self::Recording { .. } => {
                 State::SpindleWait
             }
-            Self::Changing { .. } | Self::ChangingByHand { .. } => State::ToolChange,
+            Self::Changing { .. }
+            | Self::ChangingByHand { .. }
+            | Self::AwaitingInputs(_)
+            | Self::Counting(_) => State::ToolChange,
             Self::Tapping(run) => match run.phase() {
                 Phase::Prepare => State::SpindleWait,
                 Phase::In => State::TapIn,

@@ -70,6 +70,10 @@ pub enum FaultKind {
     NotInPosition,
     /// The tool was not changed in time.
     ToolNotChanged,
+    /// An input that a machine sequence waits for did not come in time.
+    InputsNotSeen,
+    /// An input changed that must stay as it is while something moves.
+    InputLost,
     /// A geared spindle did not reach the gear's speed in time.
     RatioNotHeld,
     /// A geared spindle does not turn at all.
@@ -145,7 +149,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 56] = [
+    pub const ALL: [Self; 58] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -172,6 +176,8 @@ impl FaultKind {
         Self::NotOriented,
         Self::NotInPosition,
         Self::ToolNotChanged,
+        Self::InputsNotSeen,
+        Self::InputLost,
         Self::RatioNotHeld,
         Self::StillClamped,
         Self::PhaseNotReached,
@@ -266,7 +272,7 @@ impl Fault {
                 "mm/s³" => "°/s³",
                 unit => unit,
             },
-            (Subject::Machine | Subject::Axis(_) | Subject::Spindle(_), unit) => unit,
+            (_, unit) => unit,
         }
     }
 }

@@ -255,6 +255,10 @@ impl Kernel {
         if matches!(self.mode, Mode::Halted) {
             self.go_on_halted(feedback);
         }
+        let counts = matches!(self.activity, Activity::Counting(_));
+        if !counts || !matches!(self.mode, Mode::Running) {
+            self.drives.stop_motor();
+        }
         let mut command = match self.mode {
             Mode::Disabled => self.leave(feedback),
             Mode::New | Mode::Starting(_) => self.start(feedback),
@@ -309,6 +313,14 @@ impl Kernel {
     fn run(&mut self, feedback: &Feedback) -> Command {
         self.drives.rest();
         self.drives.override_spindles(self.operator.spindle_share());
+        if matches!(self.activity, Activity::Moving(..) | Activity::Counting(_)) {
+            let guarded = self.drives.guard.check(self.config.period.value(), &feedback.inputs);
+            if let Err(finding) = guarded {
+                self.drives.stop_motor();
+                self.raise(finding, feedback);
+                return self.halt(feedback);
+            }
+        }
         let mut left = self.config.period.value();
         for _ in 0..STEPS_PER_TICK {
             match self.step(left, feedback) {

@@ -44,6 +44,7 @@ mod record_requests;
 mod recovering;
 mod requests;
 mod retreating;
+mod sequence_steps;
 mod servo;
 mod setpoint_monitor;
 mod sight;

@@ -42,6 +42,15 @@ pub enum WaitFor {
     ToolByHand(u32),
     /// An input.
     Input(InputWait),
+    /// Digital inputs come to what a step of a machine sequence needs.
+    Inputs {
+        /// A bit for each that must be on.
+        on: u64,
+        /// A bit for each that must be off.
+        off: u64,
+    },
+    /// Edges of a digital input.
+    Edges(u8),
     /// The operator goes on after M0 (or M1, which is optional).
     Operator {
         /// M1.
@@ -91,6 +100,18 @@ impl fmt::Display for WaitFor {
                 };
                 write!(f, "{kind} {} {until}", wait.number)
             }
+            Self::Inputs { on, off } => {
+                f.write_str("inputs")?;
+                for number in 0..64_u8 {
+                    let bit = 1_u64 << number;
+                    if (on | off) & bit != 0 {
+                        let state = if on & bit != 0 { "high" } else { "low" };
+                        write!(f, " {number} {state}")?;
+                    }
+                }
+                Ok(())
+            }
+            Self::Edges(input) => write!(f, "edges of input {input}"),
             Self::Operator { optional } => {
                 write!(f, "operator: M{}", u8::from(*optional))
             }

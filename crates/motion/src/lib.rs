@@ -48,10 +48,10 @@ pub use curve::{
 pub use online::{Goal, OnlineLimits, OnlineState};
 pub use path::{Motion, Path, coordinate, radius};
 pub use profile::{Instant, MAX_PHASES, Phase, Profile};
-pub use signal::{Await, InputWait, Output, ProbeEnd, Signal};
+pub use signal::{Await, EdgeCount, InputWait, InputsWait, Output, ProbeEnd, Signal};
 pub use step::{
-    ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, STEP_BYTES, SpindleStep, Step,
-    StepKind, UnderWay,
+    ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, SEQUENCE_MARKS, STEP_BYTES,
+    SpindleStep, Step, StepKind, UnderWay,
 };
 pub use storage::{Borrowed, Inline, Plan, Readable, Storage, Transfer};
 pub use surface::SurfaceSpeed;

@@ -1,7 +1,7 @@
 //! What the kernel executes, one after the other.
 use crate::{
-    Borrowed, GearStep, InputWait, Instant, Output, Path, Phase, Piece, ProbeEnd, Profile, Storage,
-    Superpose, SurfaceSpeed, TapPlan, ThreadStretch, WayOut,
+    Borrowed, EdgeCount, GearStep, InputWait, InputsWait, Instant, Output, Path, Phase, Piece,
+    ProbeEnd, Profile, Storage, Superpose, SurfaceSpeed, TapPlan, ThreadStretch, WayOut,
 };
 use units::{Angle, Axis, Length, Orientation, Spin, Time};
 
@@ -28,6 +28,9 @@ pub struct Step<S: Storage> {
     /// What to do.
     pub kind: StepKind<S>,
 }
+
+/// First number of [`StepKind::Consult`] that is a mark of a machine sequence.
+pub const SEQUENCE_MARKS: u16 = 0x8000;
 
 /// What to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +82,8 @@ pub enum StepKind<S: Storage> {
         turns: Angle,
     },
     /// Wait, with spindles turning and couplings engaged, until what runs the kernel has done
-    /// what this number stands for, and answers.
+    /// what this number stands for, and answers. From [`SEQUENCE_MARKS`] on it is a mark of a
+    /// machine sequence, which is recorded before the next step begins.
     Consult(u16),
     /// Change the tool; the planner has brought the axes to the change position before.
     ChangeTool {
@@ -104,6 +108,18 @@ pub enum StepKind<S: Storage> {
     Output(Output),
     /// Read an input or wait for it.
     Input(InputWait),
+    /// Wait until all of several inputs are as they must be.
+    Inputs(InputsWait),
+    /// Count edges of an input while an output is on.
+    Count(EdgeCount),
+    /// From here on digital inputs must stay as they are now wherever something moves: it is an
+    /// alarm if one does not. No bit at all: none must.
+    Guard {
+        /// A bit for each that must be on.
+        on: u64,
+        /// A bit for each that must be off.
+        off: u64,
+    },
     /// Move from rest to rest, or to where the probe changes.
     Probe {
         /// The move to its end.

@@ -150,6 +150,9 @@ impl<From: Storage> StepKind<From> {
             Self::SpindleOverride(acts) => StepKind::SpindleOverride(*acts),
             Self::Output(output) => StepKind::Output(*output),
             Self::Input(wait) => StepKind::Input(*wait),
+            Self::Inputs(wait) => StepKind::Inputs(*wait),
+            Self::Count(count) => StepKind::Count(*count),
+            Self::Guard { on, off } => StepKind::Guard { on: *on, off: *off },
             Self::Probe { order, until } => {
                 StepKind::Probe { order: by.path_move(order)?, until: *until }
             }

@@ -101,6 +101,8 @@ impl Clock {
             }
             StepKind::AwaitFades => self.elapsed = self.elapsed.max(self.ready_at),
             StepKind::ChangeTool { .. } => self.elapsed += limits.tool_change.time.value(),
+            StepKind::Inputs(wait) => self.elapsed += wait.usual.value(),
+            StepKind::Count(count) => self.elapsed += count.usual.value(),
             StepKind::Engage(_)
             | StepKind::WayOut(_)
             | StepKind::Release { .. }
@@ -113,6 +115,7 @@ impl Clock {
             | StepKind::SpindleOverride(_)
             | StepKind::Output(_)
             | StepKind::Input(_)
+            | StepKind::Guard { .. }
             | StepKind::UserCode(_)
             | StepKind::Pause { .. }
             | StepKind::End => {}

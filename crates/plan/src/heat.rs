@@ -92,6 +92,8 @@ impl Heat {
             }
             StepKind::Probe { order, .. } => self.passes(order.profile.duration()),
             StepKind::Dwell(time) => self.passes(time.value()),
+            StepKind::Inputs(wait) => self.passes(wait.usual.value()),
+            StepKind::Count(count) => self.passes(count.usual.value()),
             StepKind::ChangeTool { .. } => self.passes(limits.tool_change.time.value()),
             StepKind::Thread(stretch) if spin > 0.0 => {
                 self.passes((stretch.is_over_at() - stretch.begins()) / spin);

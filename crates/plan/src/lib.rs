@@ -25,7 +25,7 @@
 //! Findings have codes that stay: M0301 travel, M0302 coordinate, M0303 feed, M0304 feed clipped,
 //! M0305 axis missing, M0306 G95 at rest, M0307 cutting at rest, M0308 spindle speed, M0309 tool
 //! missing, M0310 G96 where the tool turns, M0319 G96, M0311 arc, M0312 dwell, M0313 spindle
-//! missing, M0314 endless block, M0315 no drill, M0317 pocket, M0318 continuous torque; taps: M0320
+//! missing, M0314 endless block, M0315 no drill, M0317 pocket, M0375 no such pocket, M0376 carousel, M0318 continuous torque; taps: M0320
 //! feed axis too slow, M0321 tapping maximum, M0322 flutes, M0323 hole depth, M0324 hole not
 //! drilled here, M0325 hole diameter, M0326 lead, M0327 hand, M0328 no tap, M0329 no tool, M0330
 //! another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all, M0334 not
@@ -96,7 +96,7 @@ pub use limits::{
     AxisLimits, Coasts, DwellCheck, Effort, Joining, MachineLimits, Options, OwnRamps, PlainDrive,
     Retract, SignalNames, SpindleLimits, TapMethod, Tapping, ToolChange, Unsynchronised,
 };
-pub use planner::{Planner, Preflight, Start, preflight};
+pub use planner::{Changer, Planner, Preflight, SequenceMark, Start, preflight};
 pub use ramp::rest_to_rest;
 pub use sample::{FeedAndRapid, Sample, Stretch};
 pub use settings::OperatorSettings;

@@ -47,6 +47,7 @@ mod empty_spindle;
 mod moves;
 mod probe;
 mod refuse;
+mod sequence;
 mod signal_check;
 mod spindle;
 mod spindle_override;
@@ -56,6 +57,7 @@ mod thread;
 mod tool_change;
 mod unsynchronised;
 use refuse::wild;
+pub use sequence::{Changer, SequenceMark};
 
 /// Moves shorter than this are no moves: a picometre.
 const NOTHING: f64 = 1e-9;
@@ -120,6 +122,8 @@ pub struct Planner {
     /// Where X, Y and Z really are, if a tool change has taken them there.
     away: tool_change::Away,
     tool: u32,
+    /// A changer that a sequence works.
+    changing: Option<sequence::Changing>,
     /// Called by T, and not in the spindle yet.
     selected: Option<empty_spindle::SelectedTool>,
     spindles: Vec<SpindleState>,
@@ -252,6 +256,7 @@ impl Planner {
             programmed: start.position,
             away: tool_change::Away::default(),
             tool: start.tool,
+            changing: None,
             selected: None,
             mode,
             holes: Holes::default(),
@@ -331,6 +336,7 @@ impl Planner {
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.end_thread(job.emit);
         }
+        self.say_tool(&mut job);
         self.aim_surface(&job, &op.kind);
         self.lock_spindle_override(&mut job, &op.kind);
         let before = self.programmed.linear;

@@ -185,6 +185,9 @@ fn assert_hangs_together(steps: &[Step]) {
             | StepKind::SpindleOverride(_)
             | StepKind::Output(_)
             | StepKind::Input(_)
+            | StepKind::Inputs(_)
+            | StepKind::Count(_)
+            | StepKind::Guard { .. }
             | StepKind::UserCode(_)
             | StepKind::Pause { .. }
             | StepKind::End => {}

@@ -66,6 +66,9 @@ fn words(steps: &[Step]) -> String {
         StepKind::Superpose(_) => "fade".into(),
         StepKind::AwaitFades => "faded".into(),
         StepKind::Revolve { turns, .. } => format!("revolve({})", turns.value()),
+        StepKind::Inputs(wait) => format!("inputs({:#x}, {:#x})", wait.on, wait.off),
+        StepKind::Count(count) => format!("count({} of {})", count.edges, count.input),
+        StepKind::Guard { on, off } => format!("guard({on:#x}, {off:#x})"),
         StepKind::Consult(what) => format!("consult({what})"),
         StepKind::WayOut(_) => "way-out".into(),
     };

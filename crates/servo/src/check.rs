@@ -104,6 +104,9 @@ pub fn check_step(step: &Step<Inline>) -> Result<(), Senseless> {
         | StepKind::SpindleOverride(_)
         | StepKind::Output(_)
         | StepKind::Input(_)
+        | StepKind::Inputs(_)
+        | StepKind::Count(_)
+        | StepKind::Guard { .. }
         | StepKind::Probe { .. }
         | StepKind::UserCode(_)
         | StepKind::Pause { .. }

@@ -7,7 +7,7 @@ use crate::cutting::ForceScatter;
 use crate::oracle::free_mode;
 use crate::rng::Rng;
 use crate::scatter::{Draws, drawn, of_part};
-use crate::{AxisEncoder, AxisModel, PowerOn, SpindleModel, Stock, Tool, ToolKind};
+use crate::{AxisEncoder, AxisModel, CarouselModel, PowerOn, SpindleModel, Stock, Tool, ToolKind};
 use core::f64::consts::TAU;
 use units::{Length, Per, Spread, Time};
 
@@ -38,6 +38,9 @@ pub struct Config {
     pub tool: u32,
     /// From the order to the new tool.
     pub tool_change_time: Time,
+    /// The hardware of a changer that a control works step by step by its outputs; the changer that
+    /// is told a number then only repeats it.
+    pub carousel: Option<CarouselModel>,
     /// The workpiece, if there is one.
     pub stock: Option<Stock>,
     /// How the cutting force differs from its nominal value, as a share, and from what to what.

@@ -16,6 +16,7 @@
 //! last bit. The closed forms it is tested against are public, in [`oracle`].
 
 mod axis;
+mod carousel;
 mod changer;
 mod clutch;
 mod config;
@@ -48,6 +49,7 @@ mod wear;
 mod work;
 
 pub use axis::AxisModel;
+pub use carousel::{CarouselMishap, CarouselModel, CarouselTruth};
 pub use config::Config;
 pub use encoder::{AxisEncoder, SpindleEncoder};
 pub use fault::{Fault, Faulty, LeftAlone, Planned, Trigger};

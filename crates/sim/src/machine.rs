@@ -9,7 +9,10 @@
 //! A command takes effect at the start of the period that follows it, or `command_delay` periods
 //! later. Until the first one has arrived the drives are off. Nothing here reads a clock or draws a
 //! number that the seed does not determine.
+mod carousel;
+
 use crate::axis::Axis;
+use crate::carousel::Carousel;
 use crate::changer::Changer;
 use crate::cutting::Cutting;
 use crate::grinding::Grinder;
@@ -40,6 +43,7 @@ pub struct SimulatedMachine {
     axes: Vec<Axis>,
     spindles: Vec<Spindle>,
     changer: Changer,
+    carousel: Option<Carousel>,
     cutting: Option<Cutting>,
     grinder: Option<Grinder>,
     inputs: Inputs,
@@ -93,6 +97,7 @@ impl SimulatedMachine {
             axes,
             spindles,
             changer: Changer::Holds(config.tool),
+            carousel: config.carousel.clone().map(Carousel::new),
             cutting,
             grinder: None,
             inputs: Inputs::default(),
@@ -319,6 +324,13 @@ impl SimulatedMachine {
         let now = self.config.period * (self.periods + 1) as f64;
         self.inputs.step(&command.outputs, now, self.config.period);
         let (takes, period) = (self.config.tool_change_time, self.config.period);
+        if let Some(carousel) = &mut self.carousel {
+            let z = self.x_y_z[2].map_or(0.0, |z| self.axes[z].position().value());
+            let spin = self.spindles.first().map_or(0.0, |spindle| spindle.omega() / TAU);
+            carousel.step(&command.outputs, z, spin, period.value());
+            self.changer = Changer::Holds(command.tool);
+            return;
+        }
         self.changer = self.changer.next(command.tool, takes, period, has);
     }
 
@@ -331,7 +343,7 @@ impl SimulatedMachine {
     /// What the tool in the spindle touches without cutting it.
     fn touch(&mut self) {
         let [Some(x), Some(y), Some(z)] = self.x_y_z else { return };
-        let number = self.changer.tool();
+        let number = self.mounted();
         let tool = self.config.magazine.iter().find(|tool| Some(tool.number) == number);
         if number.is_none() {
             self.touch.forget();
@@ -373,6 +385,7 @@ impl SimulatedMachine {
 
     /// Drills and taps, and all axes and spindles.
     fn cut(&mut self) {
+        let mounted = self.mounted();
         let (Some(cutting), [x, y, Some(z)], false) =
             (&mut self.cutting, self.x_y_z, self.spindles.is_empty())
         else {
@@ -383,7 +396,7 @@ impl SimulatedMachine {
         };
         let over =
             [x, y].map(|at| at.map_or(Length::ZERO, |at| self.axes[at].position().of_linear()));
-        cutting.begin_period(self.changer.tool(), over);
+        cutting.begin_period(mounted, over);
         let turned = self.turning.as_mut().zip(cutting.insert()).map(
             |(turning, (number, insert, length))| {
                 let at =
@@ -430,7 +443,7 @@ impl SimulatedMachine {
     fn observe(&mut self) {
         self.feedback.time = self.config.period * self.periods as f64;
         self.feedback.tool = self.changer.tool();
-        self.feedback.inputs = self.inputs.shown();
+        self.feedback.inputs = self.shown_inputs();
         for ((index, _), axis) in self.config.axes.iter().zip(&mut self.axes) {
             self.feedback.axes[*index] = axis.observe();
             self.truth.axes[*index] = axis.position();

@@ -120,6 +120,7 @@ fn what_was_saved_last_is_there_after_the_control_is_switched_on_again() {
             alarms: vec![alarm(2101), alarm(2102)],
             settings: Some(settings()),
             workpiece: None,
+            changer: None,
             changes: Vec::new(),
         };
         assert_eq!(state, wanted);

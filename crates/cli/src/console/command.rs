@@ -2,7 +2,7 @@
 use super::wait::Condition;
 use canon::Axis;
 use control::job::restart;
-use control::operation::{Jog, Request, ToolField};
+use control::operation::{Jog, Request, SequenceOrder, ToolField};
 use std::path::PathBuf;
 use units::{Angle, Coordinate, CoordinateSpeed, Spin, Time};
 
@@ -19,6 +19,8 @@ pub(crate) enum Command {
     Pass(Time),
     /// How it is; as JSON.
     Status(bool),
+    /// How far a tool change is, and where the tools are.
+    Sequence,
     /// What was cut.
     Features,
     /// Alarms, cleared ones too.
@@ -39,7 +41,7 @@ const WAITS: Time = Time::s(600.0);
 const JOGS: Time = Time::s(1.0);
 
 /// What can be typed: words, and what they do.
-pub(crate) const WORDS: [(&str, &str); 48] = [
+pub(crate) const WORDS: [(&str, &str); 54] = [
     ("power on|off", "drives on or off"),
     ("emergency stop|release", "press or release the emergency stop of the simulated machine"),
     ("home [AXIS]", "home an axis, or all in the machine's order"),
@@ -69,6 +71,15 @@ pub(crate) const WORDS: [(&str, &str); 48] = [
     ("retract", "back a held tap out of its thread"),
     ("recover", "take a tool out after drives, power or an encoder were gone"),
     ("tool is free", "state that no tool is in the work"),
+    ("sequence", "how far a tool change is, inputs as they are and as they should be, pockets"),
+    ("sequence go on|undo", "lead a tool change on that was left half way, or back"),
+    ("sequence step [back]", "its next step alone; the step before alone, undone"),
+    (
+        "sequence done TOOL",
+        "it was brought to rest by hand, with this tool in the spindle; 0 is none",
+    ),
+    ("carousel at POCKET", "this pocket is at the spindle"),
+    ("pocket POCKET TOOL", "this tool is in this pocket; 0 is none"),
     ("single block on|off", "hold after each block"),
     ("optional stop on|off", "stop at M1"),
     ("flood on|off", "switch the flood coolant, until the program does"),
@@ -147,6 +158,16 @@ impl Command {
             ["reset"] => Self::Request(Request::Reset),
             ["retract"] => Self::Request(Request::Retract),
             ["recover"] => Self::Request(Request::Recover),
+            ["sequence"] => Self::Sequence,
+            ["sequence", "go", "on"] => led(SequenceOrder::GoOn),
+            ["sequence", "undo"] => led(SequenceOrder::Undo),
+            ["sequence", "step"] => led(SequenceOrder::Step),
+            ["sequence", "step", "back"] => led(SequenceOrder::StepBack),
+            ["sequence", "done", number] => led(SequenceOrder::Done(tool(number)?)),
+            ["carousel", "at", pocket] => led(SequenceOrder::Carousel(tool(pocket)?)),
+            ["pocket", pocket, number] => {
+                led(SequenceOrder::Pocket(tool(pocket)?, tool(number.trim_start_matches('T'))?))
+            }
             ["tool", "is", "free"] => Self::Request(Request::ToolIsFree),
             ["single", "block", switch] => Self::Request(Request::SingleBlock(is_on(switch)?)),
             ["optional", "stop", switch] => Self::Request(Request::OptionalStop(is_on(switch)?)),
@@ -314,6 +335,10 @@ fn work_offset(text: &str) -> Result<u8, String> {
     let at = names.iter().position(|name| name.eq_ignore_ascii_case(text));
     at.map(|at| at as u8 + 1)
         .ok_or_else(|| format!("expected a work offset from G54 to G59.3, found \"{text}\""))
+}
+
+const fn led(order: SequenceOrder) -> Command {
+    Command::Request(Request::Sequence(order))
 }
 
 fn tool(text: &str) -> Result<u32, String> {

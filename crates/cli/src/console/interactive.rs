@@ -118,6 +118,7 @@ fn execute(client: &Client, line: &str) -> Result<Option<String>, Failure> {
             on(client, move |control| show::status(&control.status(), as_json))?
         }
         Command::Features => show(show::features)?,
+        Command::Sequence => show(show::sequence)?,
         Command::Alarms => show(show::alarms)?,
         Command::Offsets => show(show::offsets)?,
         Command::Tools => show(show::tools)?,

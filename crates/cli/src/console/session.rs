@@ -108,6 +108,7 @@ impl Session {
                 self.said.push_str(&show::status(&status, as_json));
             }
             Command::Features => self.said.push_str(&show::features(&self.control)),
+            Command::Sequence => self.said.push_str(&show::sequence(&self.control)),
             Command::Alarms => self.said.push_str(&show::alarms(&self.control)),
             Command::Offsets => self.said.push_str(&show::offsets(&self.control)),
             Command::Tools => self.said.push_str(&show::tools(&self.control)),

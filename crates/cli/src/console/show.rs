@@ -127,6 +127,44 @@ fn workpiece(work: &WorkpieceStatus) -> String {
     format!("workpiece {}{name}{ended}", work.number)
 }
 
+/// How far a tool change is, inputs as they are and as they should be, and where the tools are.
+pub(super) fn sequence(control: &Control) -> String {
+    let mut said = String::new();
+    let on = |is: bool| if is { "on" } else { "off" };
+    match control.sequence_status() {
+        None => said += "no tool change is under way or half way\n",
+        Some(now) => {
+            let way = if now.is_back { ", being undone" } else { "" };
+            let stands = if now.is_half_way { ", half way" } else { "" };
+            let _ = writeln!(
+                said,
+                "{}, T{} to T{}: step {} of {}, {}{way}{stands}",
+                now.name, now.from, now.to, now.number, now.of, now.step
+            );
+            if let Some(sentence) = &now.operator {
+                let _ = writeln!(said, "  {sentence}");
+            }
+            for input in &now.inputs {
+                let sign = if input.is == input.should_be { ' ' } else { '!' };
+                let (is, should) = (on(input.is), on(input.should_be));
+                let _ = writeln!(said, "{sign} {} is {is}, should be {should}", input.name);
+            }
+            if now.is_half_way {
+                said += "  sequence go on, sequence undo, sequence step [back], or sequence done TOOL\n";
+            }
+        }
+    }
+    if let Some(magazine) = control.magazine_status() {
+        let at = magazine.at.map_or_else(|| "not known".to_owned(), |at| at.to_string());
+        let _ = write!(said, "spindle T{}, pocket at the spindle {at};", magazine.spindle);
+        for (pocket, tool) in (1..).zip(&magazine.pockets).filter(|(_, tool)| **tool != 0) {
+            let _ = write!(said, " {pocket}: T{tool}");
+        }
+        said.push('\n');
+    }
+    said
+}
+
 /// Alarms, oldest first.
 pub(super) fn alarms(control: &Control) -> String {
     let mut text = String::new();

@@ -9,6 +9,7 @@
 //!                      ├─► ratings     Ratings              what drives can hold for ever
 //!                      └─► judge       verify::Config       what was asked of the work
 //! ```
+mod changer;
 mod compensation;
 mod control;
 mod homing;
@@ -19,6 +20,7 @@ mod ratings;
 mod scatter;
 mod simulator;
 
+pub use changer::magazine;
 pub use control::{control, encoder, unreferenced};
 pub use homing::{AxisHoming, homing};
 pub use judge::{judge, tolerances};

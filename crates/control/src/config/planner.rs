@@ -22,7 +22,11 @@ pub fn planner(machine: &MachineFile) -> MachineLimits {
             x: machine.tool_change.x,
             y: machine.tool_change.y,
             pockets: machine.tool_change.pockets,
-            time: machine.tool_change.time,
+            // a sequence's steps have their own times
+            time: match machine.tool_change_sequence {
+                Some(_) => Time::ZERO,
+                None => machine.tool_change.time,
+            },
         },
         settling: windows.fold(Time::ZERO, Time::max),
         tapping: tapping(machine),

@@ -56,6 +56,7 @@ pub fn simulator_of_part(
             .collect(),
         tool: 0,
         tool_change_time: machine.tool_change.time,
+        carousel: super::changer::carousel(machine, tools, seed),
         stock: Some(sim::Stock {
             top: stands[2] + stock.to[2],
             thickness: Some(stock.to[2] - stock.from[2]),

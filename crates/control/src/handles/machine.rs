@@ -177,6 +177,14 @@ impl MachineHandle {
         }
     }
 
+    /// What is true of the simulated carousel, where there is one in this process.
+    pub fn carousel(&self) -> Option<sim::CarouselTruth> {
+        match self {
+            Self::Here(machine) => machine.simulation()?.machine().carousel(),
+            Self::There(_) => None,
+        }
+    }
+
     /// [`<dyn Drives>::assumed_holes`](Drives); known when the machine is here again.
     pub fn assumed_holes(&self) -> usize {
         match self {

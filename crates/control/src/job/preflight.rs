@@ -373,7 +373,8 @@ pub fn planner(session: &Session, options: Options) -> Planner {
     let start = Start { position: session.interp_setup().start, tool: session.tool() };
     let limits = crate::config::planner(&session.machine);
     let mut planner = Planner::new(limits, session.tools.clone(), options, start)
-        .already_turning(&session.before.turning);
+        .already_turning(&session.before.turning)
+        .with_changer(session.planned_changer());
     *planner.cams() = session.cams.for_planner();
     if session.machine.turned_bar().is_some() { planner.turning_work() } else { planner }
 }

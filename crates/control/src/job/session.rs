@@ -69,6 +69,9 @@ pub struct Session {
     has_parameter_file: bool,
     /// Where the machine stands and which tool it holds, if it was not switched on just now.
     standing: Option<(canon::Position, u32)>,
+    /// Where the tools are, and how a sequence that was left half way goes on; `None`: as the tool
+    /// table has them, and none was.
+    pub changer: Option<(canon::Magazine, Option<canon::Resume>)>,
     /// Files that the program draws in, in the order of their file numbers.
     pub drawn: Vec<Drawn>,
     /// What the program finds in force.
@@ -160,6 +163,7 @@ impl Session {
             wear_offsets: wear_offsets.unwrap_or_default(),
             unit: super::described::unit(text),
             standing: None,
+            changer: None,
             before: Before::default(),
             interruption: Interruption::default(),
             dialect,
@@ -279,6 +283,16 @@ impl Session {
     /// The tool in the spindle when a program begins.
     pub fn tool(&self) -> u32 {
         self.standing.map_or(0, |(_, tool)| tool)
+    }
+
+    /// The changer of its machine, where a sequence works it.
+    pub(super) fn planned_changer(&self) -> Option<plan::Changer> {
+        let sequence = self.machine.tool_change_sequence.clone()?;
+        let (magazine, resume) = match &self.changer {
+            Some(known) => known.clone(),
+            None => (crate::config::magazine(&self.machine, &self.tools)?, None),
+        };
+        Some(plan::Changer { sequence, magazine, resume })
     }
 
     /// What the interpreter is told before it begins.

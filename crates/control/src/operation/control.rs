@@ -119,6 +119,8 @@ pub struct Control {
     pub(super) panel: PanelKeys,
     pub(super) told_features: usize,
     pub(super) told_changes: usize,
+    /// The changer that a sequence works.
+    pub(super) changer: Option<super::sequence::Changer>,
 }
 
 impl Control {
@@ -205,9 +207,12 @@ impl Control {
             panel: PanelKeys::new(base.machine.hal.as_ref().map_or(&[], |hal| &hal.mdi)),
             told_features: 0,
             told_changes: 0,
+            changer: None,
             base,
         };
+        let changer = state.changer.clone();
         control.take_kept(state);
+        control.take_changer(changer);
         let state = control.options.state.as_deref();
         ranges::check_kept(&control.data.parameters, &control.base.machine, state)?;
         for finding in found {
@@ -271,6 +276,7 @@ impl Control {
                 Begun::Answered(answer) => answer,
                 Begun::Proving(proving) => self.complete(proving.planned().prove()),
             },
+            Request::Sequence(order) => self.sequence(*order),
             Request::FeedHold => self.hold(),
             Request::Resume => self.resume(),
             Request::Confirm => self.confirm(),
@@ -345,6 +351,9 @@ impl Control {
 
     /// The tool in the spindle; 0 is none.
     pub(super) fn mounted(&self) -> u32 {
+        if let Some(changer) = &self.changer {
+            return changer.magazine.spindle;
+        }
         self.executor.machine.feedback().tool.unwrap_or(0)
     }
 
@@ -372,6 +381,7 @@ impl Control {
             self.meters.sample(under_way.running.sample());
             under_way.follow(&self.executor);
             self.hear(&heard);
+            self.follow_sequence();
             self.hear_program(false);
             if goes_on.is_break() {
                 self.end_program();

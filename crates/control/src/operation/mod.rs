@@ -58,6 +58,7 @@ mod questions;
 mod ranges;
 mod recording;
 mod request;
+mod sequence;
 mod signals;
 mod state;
 mod status;
@@ -78,6 +79,7 @@ pub use outside::LeftInWork;
 pub use proof::ProofMark;
 pub use proving::{Begun, Found, Proven, Proving};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
+pub use sequence::{MagazineStatus, SequenceInput, SequenceOrder, SequenceStatus};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{

@@ -50,6 +50,8 @@ impl Control {
                 let inhibited = self.executor.machine.feedback().panel.spindle_inhibit;
                 inhibited == [false; bus::SPINDLES]
             }
+            Need::SequenceHalfWay => self.half_way().is_some(),
+            Need::NoSequenceHalfWay => self.half_way().is_none(),
         };
         if is_met { Ok(()) } else { Err(need.clone()) }
     }

@@ -198,6 +198,7 @@ impl Control {
         workpiece.judge.holes_are_there(session.pre_drilled);
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());
+        running.record_marks(self.changer.is_some());
         if let Some(writer) = writer {
             running.keep_sync_record(writer, &mut self.executor);
         }

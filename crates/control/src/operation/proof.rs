@@ -12,6 +12,8 @@ use std::path::PathBuf;
 pub(super) struct Basis {
     pub(super) position: Position,
     pub(super) mounted: u32,
+    /// Where the tools are, where a sequence works the changer.
+    pub(super) magazine: Option<canon::Magazine>,
     pub(super) parameters: Parameters,
     pub(super) tools: ToolLibrary,
     /// Which of all that was ever in force is in force.

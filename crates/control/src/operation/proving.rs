@@ -37,6 +37,8 @@ pub struct Proving {
     pub(super) text: Option<Vec<u8>>,
     before: Before,
     basis: Basis,
+    /// A tool change is led on.
+    resume: Option<canon::Resume>,
     interruption: Interruption,
     /// A program of up to so many operations is planned, a longer one is judged alone.
     planned_up_to: usize,
@@ -59,7 +61,8 @@ impl Found {
     /// In a session that was loaded from files.
     pub fn put_into(self, session: &mut Session) {
         let Self { basis, before, stands } = self;
-        let Basis { position, mounted, parameters, tools, stock, .. } = basis;
+        let Basis { position, mounted, magazine, parameters, tools, stock, .. } = basis;
+        session.changer = magazine.map(|magazine| (magazine, None));
         session.finds_clamped(stock);
         if stands {
             session.on_control((position, mounted), parameters, tools, before);
@@ -102,7 +105,8 @@ impl Proving {
 
     /// Interpret and judge it, and plan it if it is short or that was asked for.
     pub fn prove(self) -> Proven {
-        let Self { request, options, path, name, text, before, basis, interruption, .. } = self;
+        let Self { request, options, path, name, text, before, basis, .. } = self;
+        let (interruption, resume) = (self.interruption, self.resume);
         let most = self.planned_up_to;
         let of = path.clone();
         let proved = (|| {
@@ -112,9 +116,10 @@ impl Proving {
             // here, and not where it was asked for: a control waits for no disk
             let text = text.map_or_else(|| read_program(&path), Ok)?;
             let mut session = Session::load(&options, &path, &text)?;
-            let Basis { position, mounted, parameters, tools, stock, .. } = basis.clone();
+            let Basis { position, mounted, magazine, parameters, tools, stock, .. } = basis.clone();
             session.finds_clamped(stock);
             session.on_control((position, mounted), parameters, tools, before);
+            session.changer = magazine.map(|magazine| (magazine, resume));
             session.interruption = interruption;
             let plan = session.plan_options(session.machine.setup.stock.material);
             let limits = config::planner(&session.machine);
@@ -183,7 +188,13 @@ impl Control {
     /// The text of a request that has one.
     pub(super) fn proving(&self, request: &Request) -> Result<Option<Proving>, Refusal> {
         let mut options = self.options.program.clone();
+        let mut resume = None;
         let (path, name, text) = match request {
+            Request::Sequence(order) => {
+                let (text, led_on) = self.resumed(*order)?;
+                resume = Some(led_on);
+                (Path::new("-").to_owned(), "sequence".into(), Some(text.into_bytes()))
+            }
             Request::Load(path) => (path.clone(), path.display().to_string(), None),
             Request::LoadAs(path, dialect) => {
                 options.dialect = Some(*dialect);
@@ -199,7 +210,7 @@ impl Control {
             }
             _ => return Ok(None),
         };
-        let is_typed = matches!(request, Request::ManualDataInput(_));
+        let is_typed = matches!(request, Request::ManualDataInput(_) | Request::Sequence(_));
         Ok(Some(Proving {
             request: request.clone(),
             options,
@@ -208,6 +219,7 @@ impl Control {
             text,
             before: self.before(is_typed),
             basis: self.basis(),
+            resume,
             interruption: Interruption::default(),
             planned_up_to: PLANNED_AT_ONCE,
         }))
@@ -270,6 +282,7 @@ impl Control {
         Basis {
             position: self.position(),
             mounted: self.mounted(),
+            magazine: self.planned_magazine(),
             parameters: self.data.parameters.clone(),
             tools: self.data.tools.clone(),
             rest_number: self.data.rest_number,

@@ -105,6 +105,7 @@ pub(super) fn check(request: &Request, machine: &MachineFile) -> Result<(), Refu
         | Request::Retract
         | Request::Recover
         | Request::ToolIsFree
+        | Request::Sequence(_)
         | Request::AcknowledgeState
         | Request::BeginWorkpiece(_)
         | Request::EndWorkpiece

@@ -1,10 +1,11 @@
 //! Everything that an operator, a program or a network client can ask of the control.
+use super::SequenceOrder;
 use super::state::Need;
 use super::state::Need::{
     EmergencyStopArmed, EmergencyStopTriggered, FeedNotInhibited, Homed, NoAlarm, NoManualMotion,
-    NoProgramUnderWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld, ProgramLoaded,
-    ProgramNotStopped, ProgramUnderWay, ProgramWaitsForConfirmation, SpindleNotInhibited,
-    Standstill, StateAcknowledged, TapInThread,
+    NoProgramUnderWay, NoSequenceHalfWay, NoTapInThread, NotRecovering, PowerOn, ProgramHeld,
+    ProgramLoaded, ProgramNotStopped, ProgramUnderWay, ProgramWaitsForConfirmation,
+    SequenceHalfWay, SpindleNotInhibited, Standstill, StateAcknowledged, TapInThread,
 };
 use crate::Refused;
 use crate::job::restart;
@@ -107,6 +108,8 @@ pub enum Request {
     EditTool(u32, ToolField, f64),
     /// A new tool is in its place: its life begins anew, and it is not worn.
     RenewTool(u32),
+    /// Lead a tool change on that was left half way, or say where tools are.
+    Sequence(SequenceOrder),
     /// So many holes or threads a tool may cut; none: they are only counted.
     LimitTool(u32, Option<u32>),
 }
@@ -172,6 +175,7 @@ const HOME: &[Need] = &[
     NoProgramUnderWay,
     NoManualMotion,
     NoTapInThread,
+    NoSequenceHalfWay,
     FeedNotInhibited,
 ];
 
@@ -183,12 +187,29 @@ const JOG_TO: &[Need] = &[
     PowerOn,
     NoProgramUnderWay,
     NoTapInThread,
+    NoSequenceHalfWay,
     FeedNotInhibited,
 ];
 
 /// What a program's start needs.
 const START: &[Need] = &[
     ProgramLoaded,
+    StateAcknowledged,
+    EmergencyStopArmed,
+    NoAlarm,
+    PowerOn,
+    NoProgramUnderWay,
+    NoManualMotion,
+    NoTapInThread,
+    NoSequenceHalfWay,
+    FeedNotInhibited,
+    SpindleNotInhibited,
+    Homed(None),
+];
+
+/// What leading a tool change on needs.
+const LED_ON: &[Need] = &[
+    SequenceHalfWay,
     StateAcknowledged,
     EmergencyStopArmed,
     NoAlarm,
@@ -230,20 +251,34 @@ impl Request {
                 PowerOn,
                 NoProgramUnderWay,
                 NoTapInThread,
+                NoSequenceHalfWay,
                 FeedNotInhibited,
             ],
             // at no speed a spindle is stopped
-            Self::TurnSpindle(..) => {
-                &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoTapInThread]
-            }
+            Self::TurnSpindle(..) => &[
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
+                NoTapInThread,
+                NoSequenceHalfWay,
+            ],
             Self::OrientSpindle(..) => &[
                 EmergencyStopArmed,
                 NoAlarm,
                 PowerOn,
                 NoProgramUnderWay,
                 NoTapInThread,
+                NoSequenceHalfWay,
                 SpindleNotInhibited,
             ],
+            Self::Sequence(SequenceOrder::Done(_)) => {
+                &[SequenceHalfWay, NoProgramUnderWay, NoManualMotion]
+            }
+            Self::Sequence(SequenceOrder::Carousel(_) | SequenceOrder::Pocket(..)) => {
+                &[NoProgramUnderWay]
+            }
+            Self::Sequence(_) => LED_ON,
             Self::Load(_)
             | Self::LoadAs(..)
             | Self::BlockSkip(..)

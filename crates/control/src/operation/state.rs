@@ -261,11 +261,15 @@ pub enum Need {
     FeedNotInhibited,
     /// None holds a spindle.
     SpindleNotInhibited,
+    /// A tool change was left half way.
+    SequenceHalfWay,
+    /// No tool change was.
+    NoSequenceHalfWay,
 }
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::EmergencyStopArmed,
         Self::EmergencyStopTriggered,
         Self::NoAlarm,
@@ -285,6 +289,8 @@ impl Need {
         Self::StateAcknowledged,
         Self::FeedNotInhibited,
         Self::SpindleNotInhibited,
+        Self::SequenceHalfWay,
+        Self::NoSequenceHalfWay,
     ];
 
     /// Its name, for programs.
@@ -309,6 +315,8 @@ impl Need {
             Self::StateAcknowledged => "state_acknowledged",
             Self::FeedNotInhibited => "feed_not_inhibited",
             Self::SpindleNotInhibited => "spindle_not_inhibited",
+            Self::SequenceHalfWay => "sequence_half_way",
+            Self::NoSequenceHalfWay => "no_sequence_half_way",
         }
     }
 
@@ -351,6 +359,8 @@ impl fmt::Display for Need {
             Self::StateAcknowledged => "the state in force is not what the control wrote last: compare each value, then acknowledge the state",
             Self::FeedNotInhibited => "a door or another interlock holds the feed: close it first",
             Self::SpindleNotInhibited => "a door or another interlock holds a spindle: close it first",
+            Self::SequenceHalfWay => "no tool change is half way",
+            Self::NoSequenceHalfWay => "a tool change is half way: go on, undo it, or bring it to rest by hand (sequence), first",
         })
     }
 }

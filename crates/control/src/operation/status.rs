@@ -200,6 +200,14 @@ pub struct Status {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub left_in_work: Option<super::LeftInWork>,
+    /// The tool change that is under way or was left half way, where a sequence works it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub sequence: Option<super::SequenceStatus>,
+    /// Where the tools are, where a sequence works the changer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub magazine: Option<super::MagazineStatus>,
     /// What the program has said last to the operator, since it was started.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
@@ -288,6 +296,8 @@ impl Control {
             sync_error_um: report.sync_error.map(Length::in_um),
             is_tool_in_work: self.is_tap_in_thread(),
             left_in_work: self.left_in_work(),
+            sequence: self.sequence_status(),
+            magazine: self.magazine_status(),
             message: self.message.clone(),
             features: self.counted(),
             workpiece: self.workpiece_status(),

@@ -27,6 +27,8 @@ pub(super) enum Key {
     Program,
     Workpiece,
     Homing,
+    /// Where the tools are, and how far a tool change is.
+    Changer,
     /// That the operator has seen what differs.
     Acknowledgement,
     /// Each alarm is written.

@@ -3,11 +3,13 @@
 pub mod cam;
 pub mod learning;
 pub mod polygon;
+pub mod sequence;
 pub mod supervision;
 pub mod sync_record;
 
 pub use cam::CamHost;
 pub use polygon::PolygonHost;
+pub use sequence::SequenceHost;
 pub use sync_record::RecordWriter;
 
 use crate::KernelHandle;
@@ -26,6 +28,8 @@ pub struct Services {
     pub cams: CamHost,
     /// Measures and compensates oscillations of polygons.
     pub polygons: PolygonHost,
+    /// Answers the marks of machine sequences.
+    pub sequences: SequenceHost,
     /// What comes from outside to stop it.
     pub stops: Stops,
 }
@@ -37,6 +41,7 @@ impl Services {
             record_writer: None,
             cams: CamHost::new(session.cams.clone()),
             polygons: PolygonHost::new(&session.machine),
+            sequences: SequenceHost::default(),
             stops: Stops::none(),
         }
     }
@@ -73,5 +78,6 @@ impl Services {
         }
         self.cams.consult(kernel, planner);
         self.polygons.consult(kernel);
+        self.sequences.consult(kernel, sample.feedback.time);
     }
 }

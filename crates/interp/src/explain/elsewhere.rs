@@ -84,6 +84,8 @@ pub const SENTENCES: &[(&str, &str)] = &[
     ("M0315", "A hole is drilled with no tool in the spindle."),
     ("M0316", "No time law was found for a path; the line and the reason are said."),
     ("M0317", "The tool's pocket is one that the magazine does not have."),
+    ("M0375", "The tool that is called is in no pocket of the magazine, or no pocket is empty."),
+    ("M0376", "Which pocket of the carousel is at the spindle is not known."),
     (
         "M0318",
         "The drive of a spindle is asked for more than its torque of continuous duty, as the root of the mean square.",

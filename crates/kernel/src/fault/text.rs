@@ -255,6 +255,22 @@ impl FaultKind {
                 cause: "The changer is jammed, or the tool is not in the magazine.",
                 remedy: "Free the changer; load the tool; lengthen control.waits.tool_change_s.",
             },
+            Self::InputsNotSeen => Text {
+                number: 312,
+                sentence: "it did not change in time, in a step of a machine sequence",
+                unit: "s",
+                reaction: Reaction::Halt,
+                cause: "A cylinder is stuck, its air is gone, or the sensor, its cable or its place is at fault.",
+                remedy: "Look which part has not moved, and mend it; reset; then go on, undo, or go on by hand: `sequence` shows the inputs as they are and as they should be.",
+            },
+            Self::InputLost => Text {
+                number: 313,
+                sentence: "it changed while an axis or the carousel moved, in a step of a machine sequence",
+                unit: "s",
+                reaction: Reaction::Halt,
+                cause: "The air is gone, a part was moved by hand, or a sensor is loose.",
+                remedy: "Look what has moved, and mend it; reset; then go on, undo, or go on by hand: `sequence` shows the inputs as they are and as they should be.",
+            },
             Self::RatioNotHeld => Text {
                 number: 305,
                 sentence: "the geared spindle does not reach the speed of its gear: the ratio cannot be held",

@@ -35,6 +35,7 @@ impl Kernel {
         self.faults.clear();
         self.drives.supervision.forget_retract(); // an alarm that is cleared orders nothing more
         (self.answer, self.drives.outputs) = (None, bus::Signals::default());
+        self.drives.guard = crate::sequence_steps::Guard::default();
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) =
             (Operator::new(self.config.overrides), false, None);

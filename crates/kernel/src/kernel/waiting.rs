@@ -45,6 +45,14 @@ impl Kernel {
             (Activity::AwaitingInput { waited_s, .. }, Some(StepKind::Input(wait))) => {
                 of(WaitFor::Input(wait), *waited_s, Some(wait.longest))
             }
+            (Activity::AwaitingInputs(awaited), Some(StepKind::Inputs(wait))) => of(
+                WaitFor::Inputs { on: wait.on, off: wait.off },
+                awaited.waited_s,
+                Some(wait.longest),
+            ),
+            (Activity::Counting(counted), Some(StepKind::Count(count))) => {
+                of(WaitFor::Edges(count.input), counted.waited_s, Some(count.longest))
+            }
             (Activity::Pausing, Some(StepKind::Pause { optional })) => {
                 since_begun(WaitFor::Operator { optional }, None)
             }

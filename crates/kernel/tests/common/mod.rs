@@ -47,6 +47,7 @@ pub fn machine(command_delay: usize) -> sim::Config {
         }],
         magazine: Vec::new(),
         tool_change_time: Time::s(0.9),
+        carousel: None,
         stock: None,
         ..fixtures::tapping_center()
     }

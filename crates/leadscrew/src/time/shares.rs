@@ -34,7 +34,9 @@ impl Shares {
             StepKind::Thread(_) => &mut self.thread,
             StepKind::Revolve { .. } => &mut self.turn,
             StepKind::Dwell(_) => &mut self.dwell,
-            StepKind::ChangeTool { .. } => &mut self.tool_change,
+            StepKind::ChangeTool { .. } | StepKind::Inputs(_) | StepKind::Count(_) => {
+                &mut self.tool_change
+            }
             _ => &mut self.wait,
         };
         *share += time;

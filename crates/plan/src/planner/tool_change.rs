@@ -30,6 +30,15 @@ impl Away {
         self.z.map_or(place, |z| place.with(Axis::Z, Coordinate::linear(z)))
     }
 
+    /// An axis goes to this place, and the program does not know it.
+    pub(super) fn send(&mut self, axis: Axis, to: Length) {
+        match axis {
+            Axis::X => self.across[0] = Some(to),
+            Axis::Y => self.across[1] = Some(to),
+            _ => self.z = Some(to),
+        }
+    }
+
     const fn is_across(&self) -> bool {
         self.across[0].is_some() || self.across[1].is_some()
     }
@@ -42,6 +51,9 @@ impl Away {
 impl Planner {
     pub(super) fn change_tool(&mut self, job: &mut Job, number: u32) {
         self.selected = None;
+        if self.change_by_sequence(job, number) {
+            return;
+        }
         if number != 0 && self.tools.get(number).is_none() {
             let text = format!("T{number} is not in the tool table");
             let finding = Diagnostic::error("M0309", job.span, text);
@@ -57,6 +69,17 @@ impl Planner {
             return; // it is there already
         }
         self.tell_spindles(job);
+        self.go_to_change_position(job);
+        self.outbox.release([], &self.limits, job.emit);
+        self.await_spindles(job);
+        self.hand_on(job, StepKind::ChangeTool { tool: number, by_hand });
+        self.judge_thread();
+        self.tool = number;
+        self.tool_mounted();
+    }
+
+    /// Z to where tools are changed, then X and Y.
+    pub(super) fn go_to_change_position(&mut self, job: &mut Job) {
         let change = self.limits.tool_change;
         if change.z.is_some() {
             self.go_away(job, Away { z: change.z, ..self.away });
@@ -64,12 +87,6 @@ impl Planner {
         if change.x.is_some() || change.y.is_some() {
             self.go_away(job, Away { across: [change.x, change.y], ..self.away });
         }
-        self.outbox.release([], &self.limits, job.emit);
-        self.await_spindles(job);
-        self.hand_on(job, StepKind::ChangeTool { tool: number, by_hand });
-        self.judge_thread();
-        self.tool = number;
-        self.tool_mounted();
     }
 
     /// Whether the changer has the tool: one that stands in a pocket that the magazine does not
@@ -91,7 +108,7 @@ impl Planner {
     }
 
     /// In a straight line to where tools are changed, or back.
-    fn go_away(&mut self, job: &mut Job, away: Away) {
+    pub(super) fn go_away(&mut self, job: &mut Job, away: Away) {
         let from = self.position();
         self.away = away;
         let path = Path::Line { from, to: self.position() };

@@ -1,7 +1,7 @@
 //! What each request needs: the control's own table, for clients that say before they ask what
 //! would be refused.
 use control::job::restart::From as Begin;
-use control::operation::{Jog, Need, Request, ToolField};
+use control::operation::{Jog, Need, Request, SequenceOrder, ToolField};
 use serde::Serialize;
 use units::{Angle, Coordinate, CoordinateSpeed, Spin};
 
@@ -58,6 +58,13 @@ fn samples() -> Vec<Request> {
         Request::Retract,
         Request::Recover,
         Request::ToolIsFree,
+        Request::Sequence(SequenceOrder::GoOn),
+        Request::Sequence(SequenceOrder::Undo),
+        Request::Sequence(SequenceOrder::Step),
+        Request::Sequence(SequenceOrder::StepBack),
+        Request::Sequence(SequenceOrder::Done(0)),
+        Request::Sequence(SequenceOrder::Carousel(1)),
+        Request::Sequence(SequenceOrder::Pocket(1, 0)),
         Request::BeginWorkpiece(None),
         Request::EndWorkpiece,
         Request::AcknowledgeState,
@@ -102,6 +109,13 @@ const fn name(request: &Request) -> &'static str {
         Request::Retract => "retract",
         Request::Recover => "recover",
         Request::ToolIsFree => "tool_is_free",
+        Request::Sequence(SequenceOrder::GoOn) => "sequence_go_on",
+        Request::Sequence(SequenceOrder::Undo) => "sequence_undo",
+        Request::Sequence(SequenceOrder::Step) => "sequence_step",
+        Request::Sequence(SequenceOrder::StepBack) => "sequence_step_back",
+        Request::Sequence(SequenceOrder::Done(_)) => "sequence_done",
+        Request::Sequence(SequenceOrder::Carousel(_)) => "carousel_is_at",
+        Request::Sequence(SequenceOrder::Pocket(..)) => "set_pocket",
         Request::BeginWorkpiece(_) => "begin_workpiece",
         Request::EndWorkpiece => "end_workpiece",
         Request::AcknowledgeState => "acknowledge_state",

@@ -3,7 +3,7 @@ use super::values::{axis_named, of_axis, share, system, wrong};
 use crate::folder::Folder;
 use control::job::restart::From as Begin;
 use control::operation::hosted::RefusalData;
-use control::operation::{Jog, Request, ToolField};
+use control::operation::{Jog, Request, SequenceOrder, ToolField};
 use serde::Deserialize;
 use store::machine::MachineFile;
 use units::{Angle, CoordinateSpeed, Spin};
@@ -113,6 +113,20 @@ pub(crate) enum RequestBody {
     Recover {},
     /// State that no tool is in the work.
     ToolIsFree {},
+    /// Lead a tool change that was left half way on to its end.
+    SequenceGoOn {},
+    /// Undo a tool change that was left half way.
+    SequenceUndo {},
+    /// Do the next step of it alone.
+    SequenceStep {},
+    /// Undo the step before alone.
+    SequenceStepBack {},
+    /// State that it was brought to rest by hand, with this tool in the spindle; 0 is none.
+    SequenceDone { tool: u32 },
+    /// State which pocket of the carousel is at the spindle.
+    CarouselIsAt { pocket: u32 },
+    /// State which tool is in a pocket; tool 0: none; pocket 0: the tool is not in the machine.
+    SetPocket { pocket: u32, tool: u32 },
     /// Another workpiece is clamped: what is cut from now on counts for it.
     BeginWorkpiece {
         #[serde(default)]
@@ -284,6 +298,15 @@ impl RequestBody {
             Self::Retract {} => Request::Retract,
             Self::Recover {} => Request::Recover,
             Self::ToolIsFree {} => Request::ToolIsFree,
+            Self::SequenceGoOn {} => Request::Sequence(SequenceOrder::GoOn),
+            Self::SequenceUndo {} => Request::Sequence(SequenceOrder::Undo),
+            Self::SequenceStep {} => Request::Sequence(SequenceOrder::Step),
+            Self::SequenceStepBack {} => Request::Sequence(SequenceOrder::StepBack),
+            Self::SequenceDone { tool } => Request::Sequence(SequenceOrder::Done(tool)),
+            Self::CarouselIsAt { pocket } => Request::Sequence(SequenceOrder::Carousel(pocket)),
+            Self::SetPocket { pocket, tool } => {
+                Request::Sequence(SequenceOrder::Pocket(pocket, tool))
+            }
             Self::BeginWorkpiece { name } => Request::BeginWorkpiece(name),
             Self::EndWorkpiece {} => Request::EndWorkpiece,
             Self::AcknowledgeState {} => Request::AcknowledgeState,

@@ -3,7 +3,7 @@ use super::Keys;
 use crate::asked_key::span;
 use std::ops::RangeInclusive;
 
-impl Keys<'_> {
+impl<'d> Keys<'d> {
     /// A list of tables, at most so many; empty where it is not stated.
     pub(crate) fn optional_sections<T>(
         &mut self,
@@ -43,5 +43,24 @@ impl Keys<'_> {
             return Vec::new();
         };
         list.iter().filter_map(|item| self.checked_text(key, item)).collect()
+    }
+
+    /// All entries of this table and of those that it is based on as yes or no, in their order.
+    pub(crate) fn flags(&mut self) -> Vec<(String, bool)> {
+        let mut found = Vec::new();
+        for table in std::iter::once(self.table).chain(self.bases.clone()) {
+            for (key, value) in table {
+                let name: &'d str = key.get_ref();
+                if self.asked.contains(&name) {
+                    continue;
+                }
+                self.asked.push(name);
+                match value.get_ref().as_bool() {
+                    Some(on) => found.push((name.to_owned(), on)),
+                    None => self.wrong_type(name, value, "true or false"),
+                }
+            }
+        }
+        found
     }
 }

@@ -5,7 +5,8 @@
 //!   [axes.x] …     travel, speeds, drive, structure, friction, encoder, loops,
 //!                  homing, ends                                                 ─► plan, kernel, sim
 //!   [[spindles]]   inertia, torque and power curve, friction, encoder, loops     ─► plan, kernel, sim
-//!   [tool_change]  where and how long                                            ─► plan, sim
+//!   [tool_change]  where and how long; its carousel                              ─► plan, sim
+//!   [[sequences]]  what a tool change consists of, step by step                   ─► plan
 //!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
 //!   [drives]       what the drives do when the control or the mains fail          ─► sim, app
 //!   [hal]          how HAL's drives are led                                      ─► control
@@ -38,8 +39,10 @@
 //! | `_share` | a fraction of one; the file has percent |
 mod axis;
 mod axis_drive;
+mod carousel;
 mod change;
 mod compensation;
+mod contradictions;
 mod control;
 mod deviations;
 mod drives;
@@ -52,6 +55,8 @@ mod measured_torque;
 mod plant;
 pub(crate) mod rotary;
 mod scatter;
+mod sequence;
+mod sequence_check;
 mod setup;
 mod signals;
 mod spindle;
@@ -61,6 +66,7 @@ mod user_code;
 pub(crate) use axis::n_per_um;
 pub use axis::{Approach, Axis, AxisWindows, Friction, Loops, PositionFrom, Structure, Travel};
 pub use axis_drive::{Drive, Motor};
+pub use carousel::CarouselModel;
 pub use change::{changed, value};
 pub use compensation::{COMPENSATION_POINTS, COMPENSATION_SHARE};
 pub use control::{
@@ -80,6 +86,7 @@ pub use measured_torque::MeasuredTorque;
 pub use plant::{AxisErrors, Graduations, ScrewGrowth, SpindleErrors, eccentric};
 pub use rotary::RAD_PER_M;
 pub use scatter::Scatter;
+pub use sequence::CarouselFile;
 pub use setup::{
     Clamp, Round, Setup, Simulation, SpindleDrive, Stock, StockMaterial, TapMishaps, TapSeat,
     TapWear,
@@ -91,8 +98,8 @@ pub use user_code::{CallEntry, CodeEntry, CodeEntryAction, OwnCodes};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;
-use ethercat_check::NetworkDrives;
 use scatter::StatedBefore;
+use sequence::Signals;
 use std::path::Path;
 use units::Coordinate;
 
@@ -113,6 +120,12 @@ pub struct MachineFile {
     pub spindles: Vec<Spindle>,
     /// The tool changer.
     pub tool_change: ToolChange,
+    /// The carousel that the sequences turn; `None`: there is none.
+    pub carousel: Option<CarouselFile>,
+    /// The sequence of a tool change; `None`: the changer is told a number.
+    pub tool_change_sequence: Option<std::sync::Arc<canon::Sequence>>,
+    /// The simulated hardware of the carousel.
+    pub simulated_carousel: Option<CarouselModel>,
     /// Rigid tapping.
     pub tapping: Tapping,
     /// What the drives do by themselves.
@@ -140,7 +153,7 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 17] = [
+pub const EMBEDDED: [&str; 18] = [
     "tapping-center",
     "polygon-lathe",
     "lathe",
@@ -158,6 +171,7 @@ pub const EMBEDDED: [&str; 17] = [
     "turning-center",
     "portal-mill",
     "lathe-chuck-zero",
+    "umbrella-mill",
 ];
 
 /// The text of an embedded machine's file.
@@ -183,6 +197,7 @@ pub fn embedded(name: &str) -> Option<&'static str> {
         "bench-xyz-jerk20" => Some(include_str!("../../../../machines/bench-xyz-jerk20.toml")),
         "mill-5-axis" => Some(include_str!("../../../../machines/mill-5-axis.toml")),
         "portal-mill" => Some(include_str!("../../../../machines/portal-mill.toml")),
+        "umbrella-mill" => Some(include_str!("../../../../machines/umbrella-mill.toml")),
         "lathe-chuck-zero" => Some(include_str!("../../../../machines/lathe-chuck-zero.toml")),
         _ => None,
     }
@@ -252,6 +267,22 @@ impl MachineFile {
 
     fn read(keys: &mut Keys<'_>) -> Self {
         let mut before = StatedBefore::default();
+        let inputs = keys.optional_section("inputs", Names::read).unwrap_or_default();
+        let outputs = keys.optional_section("outputs", Names::read).unwrap_or_default();
+        let signals = Signals { inputs: &inputs, outputs: &outputs };
+        let (tool_change, carousel) = keys.section("tool_change", |keys| {
+            let tool_change = ToolChange::read(keys);
+            let read = |keys: &mut Keys<'_>| CarouselFile::read(keys, signals, tool_change.pockets);
+            (tool_change, keys.optional_section("carousel", read))
+        });
+        let read = |keys: &mut Keys<'_>| sequence::read(keys, signals, carousel);
+        let sequence = keys.optional_sections("sequences", 1, read).pop();
+        let mut simulated_carousel = None;
+        let simulation = keys.section("simulation", |keys| {
+            let read = |keys: &mut Keys<'_>| CarouselModel::read(keys, signals);
+            simulated_carousel = keys.optional_section("carousel", read);
+            Simulation::read(keys, &mut before)
+        });
         let file = Self {
             name: keys.text("name"),
             description: keys.text("description"),
@@ -259,17 +290,20 @@ impl MachineFile {
             control: keys.section("control", Control::read),
             axes: keys.section("axes", read_axes),
             spindles: keys.sections("spindles", bus::SPINDLES, Spindle::read),
-            tool_change: keys.section("tool_change", ToolChange::read),
+            tool_change,
+            carousel,
+            tool_change_sequence: sequence.map(std::sync::Arc::new),
+            simulated_carousel,
             tapping: keys.section("tapping", Tapping::read),
             drives: keys.optional_section("drives", Drives::read).unwrap_or_default(),
             hal: keys.optional_section("hal", Hal::read),
             ethercat: keys.optional_section("ethercat", EthercatNetwork::read),
             grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
-            simulation: keys.section("simulation", |k| Simulation::read(k, &mut before)),
+            simulation,
             scatter: Scatter::of(keys, &before),
-            inputs: keys.optional_section("inputs", Names::read).unwrap_or_default(),
-            outputs: keys.optional_section("outputs", Names::read).unwrap_or_default(),
+            inputs: inputs.clone(),
+            outputs: outputs.clone(),
             probe: keys.optional_section("probe", ProbeInput::read),
             own_codes: keys.optional_section("user_codes", OwnCodes::read).unwrap_or_default(),
         };
@@ -341,6 +375,7 @@ impl MachineFile {
                 keys.conflict("tool_change", message);
             }
         }
+        self.refuse_sequence(keys);
         if let Some(hal) = &self.hal {
             self.refuse_drives_of_hal(keys);
             self.refuse_drives_of_nothing(hal, keys);
@@ -350,26 +385,6 @@ impl MachineFile {
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
         if names.len() == 2 && names[0] == names[1] {
             keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));
-        }
-    }
-}
-
-impl MachineFile {
-    /// What a drive in LinuxCNC's HAL cannot be told.
-    fn refuse_drives_of_hal(&self, keys: &Keys<'_>) {
-        for Spindle { name, own_ramps, closes_position, encoder_index, .. } in &self.spindles {
-            if own_ramps.is_none() && !closes_position {
-                let text = format!(
-                    "the drive of spindle \"{name}\" is told a torque, and HAL's drives take a speed or an angle: expected `kind = \"speed\"` or `kind = \"position\"` under [spindles.drive]"
-                );
-                keys.conflict("spindles", text);
-            }
-            if *closes_position && *encoder_index {
-                let text = format!(
-                    "`encoder_index` of spindle \"{name}\": its drive is told an angle, which counts on from the drive's own zero: expected false"
-                );
-                keys.conflict("spindles", text);
-            }
         }
     }
 }
@@ -394,51 +409,6 @@ impl MachineFile {
 
     fn has_in_hal(&self, input: bus::WatchedInput) -> bool {
         self.hal.as_ref().is_some_and(|hal| hal.watched.has(input))
-    }
-
-    /// Drives that say something of themselves are the machine's.
-    fn refuse_drives_of_nothing(&self, hal: &Hal, keys: &Keys<'_>) {
-        use bus::WatchedInput::{AxisForce, AxisReady, SpindleReady, SpindleTorque};
-        for (axis, letter) in self.axes.iter().zip(canon::Axis::ALL) {
-            let index = letter.index() as u8;
-            for (key, input) in [("ready", AxisReady(index)), ("torque", AxisForce(index))] {
-                if hal.watched.has(input) && axis.is_none() {
-                    let text = format!("`{key}`: the machine has no axis {}", letter.letter());
-                    keys.conflict("hal", text);
-                }
-            }
-        }
-        let spindles = self.spindles.len();
-        for number in (spindles..bus::SPINDLES).map(|number| number as u8) {
-            let said = [("ready", SpindleReady(number)), ("torque", SpindleTorque(number))];
-            for (key, _) in said.into_iter().filter(|(_, input)| hal.watched.has(*input)) {
-                let text =
-                    format!("`{key}`: the machine has {spindles} spindle, from spindle.0 on");
-                keys.conflict("hal", text);
-            }
-        }
-    }
-
-    /// Errors that a scale sees; where drives are those of HAL or of a network, `position_from`
-    /// says what they report, wherever the encoder is.
-    fn refuse_unseen(&self, keys: &Keys<'_>) {
-        if self.hal.is_none() && self.ethercat.is_none() {
-            let axes = self.axes.iter().flatten();
-            axes.filter_map(Axis::compensates_unseen).for_each(|text| keys.conflict("axes", text));
-        }
-    }
-
-    /// What drives on a network cannot be.
-    fn refuse_network(&self, keys: &Keys<'_>) {
-        let drives = NetworkDrives {
-            network: self.ethercat.as_ref(),
-            axes: &self.axes,
-            spindles: &self.spindles,
-            period: self.control.period,
-            has_hal: self.hal.is_some(),
-        };
-        let key = if self.ethercat.is_some() { "ethercat" } else { "axes" };
-        drives.problems().into_iter().for_each(|message| keys.conflict(key, message));
     }
 
     /// Drives on the network: of the axes by index, and of the spindles.

@@ -1,5 +1,6 @@
 //! The data that are kept, and their text.
 use super::Datum;
+use super::changer::ChangerRecord;
 use crate::parameters::Parameters;
 use crate::tools;
 use canon::ToolLibrary;
@@ -135,24 +136,26 @@ pub struct Machine {
 }
 
 /// Files of the data.
-pub(super) const FILES: [&str; 6] = [
+pub(super) const FILES: [&str; 7] = [
     Parameters::FILE,
     ToolLibrary::FILE,
     Homing::FILE,
     LastProgram::FILE,
     Settings::FILE,
     WorkpieceRecord::FILE,
+    ChangerRecord::FILE,
 ];
 
 /// Kind and version that the file of this name begins with.
 pub(super) fn kind(file: &str) -> (&'static str, u32) {
-    const KNOWN: [(&str, &str, u32); 6] = [
+    const KNOWN: [(&str, &str, u32); 7] = [
         of::<Parameters>(),
         of::<ToolLibrary>(),
         of::<Homing>(),
         of::<LastProgram>(),
         of::<Settings>(),
         of::<WorkpieceRecord>(),
+        of::<ChangerRecord>(),
     ];
     const fn of<D: Datum>() -> (&'static str, &'static str, u32) {
         (D::FILE, D::KIND, D::VERSION)

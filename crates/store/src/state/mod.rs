@@ -21,6 +21,7 @@
 //! `NAME.rejected-1`, `-2` …
 mod alarms;
 pub mod broken_tools;
+mod changer;
 mod changes;
 mod data;
 pub mod lock;
@@ -31,6 +32,7 @@ mod plain;
 pub mod seal;
 
 pub use alarms::{AlarmRecord, MOST_ALARMS};
+pub use changer::{ChangerRecord, HalfWay};
 pub use changes::StateChange;
 pub use data::{HomedAxis, Homing, LastProgram, LengthDisplay, Machine, Settings, WorkpieceRecord};
 pub use manifest::{MachineIdentity, Origin};
@@ -71,6 +73,8 @@ pub struct State {
     pub settings: Option<Settings>,
     /// The workpiece on the machine; `None`: none was kept.
     pub workpiece: Option<WorkpieceRecord>,
+    /// Where the tools of a changer are that a sequence works; `None`: that was not kept.
+    pub changer: Option<ChangerRecord>,
     /// What is not what the control wrote last, and was not acknowledged.
     pub changes: Vec<StateChange>,
 }
@@ -189,6 +193,14 @@ impl StateFolder {
     /// As [`StateFolder::save_parameters`].
     pub fn save_workpiece(&mut self, workpiece: &WorkpieceRecord) -> Result<(), Error> {
         self.save(workpiece)
+    }
+
+    /// Keep where the tools are, and how far a tool change is.
+    ///
+    /// # Errors
+    /// As [`StateFolder::save_parameters`].
+    pub fn save_changer(&mut self, changer: &ChangerRecord) -> Result<(), Error> {
+        self.save(changer)
     }
 
     /// Keep an alarm, after those that are kept already; of very many the oldest are forgotten.

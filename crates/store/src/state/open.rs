@@ -64,6 +64,7 @@ impl StateFolder {
         let state = State {
             parameters: folder.read(has_manifest, &mut found)?,
             tools: folder.read(has_manifest, &mut found)?,
+            changer: folder.read(has_manifest, &mut found)?,
             homed: folder.read(has_manifest, &mut found)?.unwrap_or_default(),
             last_program: folder.read(has_manifest, &mut found)?,
             alarms: folder.read_alarms(has_manifest, &mut found),

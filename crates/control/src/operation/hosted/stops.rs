@@ -3,7 +3,7 @@
 //! makes of it follows before the next job, and many that ask for the same are one. What was asked
 //! for before a stop and has not begun does not begin after it.
 use super::refusal::RefusalData;
-use crate::operation::{Accepted, Request};
+use crate::operation::{Accepted, Request, SequenceOrder};
 use servo::{LaneStop, StopLane};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -62,9 +62,14 @@ enum Begins {
 /// What a request sets going; a new request has to say it.
 const fn begins(request: &Request) -> Begins {
     match request {
-        Request::Start | Request::ManualDataInput(_) | Request::Resume | Request::Confirm => {
-            Begins::Program
-        }
+        Request::Sequence(
+            SequenceOrder::Done(_) | SequenceOrder::Carousel(_) | SequenceOrder::Pocket(..),
+        ) => Begins::Nothing,
+        Request::Start
+        | Request::ManualDataInput(_)
+        | Request::Sequence(_)
+        | Request::Resume
+        | Request::Confirm => Begins::Program,
         Request::Home(_)
         | Request::Jog(..)
         | Request::TurnSpindle(..)
