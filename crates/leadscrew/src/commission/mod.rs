@@ -1,0 +1,25 @@
+//! Commissioning: from a machine whose file is guessed to one that is known.
+//!
+//! ```text
+//!   file as it is ─► axes ─► spindle ─► … ─► Commissioned: values ± 95 %, pictures ─► a file that extends the old one
+//! ```
+#![allow(dead_code, reason = "wip")]
+mod axes;
+mod axis_model;
+mod least_squares;
+mod motion;
+mod result;
+mod strokes;
+
+pub use axes::Effort;
+pub use least_squares::Estimate;
+pub use motion::{Bench, MOST_TORQUE_SHARE, Window};
+pub use result::{Finding, Moved, Picture, StepResult};
+
+/// Measures the linear axes.
+///
+/// # Errors
+/// The machine cannot be run.
+pub fn axes(bench: &Bench, effort: Effort) -> Result<StepResult, control::Refused> {
+    axes::measure(bench, effort)
+}
