@@ -30,7 +30,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { slow_pairs: 12, fast_pairs: 18 }
+        Self { slow_pairs: 10, fast_pairs: 15 }
     }
 }
 
@@ -82,7 +82,7 @@ fn measure_axis(
     let jerk = axis.jerk_feed.value() * 1e-3;
     let plan = StrokePlan {
         letter,
-        window,
+        window: window.inner(),
         fastest: axis.feed_most.value(),
         acceleration: bench.gentle(index),
         jerk: if jerk.is_finite() { jerk } else { USUAL_JERK },
@@ -105,7 +105,25 @@ fn measure_axis(
     }
     let at_motor = !heard.motor_mm.is_empty()
         || matches!(axis.position_from, store::machine::PositionFrom::Motor { .. });
-    let samples = samples(heard, signals.period_s);
+    let mut samples = samples(heard, signals.period_s);
+    match reading(heard) {
+        Some(reading) => {
+            samples.force.iter_mut().for_each(|force| *force /= reading.value);
+            result.findings.push(Finding {
+                key: String::new(),
+                name: format!("{letter}: force that the drive says, over the commanded one"),
+                unit: "",
+                value: reading,
+                old: Some(1.0),
+                effect_um: None,
+                effect_of: "",
+                by: "strokes",
+            });
+        }
+        None => result.not_judged.push(format!(
+            "{letter}: its drive takes no force, so that the newtons are those of its own reading"
+        )),
+    }
     let stribeck = axis.friction.stribeck_speed.value() * 1e-3;
     let least = LEAST_SPEED.max(STRIBECK_SPEEDS * stribeck);
     match fit_axis(&samples, &believed(axis), least) {
@@ -116,6 +134,50 @@ fn measure_axis(
         None => result.not_judged.push(format!("{letter}: too little motion to fit anything to")),
     }
     Ok(())
+}
+
+/// Longest time from a commanded force to its reading, periods.
+const LATEST: usize = 160;
+/// Periods that are averaged for the comparison.
+const AVERAGED: usize = 8;
+/// Least correlation of a drive that does as it is commanded.
+const CORRELATED: f64 = 0.8;
+
+/// What a drive says of its force, over what was commanded; `None`: it takes no force. The motor's
+/// torque constant is never quite what the drive believes. The control's feed-forward is in
+/// commanded newtons, and so are all values here.
+fn reading(heard: &AxisSignals) -> Option<Estimate> {
+    let mean = |values: &[f64], at: usize| -> f64 {
+        values[at..at + AVERAGED].iter().sum::<f64>() / AVERAGED as f64
+    };
+    let said: Vec<f64> = heard.force_n.chunks_exact(AVERAGED).map(|c| mean(c, 0)).collect();
+    let sums = |late: usize| {
+        let first = LATEST / AVERAGED + 1;
+        let mut sums = [0.0_f64; 5];
+        for (i, said) in said.iter().enumerate().skip(first) {
+            let asked = mean(&heard.asked_n, i * AVERAGED - late);
+            let parts = [1.0, asked, *said, asked * asked, asked * said];
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+        }
+        sums
+    };
+    let slope = |[n, a, s, aa, as_]: [f64; 5]| {
+        let square = aa - a * a / n;
+        (square, (as_ - a * s / n) / square)
+    };
+    let best = (0..LATEST).max_by(|one, other| {
+        let of = |late| slope(sums(late)).1;
+        of(*one).total_cmp(&of(*other))
+    })?;
+    let of_best = sums(best);
+    let (square, gain) = slope(of_best);
+    let [n, _, s, ..] = of_best;
+    let said_square: f64 = said.iter().map(|said| (said - s / n).powi(2)).sum();
+    let left = (said_square - gain * gain * square).max(0.0);
+    let correlation = 1.0 - left / said_square;
+    let half = 2.0 * (left / n / square).sqrt();
+    (square > 0.0 && correlation > CORRELATED * CORRELATED)
+        .then_some(Estimate { value: gain, half })
 }
 
 fn samples(heard: &AxisSignals, period_s: f64) -> AxisSamples {
@@ -142,16 +204,17 @@ fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<Finding> {
     let accel = axis.acceleration.value() * 1e-3;
     let rapid = axis.feed_most.value() * 1e-3;
     let um_of = |newton: f64| newton.abs() * (1.0 / loop_stiffness + 1.0 / p.stiffness) * 1e6;
-    let finding = |key: String, what: &str, unit: &'static str, value: Estimate, old: f64| Finding {
-        key,
-        name: format!("{letter}: {what}"),
-        unit,
-        value,
-        old: Some(old),
-        effect_um: None,
-        effect_of: "",
-        by: "strokes",
-    };
+    let finding =
+        |key: String, what: &str, unit: &'static str, value: Estimate, old: f64| Finding {
+            key,
+            name: format!("{letter}: {what}"),
+            unit,
+            value,
+            old: Some(old),
+            effect_um: None,
+            effect_of: "",
+            by: "strokes",
+        };
     let one = |i: usize| fit.of(|list| list[i]);
     let mut all = Vec::new();
     let coulomb = one(place::COULOMB);
@@ -164,16 +227,25 @@ fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<Finding> {
     let static_n = axis.friction.static_force.value();
     let scaled = coulomb.times(static_n / file.coulomb.max(1e-9));
     all.push(
-        finding(key("friction.static_n"), "breakaway friction, by the same factor", "N", scaled, static_n)
-            .with(um_of(scaled.value - static_n), "start out of rest"),
+        finding(
+            key("friction.static_n"),
+            "breakaway friction, by the same factor",
+            "N",
+            scaled,
+            static_n,
+        )
+        .with(um_of(scaled.value - static_n), "start out of rest"),
     );
     let viscous = one(place::VISCOUS);
     all.push(
-        finding(key("friction.viscous_n_s_per_m"), "viscous friction", "N·s/m", viscous, file.viscous)
-            .with(
-                um_of((viscous.value - file.viscous) * rapid),
-                "following error at the fastest feed",
-            ),
+        finding(
+            key("friction.viscous_n_s_per_m"),
+            "viscous friction",
+            "N·s/m",
+            viscous,
+            file.viscous,
+        )
+        .with(um_of((viscous.value - file.viscous) * rapid), "following error at the fastest feed"),
     );
     let total = fit.of(|list| list[place::MOTOR] + list[place::TABLE]);
     let inertia_um = um_of((total.value - mass) * accel);

@@ -38,12 +38,14 @@ const SHORTEST_S: f64 = 0.2;
 const MEMORY_S: f64 = 0.1;
 /// Time over which the speed is taken to find stretches, s.
 const SPEED_OVER_S: f64 = 4e-3;
+/// A force may be so much later than twice what the file says, s.
+const LATER_S: f64 = 3e-3;
 /// Physics steps a period.
 const STEPS: usize = 2;
 /// Shares of the believed stiffness that are tried.
 const STIFFNESSES: [f64; 5] = [1.0, 0.65, 0.8, 1.25, 1.55];
 /// Steps with which each is tried.
-const TRIED_STEPS: usize = 4;
+const TRIED_STEPS: usize = 2;
 /// What is found with any of them: masses, friction, weight, delay.
 const RIGID: [bool; 9] = [true, true, false, false, false, true, true, true, true];
 /// Play that the samples cannot show within this is not judged, m.
@@ -142,30 +144,38 @@ pub(crate) fn fit_axis(
     begin: &AxisParameters,
     least_speed: f64,
 ) -> Option<AxisFit> {
-    let stretches = stretches(samples, least_speed);
-    let lasts_s = stretches.iter().map(Range::len).sum::<usize>() as f64 * samples.period_s;
-    if stretches.is_empty() {
+    let all = stretches(samples, least_speed);
+    let lasts_s = all.iter().map(Range::len).sum::<usize>() as f64 * samples.period_s;
+    if all.is_empty() {
         return None;
     }
     let speed = speeds(samples);
-    let residuals = |list: &[f64]| {
-        residuals(samples, &speed, &stretches, &AxisParameters::of(list))
+    let latest = ((2.0 * begin.delay + LATER_S) / samples.period_s) as usize;
+    let residuals_of = |stretches: &[Range<usize>], list: &[f64]| {
+        residuals(samples, &speed, stretches, &AxisParameters::of(list), latest)
     };
+    // both senses, slow and fast ones
+    let some: Vec<_> = all.iter().enumerate().filter(|(i, _)| i % 6 < 2).collect();
+    let some: Vec<Range<usize>> = some.into_iter().map(|(_, stretch)| stretch.clone()).collect();
+    let of_some = |list: &[f64]| residuals_of(&some, list);
+    let of_all = |list: &[f64]| residuals_of(&all, list);
     let scales = [1.0, 1.0, 1e5, 10.0, 1e-7, 0.1, 1.0, 0.1, 1e-6];
     let starts = STIFFNESSES.map(|factor| {
         let begin = AxisParameters { stiffness: begin.stiffness * factor, ..*begin };
-        fit(&begin.list(), &RIGID, &scales, &residuals, TRIED_STEPS)
+        fit(&begin.list(), &RIGID, &scales, &of_some, TRIED_STEPS)
     });
     let starts = starts.into_iter().flatten();
     let best = starts.min_by(|a, b| a.rms.total_cmp(&b.rms))?;
-    let mut free = [true; 9];
-    free[place::PLAY] = false;
-    let elastic = fit(&best.values, &free, &scales, &residuals, MOST_STEPS)?;
-    let mut found = fit(&elastic.values, &[true; 9], &scales, &residuals, MOST_STEPS);
+    let mut without_play = [true; 9];
+    without_play[place::PLAY] = false;
+    let elastic = fit(&best.values, &without_play, &scales, &of_some, MOST_STEPS)?;
+    let begin = fit(&elastic.values, &[true; 9], &scales, &of_some, MOST_STEPS);
+    let begin = begin.map_or(elastic.values, |found| found.values);
+    let mut found = fit(&begin, &[true; 9], &scales, &of_all, MOST_STEPS);
     let play_half = found.as_ref().map_or(f64::MAX, |found| found.of(|p| p[place::PLAY]).half);
     let play_shows = play_half < PLAY_SHOWN_M;
     if !play_shows {
-        found = Some(elastic);
+        found = fit(&begin, &without_play, &scales, &of_all, MOST_STEPS);
     }
     let mut found = found?;
     for i in [place::TABLE, place::STIFFNESS, place::DAMPING, place::PLAY] {
@@ -216,10 +226,11 @@ fn residuals(
     speed: &[f64],
     stretches: &[Range<usize>],
     model: &AxisParameters,
+    latest: usize,
 ) -> Residuals {
     let settle = (SETTLES_S / samples.period_s) as usize;
     let memory = ((MEMORY_S / samples.period_s) as usize / BLOCK).max(1);
-    let late = model.delay / samples.period_s;
+    let late = (model.delay / samples.period_s).min(latest as f64);
     let (whole, part) = (late.floor() as usize, late.fract());
     let mut values = Vec::new();
     let mut blocks = Vec::new();
@@ -227,7 +238,7 @@ fn residuals(
     for stretch in stretches {
         modelled(samples, speed, stretch, model, &mut sums);
         let first = values.len();
-        let mut n = stretch.start + settle + whole + 3;
+        let mut n = stretch.start + settle + latest + 3;
         while n + BLOCK + 2 < stretch.end {
             // the force of a period is held over it, the encoder's second difference is the mean of
             // two: so are these
@@ -293,10 +304,14 @@ fn modelled(
         let accel = (x[n + 1] - 2.0 * x[n] + x[n - 1]) / (t * t);
         sum += model.motor_mass * accel + spring(x0 - table, v0 - v);
         sums.push(sum);
+        // Hermite's cubic through both readings with their speeds
+        let (run, bend) = (x1 - x0, t * (v0 + v1) - 2.0 * (x1 - x0));
         for step in 0..STEPS {
             let share = (step as f64 + 0.5) / STEPS as f64;
             let middle = table + h / 2.0 * v;
-            let force = spring(x0 + share * (x1 - x0) - middle, v0 + share * (v1 - v0) - v);
+            let cubic = share * (1.0 - share) * (t * v0 - run - share * bend);
+            let motor = x0 + share * run + cubic;
+            let force = spring(motor - middle, v0 + share * (v1 - v0) - v);
             let pushed = force - constant - model.viscous * v;
             let before = v;
             v += rate * pushed;

@@ -15,7 +15,7 @@ use std::ops::Range;
 /// Steps of the solver, at most.
 pub(crate) const MOST_STEPS: usize = 30;
 /// Share by which the sum of squares falls in a step that is worth another one.
-const WORTH: f64 = 1e-7;
+const WORTH: f64 = 1e-6;
 /// Step of a difference, as a share of the parameter's own size.
 const DIFFERENCE: f64 = 1e-5;
 /// Student's quantile of 95 % where there are this many blocks or more.
@@ -142,9 +142,8 @@ fn finish(
     let variance = square(&here.values) / freedom;
     let mut meat = vec![vec![0.0; n]; n];
     for block in &here.blocks {
-        let sum = |k: usize| -> f64 {
-            block.clone().map(|i| jacobian[k][i] * here.values[i]).sum()
-        };
+        let sum =
+            |k: usize| -> f64 { block.clone().map(|i| jacobian[k][i] * here.values[i]).sum() };
         let g: Vec<f64> = (0..n).map(sum).collect();
         for (i, row) in meat.iter_mut().enumerate() {
             for (j, cell) in row.iter_mut().enumerate() {

@@ -10,11 +10,13 @@ mod least_squares;
 mod motion;
 mod result;
 mod strokes;
+mod write;
 
 pub use axes::Effort;
 pub use least_squares::Estimate;
 pub use motion::{Bench, MOST_TORQUE_SHARE, Window};
 pub use result::{Finding, Moved, Picture, StepResult};
+pub use write::commissioned;
 
 /// Measures the linear axes.
 ///

@@ -54,6 +54,14 @@ pub struct Window {
     pub to: f64,
 }
 
+impl Window {
+    /// The part of it in which strokes begin and end.
+    pub(crate) fn inner(self) -> Self {
+        let margin = (self.to - self.from) * MARGIN;
+        Self { from: self.from + margin, to: self.to - margin }
+    }
+}
+
 /// What drives said while a program ran, at each period.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Signals {
@@ -137,17 +145,17 @@ impl Bench {
         Ok(plant.with(&changes)?.source().clone())
     }
 
-    /// Window of an axis: half of its travel beside the end at which it stands when it is homed.
+    /// Window of an axis: a good half of its travel, from the end at which it stands when it is
+    /// homed.
     pub fn window(&self, index: usize) -> Option<Window> {
         let axis = self.machine.file().axes.get(index)?.as_ref()?;
         let (from, to) = (axis.travel.from.value(), axis.travel.to.value());
         let (length, stands) = (to - from, control::config::start(axis).value());
-        let margin = MARGIN * length;
-        let (near, far) = (margin, margin + WINDOW * length);
+        let far = (MARGIN + WINDOW) * length;
         Some(if (stands - to).abs() < (stands - from).abs() {
-            Window { from: to - far, to: to - near }
+            Window { from: to - far, to }
         } else {
-            Window { from: from + near, to: from + far }
+            Window { from, to: from + far }
         })
     }
 
@@ -160,14 +168,14 @@ impl Bench {
             if axis.letter.kind() == units::AxisKind::Rotary {
                 continue;
             }
-            let key = |what: &str| {
-                format!("axes.{}.{what}", axis.letter.letter().to_ascii_lowercase())
-            };
+            let key =
+                |what: &str| format!("axes.{}.{what}", axis.letter.letter().to_ascii_lowercase());
             let share = MOST_TORQUE_SHARE;
             let continuous = axis.drive.continuous_force.map(units::Force::value);
             match axis.drive.motor {
                 Motor::BallScrew { peak_torque, lead, .. } => {
-                    changes.push((key("drive.peak_torque_n_m"), json!(peak_torque.value() * share)));
+                    changes
+                        .push((key("drive.peak_torque_n_m"), json!(peak_torque.value() * share)));
                     let per_n = lead.value() * 1e-3 / std::f64::consts::TAU;
                     changes.extend(continuous.map(|force| {
                         let most = (force * per_n).min(peak_torque.value() * share);
@@ -227,11 +235,7 @@ impl Signals {
     fn of(file: &MachineFile) -> Self {
         let axes = file.axes.iter().enumerate().filter(|(_, axis)| axis.is_some());
         let axes = axes.map(|(index, _)| AxisSignals { index, ..AxisSignals::default() });
-        Self {
-            period_s: file.control.period.value(),
-            axes: axes.collect(),
-            ..Self::default()
-        }
+        Self { period_s: file.control.period.value(), axes: axes.collect(), ..Self::default() }
     }
 
     /// Of the axis of this bus index.

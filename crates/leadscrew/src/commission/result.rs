@@ -106,6 +106,11 @@ pub struct StepResult {
 }
 
 impl StepResult {
+    /// True where nothing was left unjudged and no alarm ended a part.
+    pub fn is_whole(&self) -> bool {
+        self.not_judged.is_empty() && self.alarms.is_empty()
+    }
+
     pub(crate) fn new(step: &'static str) -> Self {
         Self { step, ..Self::default() }
     }

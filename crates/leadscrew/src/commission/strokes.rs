@@ -91,12 +91,7 @@ impl Strokes {
 
     fn feed(&mut self, to: f64, mm_per_s: f64) {
         self.at = to;
-        let _ = writeln!(
-            self.text,
-            "G53 G1 {}{to:.5} F{:.3}",
-            self.plan.letter,
-            mm_per_s * 60.0
-        );
+        let _ = writeln!(self.text, "G53 G1 {}{to:.5} F{:.3}", self.plan.letter, mm_per_s * 60.0);
     }
 
     /// A slow stroke in this sense, with a sweep that rises or falls.

@@ -59,8 +59,7 @@ fn recorded(p: &AxisParameters, seed: u64, noise: f64) -> AxisSamples {
     // a reading is of the force that was given over the period before, and late by four of them
     let read = |n: usize| if n >= 5 { given[n - 5] } else { 0.0 };
     let bell = |u: f64, v: f64| (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos();
-    samples.force =
-        (0..given.len()).map(|n| read(n) + noise * bell(draw(), draw())).collect();
+    samples.force = (0..given.len()).map(|n| read(n) + noise * bell(draw(), draw())).collect();
     samples
 }
 
