@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 /// Largest factor on what varies.
 const MOST_SCATTER: f64 = 4.0;
 /// What is commissioned where no step is named.
-const ALL: [CommissionStep; 1] = [CommissionStep::Axes];
+const ALL: [CommissionStep; 2] = [CommissionStep::Axes, CommissionStep::Spindle];
 
 /// Commissions a machine; false: something could not be judged, or an alarm ended a step.
 pub(crate) fn command(args: &CommissionArgs, quiet: bool) -> Result<bool, Refused> {
@@ -28,6 +28,7 @@ pub(crate) fn command(args: &CommissionArgs, quiet: bool) -> Result<bool, Refuse
     let steps = if args.steps.is_empty() { &ALL[..] } else { &args.steps[..] };
     let results = steps.iter().map(|step| match step {
         CommissionStep::Axes => commission::axes(&bench, Effort::default()),
+        CommissionStep::Spindle => commission::spindle(&bench),
     });
     let results = results.collect::<Result<Vec<_>, _>>()?;
     let name = &bench.machine.file().name;
@@ -199,6 +200,11 @@ fn picture(picture: &Picture) -> CommissionPicture {
             measured: measured.clone(),
             fitted: fitted.clone(),
             file: file.clone(),
+        },
+        Picture::Ramp { name, speed, commanded } => CommissionPicture::Ramp {
+            name: name.clone(),
+            speed: speed.clone(),
+            commanded: commanded.clone(),
         },
     }
 }

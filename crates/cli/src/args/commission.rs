@@ -36,6 +36,8 @@ pub(crate) struct CommissionArgs {
 pub(crate) enum CommissionStep {
     /// Friction, weight, masses, spring and play of linear axes
     Axes,
+    /// Inertia, friction and ramps of the first spindle
+    Spindle,
 }
 
 /// What `leadscrew commission` prints.

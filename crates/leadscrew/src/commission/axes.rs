@@ -106,7 +106,7 @@ fn measure_axis(
     let at_motor = !heard.motor_mm.is_empty()
         || matches!(axis.position_from, store::machine::PositionFrom::Motor { .. });
     let mut samples = samples(heard, signals.period_s);
-    match reading(heard) {
+    match reading(&heard.force_n, &heard.asked_n) {
         Some(reading) => {
             samples.force.iter_mut().for_each(|force| *force /= reading.value);
             result.findings.push(Finding {
@@ -146,16 +146,16 @@ const CORRELATED: f64 = 0.8;
 /// What a drive says of its force, over what was commanded; `None`: it takes no force. The motor's
 /// torque constant is never quite what the drive believes. The control's feed-forward is in
 /// commanded newtons, and so are all values here.
-fn reading(heard: &AxisSignals) -> Option<Estimate> {
+pub(crate) fn reading(measured: &[f64], asked: &[f64]) -> Option<Estimate> {
     let mean = |values: &[f64], at: usize| -> f64 {
         values[at..at + AVERAGED].iter().sum::<f64>() / AVERAGED as f64
     };
-    let said: Vec<f64> = heard.force_n.chunks_exact(AVERAGED).map(|c| mean(c, 0)).collect();
+    let said: Vec<f64> = measured.chunks_exact(AVERAGED).map(|c| mean(c, 0)).collect();
     let sums = |late: usize| {
         let first = LATEST / AVERAGED + 1;
         let mut sums = [0.0_f64; 5];
         for (i, said) in said.iter().enumerate().skip(first) {
-            let asked = mean(&heard.asked_n, i * AVERAGED - late);
+            let asked = mean(asked, i * AVERAGED - late);
             let parts = [1.0, asked, *said, asked * asked, asked * said];
             sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
         }

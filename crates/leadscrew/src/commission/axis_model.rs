@@ -17,8 +17,8 @@
 //!
 //! The encoder's motion is put in, the table's follows by integration, the force comes out and is
 //! compared with what the drive measured: errors of the force are all there is, and white noise of
-//! it leaves no bias. Second differences of an encoder are rough; means over blocks of some periods
-//! are not, and measured force and model are averaged alike.
+//! it leaves no bias. Second differences of an encoder are rough; means of them over
+//! blocks of some periods are not, and measured force and model are averaged alike.
 //!
 //! Only stretches in which the slide glides in one sense are looked at: below the Stribeck speed
 //! and at reversals friction is another one.
@@ -188,11 +188,10 @@ pub(crate) fn fit_axis(
 /// Speed of the motor at each period, m/s.
 fn speeds(samples: &AxisSamples) -> Vec<f64> {
     let x = &samples.position;
-    let last = x.len().saturating_sub(1);
     let over = 2.0 * samples.period_s;
-    (0..x.len())
-        .map(|n| if n == 0 || n == last { 0.0 } else { (x[n + 1] - x[n - 1]) / over })
-        .collect()
+    let inside = 1..x.len().saturating_sub(1);
+    let speed = |n: usize| (x[n + 1] - x[n - 1]) / over;
+    (0..x.len()).map(|n| if inside.contains(&n) { speed(n) } else { 0.0 }).collect()
 }
 
 /// Where the slide glides in one sense, faster than this.
@@ -240,8 +239,8 @@ fn residuals(
         let first = values.len();
         let mut n = stretch.start + settle + latest + 3;
         while n + BLOCK + 2 < stretch.end {
-            // the force of a period is held over it, the encoder's second difference is the mean of
-            // two: so are these
+            // a reading is the force that was held over the period before it, and a second difference
+            // of positions is the mean of two such
             let f = &samples.force[n..=n + BLOCK];
             let ends = f64::midpoint(f[0], f[BLOCK]);
             let measured = (ends + f[1..BLOCK].iter().sum::<f64>()) / BLOCK as f64;
@@ -293,17 +292,16 @@ fn modelled(
     let rate = h / model.table_mass;
     let origin = x[start]; // positions of metres lose what a spring feels
     table -= origin;
-    let mut sum = 0.0;
-    for n in start..stretch.end.min(x.len() - 2) {
+    let (mut sum, mut before_it) = (0.0, carried / 2.0);
+    for n in start..stretch.end.min(x.len() - 3) {
         let (x0, x1) = (x[n] - origin, x[n + 1] - origin);
         let (v0, v1) = (speed[n], speed[n + 1]);
         let spring = |ahead: f64, opening: f64| {
             let beyond = ahead - ahead.clamp(-half, half);
             model.stiffness * beyond + model.damping * opening
         };
-        let accel = (x[n + 1] - 2.0 * x[n] + x[n - 1]) / (t * t);
-        sum += model.motor_mass * accel + spring(x0 - table, v0 - v);
-        sums.push(sum);
+        // the spring's force, weighed as a second difference weighs: by a triangle over two periods
+        let (mut falls, mut rises) = (0.0, 0.0);
         // Hermite's cubic through both readings with their speeds
         let (run, bend) = (x1 - x0, t * (v0 + v1) - 2.0 * (x1 - x0));
         for step in 0..STEPS {
@@ -312,11 +310,17 @@ fn modelled(
             let cubic = share * (1.0 - share) * (t * v0 - run - share * bend);
             let motor = x0 + share * run + cubic;
             let force = spring(motor - middle, v0 + share * (v1 - v0) - v);
+            falls += force * (1.0 - share) / STEPS as f64;
+            rises += force * share / STEPS as f64;
             let pushed = force - constant - model.viscous * v;
             let before = v;
             v += rate * pushed;
             table += h / 2.0 * (before + v);
         }
+        let accel = (x[n + 1] - 2.0 * x[n] + x[n - 1]) / (t * t);
+        sum += model.motor_mass * accel + before_it + falls;
+        before_it = rises;
+        sums.push(sum);
     }
 }
 

@@ -9,6 +9,7 @@ mod axis_model;
 mod least_squares;
 mod motion;
 mod result;
+mod spindle;
 mod strokes;
 mod write;
 
@@ -24,4 +25,12 @@ pub use write::commissioned;
 /// The machine cannot be run.
 pub fn axes(bench: &Bench, effort: Effort) -> Result<StepResult, control::Refused> {
     axes::measure(bench, effort)
+}
+
+/// Measures the first spindle.
+///
+/// # Errors
+/// The machine cannot be run.
+pub fn spindle(bench: &Bench) -> Result<StepResult, control::Refused> {
+    spindle::measure(bench)
 }

@@ -95,6 +95,8 @@ pub(crate) struct AxisSignals {
 pub(crate) struct SpindleSignals {
     pub(crate) angle_rev: Vec<f64>,
     pub(crate) torque_n_m: Vec<f64>,
+    /// Torque that the control asked for.
+    pub(crate) asked_n_m: Vec<f64>,
     /// Commanded speed, rev/s.
     pub(crate) commanded: Vec<f64>,
 }
@@ -120,7 +122,9 @@ impl Observer for Listener {
         let said = &sample.feedback.spindles[0];
         signals.spindle.angle_rev.push(said.angle.value());
         signals.spindle.torque_n_m.extend(said.torque.map(|torque| torque.value()));
-        signals.spindle.commanded.push(sample.command.spindles[0].spin.value());
+        let asked = &sample.command.spindles[0];
+        signals.spindle.commanded.push(asked.spin.value());
+        signals.spindle.asked_n_m.push(asked.torque.value());
     }
 
     fn event(&mut self, _event: &Event) {}
@@ -196,6 +200,12 @@ impl Bench {
             changes.push((key("windows.following_error_stop_um"), json!(stop.min(FARTHEST_UM))));
             let warn = axis.windows.following_error_warn.value() * 1e3;
             changes.push((key("windows.following_error_warn_um"), json!(warn.min(FARTHEST_UM))));
+        }
+        for (index, spindle) in file.spindles.iter().enumerate() {
+            let peak = spindle.peak_torque.value() * MOST_TORQUE_SHARE;
+            let continuous = spindle.continuous_torque.value().min(peak);
+            changes.push((format!("spindles.{index}.peak_torque_n_m"), json!(peak)));
+            changes.push((format!("spindles.{index}.continuous_torque_n_m"), json!(continuous)));
         }
         self.machine.with(&changes)
     }

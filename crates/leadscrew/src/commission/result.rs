@@ -84,6 +84,15 @@ pub enum Picture {
         /// By the file.
         file: Vec<(f64, f64)>,
     },
+    /// Speed of a spindle over time: s and rev/min.
+    Ramp {
+        /// Name of the spindle.
+        name: String,
+        /// As its encoder has it.
+        speed: Vec<(f64, f64)>,
+        /// As commanded.
+        commanded: Vec<(f64, f64)>,
+    },
 }
 
 /// What a step found.

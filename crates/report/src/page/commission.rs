@@ -38,6 +38,15 @@ pub enum CommissionPicture {
         /// By the file.
         file: Vec<(f64, f64)>,
     },
+    /// Speed of a spindle over time, s and rev/min.
+    Ramp {
+        /// Its name.
+        name: String,
+        /// As its encoder has it.
+        speed: Vec<(f64, f64)>,
+        /// As commanded.
+        commanded: Vec<(f64, f64)>,
+    },
 }
 
 /// The page's content.
@@ -116,6 +125,7 @@ fn picture(id: &str, picture: &CommissionPicture) -> String {
         CommissionPicture::Friction { letter, measured, fitted, file } => {
             friction(id, *letter, [measured, fitted, file])
         }
+        CommissionPicture::Ramp { name, speed, commanded } => ramp(id, name, speed, commanded),
     }
 }
 
@@ -131,5 +141,18 @@ fn friction(id: &str, letter: char, [measured, fitted, file]: [&Vec<(f64, f64)>;
     chart.line(Stroke::Ideal, file, Some("file"));
     chart.line(Stroke::Main, fitted, Some("found"));
     chart.dots(measured, "measured");
+    figure(&heading, &chart.finish(id), caption)
+}
+
+fn ramp(id: &str, name: &str, speed: &[(f64, f64)], commanded: &[(f64, f64)]) -> String {
+    let all = || speed.iter().chain(commanded);
+    let x = Range::of("time / s", all().map(|p| p.0)).padded(0.02);
+    let y = Range::of("speed / rev/min", all().map(|p| p.1)).padded(0.06);
+    let heading = format!("{name}: runs up and down");
+    let caption = "Speed by the encoder, and as commanded, over the time of the step.";
+    let mut chart = Chart::new(&heading, caption, x, y, 280.0);
+    chart.zero(false);
+    chart.line(Stroke::Ideal, commanded, Some("commanded"));
+    chart.line(Stroke::Main, speed, Some("measured"));
     figure(&heading, &chart.finish(id), caption)
 }
