@@ -38,6 +38,8 @@ pub(crate) enum CommissionStep {
     Axes,
     /// Inertia, friction and ramps of the first spindle
     Spindle,
+    /// Circles and taps in air with the file before and after
+    Proof,
 }
 
 /// What `leadscrew commission` prints.

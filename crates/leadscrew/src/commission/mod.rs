@@ -8,6 +8,7 @@ mod axes;
 mod axis_model;
 mod least_squares;
 mod motion;
+mod proof;
 mod result;
 mod spindle;
 mod strokes;
@@ -16,6 +17,7 @@ mod write;
 pub use axes::Effort;
 pub use least_squares::Estimate;
 pub use motion::{Bench, MOST_TORQUE_SHARE, Window};
+pub use proof::{AirTaps, Circle, Proof};
 pub use result::{Finding, Moved, Picture, StepResult};
 pub use write::commissioned;
 

@@ -47,6 +47,13 @@ pub enum CommissionPicture {
         /// As commanded.
         commanded: Vec<(f64, f64)>,
     },
+    /// A circle, magnified.
+    Circle {
+        /// Its radius and feed.
+        heading: String,
+        /// When, and the radius less the programmed one, µm, over the angle, degrees.
+        curves: Vec<(&'static str, Vec<(f64, f64)>)>,
+    },
 }
 
 /// The page's content.
@@ -62,6 +69,10 @@ pub struct CommissionPage {
     pub rows: Vec<CommissionRow>,
     /// What could not be judged.
     pub notes: Vec<String>,
+    /// Circles of the proof; the first row has the headings. Empty: none.
+    pub circles: Vec<Vec<String>>,
+    /// Taps in air, likewise.
+    pub taps: Vec<Vec<String>>,
     /// Pictures.
     pub pictures: Vec<CommissionPicture>,
 }
@@ -77,11 +88,13 @@ pub fn commission_html(page: &CommissionPage) -> String {
     let notes = if notes.is_empty() { notes } else { Tag::new("ul").class("list").around(&notes) };
     let pictures: String =
         page.pictures.iter().enumerate().map(|(i, one)| picture(&format!("c{i}"), one)).collect();
+    let values = if page.rows.is_empty() { String::new() } else { table(&page.rows) };
     let main = Tag::new("h1").text(&page.title)
         + &verdict
         + &Tag::new("p").class("facts").text(&page.facts)
         + &notes
-        + &section("Values", &table(&page.rows))
+        + &section("Values", &values)
+        + &section("Proof", &(plain(&page.circles) + &plain(&page.taps)))
         + &section("Pictures", &grid(&pictures));
     document(&page.title, &main)
 }
@@ -126,6 +139,7 @@ fn picture(id: &str, picture: &CommissionPicture) -> String {
             friction(id, *letter, [measured, fitted, file])
         }
         CommissionPicture::Ramp { name, speed, commanded } => ramp(id, name, speed, commanded),
+        CommissionPicture::Circle { heading, curves } => circle(id, heading, curves),
     }
 }
 
@@ -155,4 +169,51 @@ fn ramp(id: &str, name: &str, speed: &[(f64, f64)], commanded: &[(f64, f64)]) ->
     chart.line(Stroke::Ideal, commanded, Some("commanded"));
     chart.line(Stroke::Main, speed, Some("measured"));
     figure(&heading, &chart.finish(id), caption)
+}
+
+/// A table of words and figures; the first row has the headings.
+fn plain(rows: &[Vec<String>]) -> String {
+    let Some((heads, rows)) = rows.split_first() else { return String::new() };
+    let cells = |kind: &'static str, row: &[String]| -> String {
+        let cell = |(i, text): (usize, &String)| {
+            let tag = Tag::new(kind);
+            (if i == 0 { tag.class("l") } else { tag }).text(text)
+        };
+        Tag::new("tr").around(&row.iter().enumerate().map(cell).collect::<String>())
+    };
+    let body: String = rows.iter().map(|row| cells("td", row)).collect();
+    let head = Tag::new("thead").around(&cells("th", heads));
+    let table = Tag::new("table").around(&(head + &Tag::new("tbody").around(&body)));
+    Tag::new("div").class("scroll").with("tabindex", "0").around(&table)
+}
+
+/// Radius at which the programmed circle of a picture is drawn.
+const DRAWN_RADIUS: f64 = 100.0;
+/// Largest deviation in a picture, on the same scale.
+const DRAWN_DEVIATION: f64 = 30.0;
+
+fn circle(id: &str, heading: &str, curves: &[(&'static str, Vec<(f64, f64)>)]) -> String {
+    let all = || curves.iter().flat_map(|curve| &curve.1);
+    let most = all().map(|p| p.1.abs()).fold(0.1, f64::max);
+    let times = DRAWN_DEVIATION / most;
+    let at = |angle: f64, um: f64| {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let r = DRAWN_RADIUS + times * um;
+        (r * cos, r * sin)
+    };
+    let ring = |um: f64| (0..=360).map(|i| at(f64::from(i), um)).collect::<Vec<_>>();
+    let edge = DRAWN_RADIUS + DRAWN_DEVIATION;
+    let range = || Range::of("", [-edge, edge]).padded(0.04);
+    let caption = format!(
+        "Where the slides really were: the circle's deviation, {most:.1} µm at most, is drawn {DRAWN_DEVIATION:.0} % of the radius high. X to the right, Y upwards."
+    );
+    let heading = format!("Circle {heading}");
+    let mut chart = Chart::to_scale(&heading, &caption, range(), range());
+    chart.line(Stroke::Ideal, &ring(0.0), Some("programmed"));
+    let strokes = [Stroke::Out, Stroke::Main];
+    for ((when, points), stroke) in curves.iter().zip(strokes) {
+        let line: Vec<_> = points.iter().map(|p| at(p.0, p.1)).collect();
+        chart.line(stroke, &line, Some(when));
+    }
+    figure(&heading, &chart.finish(id), &caption)
 }
