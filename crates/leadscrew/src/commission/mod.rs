@@ -3,7 +3,6 @@
 //! ```text
 //!   file as it is ─► axes ─► spindle ─► … ─► Commissioned: values ± 95 %, pictures ─► a file that extends the old one
 //! ```
-#![allow(dead_code, reason = "wip")]
 mod axes;
 mod axis_model;
 mod least_squares;

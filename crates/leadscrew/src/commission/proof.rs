@@ -27,6 +27,8 @@ const FEEDS: [f64; 3] = [1000.0, 3000.0, 6000.0];
 const ENDS: f64 = 0.03;
 /// Taps in air.
 const TAPS: usize = 20;
+/// The tap of the built-in tool table that is taken: M6.
+const TAP: u32 = 3;
 /// Lead of the taps, mm/rev.
 const LEAD: f64 = 1.0;
 /// Depth of the taps, mm.
@@ -109,7 +111,9 @@ impl Bench {
         if let (Some(x), Some(y)) = (self.window(0), self.window(1)) {
             self.circles(with, x, y, &mut proof)?;
         }
-        if let Some(z) = self.window(2).filter(|_| !with.file().spindles.is_empty()) {
+        // a lathe's spindle turns the work
+        let taps = !with.file().is_lathe && !with.file().spindles.is_empty();
+        if let Some(z) = self.window(2).filter(|_| taps) {
             self.taps(with, z, &mut proof)?;
         }
         Ok(proof)
@@ -163,7 +167,9 @@ impl Bench {
         let top = f64::midpoint(z.from, z.to);
         let most = file.axes[2].as_ref().map_or(0.0, |axis| axis.feed_most.in_per_min());
         let rpm = (file.spindles[0].tapping_max.in_rpm() * 0.5).min(0.5 * most / LEAD).floor();
-        let mut text = format!("G8\nG21 G90 G17 G94\nG53 G0 Z{top:.3}\nS{rpm:.0} M3\n");
+        let mut text =
+            format!("G8\nG21 G90 G17 G94\nT{TAP} M6\nG53 G0 Z{top:.3}\nS{rpm:.0} M3\nG4 P0.3\n");
+        let rests = text.lines().count() as u32;
         let zero = file.setup.g54.linear[2].value();
         let bottom = top - DEPTH;
         let mut lines = Vec::new();
@@ -173,7 +179,7 @@ impl Bench {
         }
         text += "M5\nM2\n";
         let places = self.places(with, "taps in air", &text, proof)?;
-        proof.taps = taps(&places, &lines, bottom);
+        proof.taps = taps(&places, &lines, (rests, top, bottom));
         Ok(())
     }
 
@@ -224,7 +230,10 @@ fn circle(places: &[Place], centre: [f64; 2], radius_mm: f64, feed: f64) -> Circ
 }
 
 /// How far Z is from the spindle's angle times the lead, and from its bottom.
-fn taps(places: &[Place], lines: &[u32], bottom: f64) -> Option<AirTaps> {
+fn taps(places: &[Place], lines: &[u32], (rests, top, bottom): (u32, f64, f64)) -> Option<AirTaps> {
+    // what is off at rest, touching off takes away
+    let off = places.iter().rfind(|place| place.line == rests)?.axes[2] - top;
+    let bottom = bottom + off;
     let mut found = AirTaps::default();
     let mut turns = Vec::new();
     for line in lines {

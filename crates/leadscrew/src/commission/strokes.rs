@@ -20,9 +20,9 @@ const SWEEP_S: f64 = 2.4;
 /// Even motion before and after a sweep, s.
 const EVEN_S: f64 = 0.3;
 /// Speed of slow strokes, mm/s.
-const SLOW: f64 = 30.0;
+const SLOW: f64 = 50.0;
 /// Share of the slow speed by which a sweep may change it.
-const MODULATED: f64 = 0.45;
+const MODULATED: f64 = 0.3;
 
 /// How an axis is moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
