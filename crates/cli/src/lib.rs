@@ -7,6 +7,7 @@
 //!        ├► time          leadscrew::time ─► tables
 //!        ├► compare       leadscrew::compare        holders, on a spindle that scatters
 //!        ├► compensation  leadscrew::compensation   cams, in every way
+//!        ├► commission    leadscrew::commission     a machine's numbers from its own drives
 //!        ├► polygon       leadscrew::polygon        from a form to the block that cuts it
 //!        ├► recover       control::recovery         what is known of a tool in the work, and the way out
 //!        ├► control       control::Control         a control that stays on, by script or from the terminal
@@ -29,6 +30,7 @@ mod check;
 mod coasting;
 mod codes;
 mod codes_of;
+mod commission;
 mod compare;
 mod compensation;
 mod compensation_chart;
@@ -159,6 +161,9 @@ fn execute(cli: &Cli) -> Result<u8, Refused> {
         Command::Drives(args) => drives::command(args).map(|()| SUCCESS),
         Command::Doctor(args) => {
             Ok(if doctor::command(args, cli.quiet)? { SUCCESS } else { OUT_OF_TOLERANCE })
+        }
+        Command::Commission(args) => {
+            Ok(if commission::command(args, cli.quiet)? { SUCCESS } else { OUT_OF_TOLERANCE })
         }
         Command::Simulator(args) => simulator::command(args).map(|()| SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),

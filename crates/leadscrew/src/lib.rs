@@ -25,6 +25,7 @@
 #![forbid(unsafe_code)]
 
 mod certificate;
+pub mod commission;
 pub mod compare;
 pub mod compensation;
 pub mod doctor;

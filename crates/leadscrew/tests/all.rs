@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // tests may panic, and what they share is not used by each
 
 mod attacks;
+mod commissioned;
 mod compensated;
 mod doctor;
 mod ethercat_drives;

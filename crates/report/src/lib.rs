@@ -27,8 +27,9 @@ mod thin;
 pub use measure::Measure;
 pub use nearest::{headroom_text, why_nearest};
 pub use page::{
-    CamPage, Comparison, CompensationPage, CompensationRow, DoctorPage, DoctorRow, LatencyPicture,
-    Named, PolygonPlan, Side, TappingMethod, WayOfCompensation, cam_html, comparison_html,
+    CamPage, CommissionPage, CommissionPicture, CommissionRow, Comparison, CompensationPage,
+    CompensationRow, DoctorPage, DoctorRow, LatencyPicture, Named, PolygonPlan, Side,
+    TappingMethod, WayOfCompensation, cam_html, commission_html, comparison_html,
     compensation_html, doctor_html, feature_name, html, polygon_html, um_figure,
 };
 pub use record::{AxisLimits, Recorder, WORST_KEPT};

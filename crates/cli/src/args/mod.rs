@@ -1,5 +1,6 @@
 //! What users type.
 mod cam;
+mod commission;
 mod common;
 mod compare;
 mod compensation;
@@ -21,6 +22,7 @@ mod trace;
 use crate::progress::Shown;
 pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
 use clap::{Parser, Subcommand};
+pub(crate) use commission::{CommissionArgs, CommissionOutput, CommissionStep};
 pub(crate) use common::{DialectChoice, Format, ProgramArgs, Switch, WorkSpeedChoice};
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
@@ -181,6 +183,20 @@ Examples:
   leadscrew doctor --seconds 0 --format json         without the measurement"
     )]
     Doctor(DoctorArgs),
+    /// Find a machine's numbers from what its own drives say, with intervals, and write its file
+    #[command(
+        after_help = "What moves: one axis at a time, over a good half of its travel from the end at which it stands, with no more \
+than 30 % of its drive's peak force. Force and torque are measured by the drives, positions by their encoders; nothing else is \
+looked at. The machine is simulated: its seed and --scatter, or --plant, make it another one than its file says.
+
+Exit code: 0 every value was found; 1 something could not be judged, or an alarm ended a step; 2 refused.
+
+Examples:
+  leadscrew commission --machine tapping-center --seed 7
+  leadscrew commission axes --machine shop.toml --write shop-commissioned.toml --out commission.html
+  leadscrew commission axes --seed 7 --format json"
+    )]
+    Commission(CommissionArgs),
     /// Take a tap out of its hole after the control died, or say why that is not safe
     #[command(
         after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto \
@@ -314,6 +330,7 @@ impl Command {
             Self::Compensation(args) => args.format == CompensationOutput::Json,
             Self::Codes(args) => args.format == CodesFormat::Json,
             Self::Doctor(args) => args.format == DoctorOutput::Json,
+            Self::Commission(args) => args.format == CommissionOutput::Json,
             Self::Drives(_)
             | Self::Explain(_)
             | Self::Simulator(_)

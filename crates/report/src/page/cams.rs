@@ -4,7 +4,7 @@
 //!   unrolled   e │ ~~~╮╭~~~      polar      ╭ ‑ ‑ ╮      the contour, with its error magnified
 //!                └──────── θ                 ╰ ‑ ‑ ╯
 //! ```
-use super::section::{STYLE, section};
+use super::section::{document, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 use std::f64::consts::TAU;
@@ -101,13 +101,7 @@ pub fn cam_html(page: &CamPage) -> String {
     let main = Tag::new("h1").text(&page.title)
         + &section("Figures", &Tag::new("div").class("scroll").around(&table))
         + &section("Pictures", &Tag::new("div").class("grid").around(&pictures));
-    let title = Tag::new("title").text(&page.title);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>{title}<style>{STYLE}</style></head>\n\
-         <body>{}</body></html>\n",
-        Tag::new("main").around(&main)
-    )
+    document(&page.title, &main)
 }
 
 fn degrees() -> Range {

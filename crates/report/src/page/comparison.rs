@@ -1,6 +1,6 @@
 //! Two ways of tapping side by side: how deep each of many holes became, and how much that
 //! scatters.
-use super::section::{STYLE, section};
+use super::section::{document, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, escape, fixed};
 
@@ -54,13 +54,7 @@ pub fn comparison_html(comparison: &Comparison) -> String {
     let main = heading
         + &section("Depth scatter", &table(&comparison.ways))
         + &section("Hole by hole", &Tag::new("div").class("grid").around(&pictures));
-    let title = Tag::new("title").text(&comparison.title);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>{title}<style>{STYLE}</style></head>\n\
-         <body>{}</body></html>\n",
-        Tag::new("main").around(&main)
-    )
+    document(&comparison.title, &main)
 }
 
 fn table(ways: &[TappingMethod]) -> String {

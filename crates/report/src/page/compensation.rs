@@ -1,5 +1,5 @@
 //! Ways of compensating a cam's phase error side by side: contour errors over cams and speeds.
-use super::section::{STYLE, section};
+use super::section::{document, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 
@@ -72,13 +72,7 @@ pub fn compensation_html(page: &CompensationPage) -> String {
     let main = Tag::new("h1").text(&page.title)
         + &section("Contour error by method", &(table(page) + &notes))
         + &section("Cam by cam", &Tag::new("div").class("grid").around(&pictures));
-    let title = Tag::new("title").text(&page.title);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>{title}<style>{STYLE}</style></head>\n\
-         <body>{}</body></html>\n",
-        Tag::new("main").around(&main)
-    )
+    document(&page.title, &main)
 }
 
 fn table(page: &CompensationPage) -> String {

@@ -1,6 +1,6 @@
 //! What a computer is like for leading a machine: findings topic by topic, and how late periods
 //! began.
-use super::section::{STYLE, grid, section};
+use super::section::{document, grid, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 
@@ -55,13 +55,7 @@ pub fn doctor_html(page: &DoctorPage) -> String {
         + &verdict
         + &section("What was found", &table(&page.rows))
         + &section("How late periods begin", &latency);
-    let title = Tag::new("title").text(&page.title);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>{title}<style>{STYLE}</style></head>\n\
-         <body>{}</body></html>\n",
-        Tag::new("main").around(&main)
-    )
+    document(&page.title, &main)
 }
 
 /// Colour and word of a finding's state.

@@ -13,6 +13,7 @@
 //! script.
 
 mod cams;
+mod commission;
 mod comparison;
 mod compensation;
 mod doctor;
@@ -30,6 +31,7 @@ mod turned;
 mod verdict;
 
 pub use cams::{CamPage, cam_html};
+pub use commission::{CommissionPage, CommissionPicture, CommissionRow, commission_html};
 pub use comparison::{Comparison, TappingMethod, comparison_html};
 pub use compensation::{
     CompensationPage, CompensationRow, WayOfCompensation, compensation_html, um_figure,

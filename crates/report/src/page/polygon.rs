@@ -1,6 +1,6 @@
 //! A polygon before it is cut: paths of the tips, the cross-section, the facet's error, flatness
 //! over speed.
-use super::section::{STYLE, section};
+use super::section::{document, section};
 use crate::pictures::figure;
 use crate::svg::{Chart, Range, Stroke, Tag};
 
@@ -73,13 +73,7 @@ pub fn polygon_html(plan: &PolygonPlan) -> String {
         + &cut_table(plan)
         + &section("Pictures", &Tag::new("div").class("grid").around(&pictures))
         + &section("In the program", &Tag::new("pre").text(&plan.gcode));
-    let title = Tag::new("title").text(&plan.title);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>{title}<style>{STYLE}</style></head>\n\
-         <body>{}</body></html>\n",
-        Tag::new("main").around(&main)
-    )
+    document(&plan.title, &main)
 }
 
 /// What was cut on the simulated machine, if it was, as a table.

@@ -15,3 +15,14 @@ pub(super) fn section(heading: &str, content: &str) -> String {
 pub(super) fn grid(figures: &str) -> String {
     if figures.is_empty() { String::new() } else { Tag::new("div").class("grid").around(figures) }
 }
+
+/// A whole page, in one file without outside resources. `main` is markup, `title` is text.
+pub(super) fn document(title: &str, main: &str) -> String {
+    let title = Tag::new("title").text(title);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>{title}<style>{STYLE}</style></head>\n\
+         <body>{}</body></html>\n",
+        Tag::new("main").around(main)
+    )
+}

@@ -182,6 +182,11 @@ fn now() -> String {
     utc((unix_ns() / 1_000_000_000) as i64)
 }
 
+/// Today's date, UTC, as `2026-11-29`.
+pub fn today() -> String {
+    now().chars().take(10).collect()
+}
+
 /// Seconds since 1970 as a date of the Gregorian calendar (Hinnant, chrono-Compatible Low-Level
 /// Date Algorithms, `civil_from_days`).
 fn utc(unix_s: i64) -> String {

@@ -35,7 +35,7 @@ pub use alarms::{AlarmRecord, MOST_ALARMS};
 pub use changer::{ChangerRecord, HalfWay};
 pub use changes::StateChange;
 pub use data::{HomedAxis, Homing, LastProgram, LengthDisplay, Machine, Settings, WorkpieceRecord};
-pub use manifest::{MachineIdentity, Origin};
+pub use manifest::{MachineIdentity, Origin, today};
 pub use seal::{Datum, Untrusted};
 
 use crate::Error;
