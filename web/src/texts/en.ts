@@ -18,6 +18,9 @@ export const codes: Record<string, string> = {
   M3: 'spindle clockwise', M4: 'spindle counter-clockwise', M5: 'spindle stop', M7: 'mist', M8: 'coolant', M9: 'no coolant',
 };
 
+/** A tool by its number; 0 is none. */
+const named = (tool: number) => (tool === 0 ? 'no tool' : `T${tool}`);
+
 export const t = {
   title: 'Leadscrew',
   waitsFor: 'waits for',
@@ -329,6 +332,20 @@ export const beginTexts = {
   search: 'Search',
   programChanged: 'The program was changed since',
   noNumber: 'a hole, line or tool has a whole number, 1 or more',
+};
+
+export const changerTexts = {
+  title: (from: number, to: number) => `Tool change half way, ${named(from)} to ${named(to)}`,
+  step: (number: number, of: number, name: string, isBack: boolean) => `Step ${number} of ${of}: ${name}${isBack ? ', undone' : ''}`,
+  input: 'Input', is: 'is', shouldBe: 'should be',
+  on: (is: boolean) => (is ? 'on' : 'off'),
+  goOn: 'Go on', undo: 'Undo', oneStep: 'One step', stepBack: 'One step back',
+  byHand: 'It was brought to rest by hand …',
+  byHandHow: 'Valves, carousel and axes stand as before a change. Say which tool is in the spindle; 0 is none.',
+  toolInSpindle: 'Tool in the spindle', done: 'Done by hand',
+  pocketAtSpindle: 'Pocket at the spindle', isThere: 'It is there',
+  notKnown: 'pocket at the spindle: not known',
+  picture: (spindle: number, at: number | null) => `Carousel, ${at === null ? 'pocket at the spindle not known' : `pocket ${at} at the spindle`}; in the spindle ${named(spindle)}`,
 };
 
 export const recoveryTexts = {
