@@ -363,6 +363,66 @@ not_known_whole: string | null,
  */
 refused: string | null, };
 
+export type SequenceStatus = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Name of the step that was begun last.
+ */
+step: string, 
+/**
+ * Its number, from 1.
+ */
+number: number, 
+/**
+ * Number of steps of the sequence.
+ */
+of: number, 
+/**
+ * It is, or was, being undone.
+ */
+is_back: boolean, 
+/**
+ * Nothing leads it on: that is for the operator.
+ */
+is_half_way: boolean, 
+/**
+ * Only a person undoes this step.
+ */
+is_undone_by_hand: boolean, 
+/**
+ * Tool in the spindle at its beginning; 0 is none.
+ */
+from: number, 
+/**
+ * Tool in the spindle at its end; 0 is none.
+ */
+to: number, 
+/**
+ * What the step tells the operator to do.
+ */
+operator: string | null, 
+/**
+ * Inputs as they are, and as they should be once the step is done.
+ */
+inputs: Array<SequenceInput>, };
+
+export type SequenceInput = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * It is on.
+ */
+is: boolean, 
+/**
+ * It should be on.
+ */
+should_be: boolean, };
+
 export type MagazineStatus = { 
 /**
  * Tool in each pocket, pocket 1 first; 0 is none.
