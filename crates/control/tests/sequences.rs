@@ -92,6 +92,7 @@ thread_local! {
     static MACHINE_HERE: RefCell<Option<Lasting>> = const { RefCell::new(None) };
 }
 
+#[allow(clippy::unnecessary_wraps)] // as a door opens
 fn open(opening: &Opening<'_>) -> Result<Opened, Refused> {
     let Opening { machine, tools, material, seed, zero, .. } = *opening;
     let lasting = MACHINE_HERE.with_borrow_mut(|here| {

@@ -9,9 +9,9 @@ use crate::wire::{
 use control::RealTimeFigures;
 use control::operation::hosted::FindingData;
 use control::operation::{
-    AxisStatus, FeatureCount, LeftInWork, LoadingStatus, MessageStatus, NeedStatus, Overrides,
-    ProgramStatus, SpindleStatus, StateChangeStatus, Status, Switches, WaitingStatus,
-    WorkpieceStatus,
+    AxisStatus, FeatureCount, LeftInWork, LoadingStatus, MagazineStatus, MessageStatus, NeedStatus,
+    Overrides, ProgramStatus, SequenceInput, SequenceStatus, SpindleStatus, StateChangeStatus,
+    Status, Switches, WaitingStatus, WorkpieceStatus,
 };
 use ts_rs::{Config, TS};
 
@@ -43,6 +43,9 @@ pub fn typescript() -> String {
         WaitingStatus,
         ProgramStatus,
         LeftInWork,
+        SequenceStatus,
+        SequenceInput,
+        MagazineStatus,
         MessageStatus,
         LoadingStatus,
         StateChangeStatus,

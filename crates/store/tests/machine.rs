@@ -140,7 +140,7 @@ fn a_machine_is_found_by_name_or_by_file() {
         "there is no machine `robot` and no file of that name: \
          expected a file or one of tapping-center, polygon-lathe, lathe, cam-grinder, cam-grinder-coarse, \
          tapping-center-scale, tapping-center-shop, vfd-mill, gear-hobber, bench-xyz, bench-xyz-jerk20, mill-5-axis, \
-         machining-center, router, turning-center, portal-mill, lathe-chuck-zero"
+         machining-center, router, turning-center, portal-mill, lathe-chuck-zero, umbrella-mill"
     );
     assert_eq!(sentence("no.toml"), "cannot read no.toml: there is no such file or folder");
 }

@@ -96,6 +96,14 @@ is_tool_in_work: boolean,
  */
 left_in_work?: LeftInWork, 
 /**
+ * The tool change that is under way or was left half way, where a sequence works it.
+ */
+sequence?: SequenceStatus, 
+/**
+ * Where the tools are, where a sequence works the changer.
+ */
+magazine?: MagazineStatus, 
+/**
  * What the program has said last to the operator, since it was started.
  */
 message?: MessageStatus, 
@@ -363,6 +371,80 @@ not_known_whole: string | null,
  */
 refused: string | null, };
 
+export type SequenceStatus = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Name of the step that was begun last.
+ */
+step: string, 
+/**
+ * Its number, from 1.
+ */
+number: number, 
+/**
+ * Number of steps of the sequence.
+ */
+of: number, 
+/**
+ * It is, or was, being undone.
+ */
+is_back: boolean, 
+/**
+ * Nothing leads it on: that is for the operator.
+ */
+is_half_way: boolean, 
+/**
+ * Only a person undoes this step.
+ */
+is_undone_by_hand: boolean, 
+/**
+ * Tool in the spindle at its beginning; 0 is none.
+ */
+from: number, 
+/**
+ * Tool in the spindle at its end; 0 is none.
+ */
+to: number, 
+/**
+ * What the step tells the operator to do.
+ */
+operator: string | null, 
+/**
+ * Inputs as they are, and as they should be once the step is done.
+ */
+inputs: Array<SequenceInput>, };
+
+export type SequenceInput = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * It is on.
+ */
+is: boolean, 
+/**
+ * It should be on.
+ */
+should_be: boolean, };
+
+export type MagazineStatus = { 
+/**
+ * Tool in each pocket, pocket 1 first; 0 is none.
+ */
+pockets: Array<number>, 
+/**
+ * Tool in the spindle; 0 is none.
+ */
+spindle: number, 
+/**
+ * Pocket at the spindle; `None`: not known.
+ */
+at: number | null, };
+
 export type MessageStatus = { 
 /**
  * The message.
@@ -446,6 +528,7 @@ export type RequestBody = { "request": "power", on: boolean, } | { "request": "e
  * Also where the program was changed since it was left half done.
  */
 program_changed?: boolean, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "begin_workpiece", name?: string, } | { "request": "end_workpiece", } | { "request": "acknowledge_state", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "flood", on: boolean, } | { "request": "mist", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
+program_changed?: boolean, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "sequence_go_on", } | { "request": "sequence_undo", } | { "request": "sequence_step", } | { "request": "sequence_step_back", } | { "request": "sequence_done", tool: number, } | { "request": "carousel_is_at", pocket: number, } | { "request": "set_pocket", pocket: number, tool: number, } | { "request": "begin_workpiece", name?: string, } | { "request": "end_workpiece", } | { "request": "acknowledge_state", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm?: number, at_deg?: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm?: number, at_deg?: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, } | { "request": "renew_tool", tool: number, } | { "request": "limit_tool", tool: number, uses: number | null, };
 
 export type ToolFieldName = "length" | "diameter" | "wear_length" | "wear_radius";
 

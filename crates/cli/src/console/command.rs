@@ -158,16 +158,7 @@ impl Command {
             ["reset"] => Self::Request(Request::Reset),
             ["retract"] => Self::Request(Request::Retract),
             ["recover"] => Self::Request(Request::Recover),
-            ["sequence"] => Self::Sequence,
-            ["sequence", "go", "on"] => led(SequenceOrder::GoOn),
-            ["sequence", "undo"] => led(SequenceOrder::Undo),
-            ["sequence", "step"] => led(SequenceOrder::Step),
-            ["sequence", "step", "back"] => led(SequenceOrder::StepBack),
-            ["sequence", "done", number] => led(SequenceOrder::Done(tool(number)?)),
-            ["carousel", "at", pocket] => led(SequenceOrder::Carousel(tool(pocket)?)),
-            ["pocket", pocket, number] => {
-                led(SequenceOrder::Pocket(tool(pocket)?, tool(number.trim_start_matches('T'))?))
-            }
+            ["sequence" | "carousel" | "pocket", ..] => sequence(&words)?,
             ["tool", "is", "free"] => Self::Request(Request::ToolIsFree),
             ["single", "block", switch] => Self::Request(Request::SingleBlock(is_on(switch)?)),
             ["optional", "stop", switch] => Self::Request(Request::OptionalStop(is_on(switch)?)),
@@ -337,8 +328,27 @@ fn work_offset(text: &str) -> Result<u8, String> {
         .ok_or_else(|| format!("expected a work offset from G54 to G59.3, found \"{text}\""))
 }
 
-const fn led(order: SequenceOrder) -> Command {
-    Command::Request(Request::Sequence(order))
+/// What leads a tool change on, or says where tools are.
+fn sequence(words: &[&str]) -> Result<Command, String> {
+    let order = match words {
+        ["sequence"] => return Ok(Command::Sequence),
+        ["sequence", "go", "on"] => SequenceOrder::GoOn,
+        ["sequence", "undo"] => SequenceOrder::Undo,
+        ["sequence", "step"] => SequenceOrder::Step,
+        ["sequence", "step", "back"] => SequenceOrder::StepBack,
+        ["sequence", "done", number] => SequenceOrder::Done(tool(number)?),
+        ["carousel", "at", pocket] => SequenceOrder::Carousel(tool(pocket)?),
+        ["pocket", pocket, number] => {
+            SequenceOrder::Pocket(tool(pocket)?, tool(number.trim_start_matches('T'))?)
+        }
+        _ => {
+            return Err(format!(
+                "expected sequence [go on|undo|step [back]|done TOOL], carousel at POCKET or pocket POCKET TOOL, found \"{}\"",
+                words.join(" ")
+            ));
+        }
+    };
+    Ok(Command::Request(Request::Sequence(order)))
 }
 
 fn tool(text: &str) -> Result<u32, String> {

@@ -210,28 +210,32 @@ impl Control {
             changer: None,
             base,
         };
-        let changer = state.changer.clone();
         control.take_kept(state);
-        control.take_changer(changer);
         let state = control.options.state.as_deref();
         ranges::check_kept(&control.data.parameters, &control.base.machine, state)?;
         for finding in found {
             control.events.notice(finding);
         }
         control.forget_modes();
-        let keeps_time = control.options.real_time.or(has_seat.then(RealTimeOptions::default));
-        if let Some(real_time) = keeps_time {
-            control.executor.keep_time(real_time);
-            control.executor.begin_real_time();
-            if let (true, Some(why)) = (has_seat, control.executor.machine.lost()) {
-                return Err(Refused::because(why));
-            }
-            for refused in &control.executor.refused {
-                control.events.notice(refused.clone());
-            }
-        }
+        control.begin_real_time(has_seat)?;
         control.find_left_at_seat();
         Ok(control)
+    }
+
+    /// The servo thread begins, where there is one.
+    fn begin_real_time(&mut self, has_seat: bool) -> Result<(), Refused> {
+        let keeps_time = self.options.real_time.or(has_seat.then(RealTimeOptions::default));
+        if let Some(real_time) = keeps_time {
+            self.executor.keep_time(real_time);
+            self.executor.begin_real_time();
+            if let (true, Some(why)) = (has_seat, self.executor.machine.lost()) {
+                return Err(Refused::because(why));
+            }
+            for refused in &self.executor.refused {
+                self.events.notice(refused.clone());
+            }
+        }
+        Ok(())
     }
 
     /// Stops that wait in no queue, for any thread; and whether the emergency stop chain is within

@@ -31,6 +31,7 @@ impl Control {
             self.data.tools = tools;
         }
         self.take_broken_tools();
+        self.take_changer(state.changer);
         self.alarms = state.alarms.into_iter().map(remembered).collect();
         self.raise_state_changes(state.changes);
         if let Some(Settings {

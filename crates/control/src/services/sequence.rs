@@ -72,15 +72,16 @@ pub fn text(changes: &[MadeChange], machine: &MachineFile) -> String {
 /// What went wrong in a simulated carousel, a line each.
 pub fn wrong(carousel: Option<&CarouselTruth>) -> String {
     let Some(truth) = carousel else { return String::new() };
-    let mut said: String = truth
-        .described
-        .iter()
-        .map(|what| format!("collision in the tool changer: {what}\n"))
-        .collect();
+    let mut said = String::new();
+    for what in &truth.described {
+        said = said + "collision in the tool changer: " + what + "\n";
+    }
     if truth.collisions as usize > truth.described.len() {
         said += &format!("{} collisions in the tool changer in all\n", truth.collisions);
     }
-    said.extend(truth.dropped.iter().map(|tool| format!("T{tool} dropped from the spindle\n")));
+    for tool in &truth.dropped {
+        said += &format!("T{tool} dropped from the spindle\n");
+    }
     said
 }
 

@@ -237,6 +237,7 @@ impl RequestBody {
     ///
     /// # Errors
     /// A value is out of its range: the sentence says which range works.
+    #[allow(clippy::too_many_lines)] // a line or two for each request
     pub(crate) fn read(
         self,
         machine: &MachineFile,

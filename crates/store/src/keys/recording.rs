@@ -52,7 +52,7 @@ impl Keys<'_> {
     /// Heading of the tables `[[key]]` of this one.
     pub(super) fn heading(&self, key: &str) -> String {
         match self.name.strip_prefix('[').and_then(|n| n.strip_suffix(']')) {
-            Some(parent) => format!("[[{parent}.{key}]]"),
+            Some(parent) => format!("[[{}.{key}]]", parent.trim_matches(['[', ']'])),
             None => format!("[[{key}]]"),
         }
     }

@@ -270,19 +270,7 @@ impl MachineFile {
         let inputs = keys.optional_section("inputs", Names::read).unwrap_or_default();
         let outputs = keys.optional_section("outputs", Names::read).unwrap_or_default();
         let signals = Signals { inputs: &inputs, outputs: &outputs };
-        let (tool_change, carousel) = keys.section("tool_change", |keys| {
-            let tool_change = ToolChange::read(keys);
-            let read = |keys: &mut Keys<'_>| CarouselFile::read(keys, signals, tool_change.pockets);
-            (tool_change, keys.optional_section("carousel", read))
-        });
-        let read = |keys: &mut Keys<'_>| sequence::read(keys, signals, carousel);
-        let sequence = keys.optional_sections("sequences", 1, read).pop();
-        let mut simulated_carousel = None;
-        let simulation = keys.section("simulation", |keys| {
-            let read = |keys: &mut Keys<'_>| CarouselModel::read(keys, signals);
-            simulated_carousel = keys.optional_section("carousel", read);
-            Simulation::read(keys, &mut before)
-        });
+        let (mut carousel, mut simulated_carousel) = (None, None);
         let file = Self {
             name: keys.text("name"),
             description: keys.text("description"),
@@ -290,17 +278,29 @@ impl MachineFile {
             control: keys.section("control", Control::read),
             axes: keys.section("axes", read_axes),
             spindles: keys.sections("spindles", bus::SPINDLES, Spindle::read),
-            tool_change,
+            tool_change: keys.section("tool_change", |keys| {
+                let file = ToolChange::read(keys);
+                let read = |keys: &mut Keys<'_>| CarouselFile::read(keys, signals, file.pockets);
+                carousel = keys.optional_section("carousel", read);
+                file
+            }),
             carousel,
-            tool_change_sequence: sequence.map(std::sync::Arc::new),
-            simulated_carousel,
+            tool_change_sequence: keys
+                .optional_sections("sequences", 1, |keys| sequence::read(keys, signals, carousel))
+                .pop()
+                .map(std::sync::Arc::new),
             tapping: keys.section("tapping", Tapping::read),
             drives: keys.optional_section("drives", Drives::read).unwrap_or_default(),
             hal: keys.optional_section("hal", Hal::read),
             ethercat: keys.optional_section("ethercat", EthercatNetwork::read),
             grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
-            simulation,
+            simulation: keys.section("simulation", |keys| {
+                let read = |keys: &mut Keys<'_>| CarouselModel::read(keys, signals);
+                simulated_carousel = keys.optional_section("carousel", read);
+                Simulation::read(keys, &mut before)
+            }),
+            simulated_carousel,
             scatter: Scatter::of(keys, &before),
             inputs: inputs.clone(),
             outputs: outputs.clone(),

@@ -55,9 +55,9 @@ impl CarouselFile {
         let carousel = Carousel {
             pockets: pockets.max(1),
             forward: output(keys, "forward").unwrap_or(0),
-            backward: keys.has("backward").then(|| output(keys, "backward")).flatten(),
+            backward: optional(keys, "backward", &signals.outputs.digital, "output"),
             count: input(keys, "count").unwrap_or(0),
-            reference: keys.has("reference").then(|| input(keys, "reference")).flatten(),
+            reference: optional(keys, "reference", &signals.inputs.digital, "input"),
             longest: Time::s(keys.number("pocket_limit_s", 0.01..=LONGEST_S)),
             usual: Time::s(keys.number("pocket_s", 0.0..=LONGEST_S)),
         };
@@ -243,6 +243,17 @@ pub(super) fn named(
     if name.is_empty() {
         return None;
     }
+    number_of(&name, names, kind).map_err(|why| keys.unknown_name(key, why)).ok()
+}
+
+/// The signal that a key names, if it is stated.
+fn optional(
+    keys: &mut Keys<'_>,
+    key: &'static str,
+    names: &[(u8, String)],
+    kind: &str,
+) -> Option<u8> {
+    let name = keys.optional_text(key)?;
     number_of(&name, names, kind).map_err(|why| keys.unknown_name(key, why)).ok()
 }
 

@@ -62,12 +62,14 @@ enum Begins {
 /// What a request sets going; a new request has to say it.
 const fn begins(request: &Request) -> Begins {
     match request {
-        Request::Sequence(
-            SequenceOrder::Done(_) | SequenceOrder::Carousel(_) | SequenceOrder::Pocket(..),
-        ) => Begins::Nothing,
         Request::Start
         | Request::ManualDataInput(_)
-        | Request::Sequence(_)
+        | Request::Sequence(
+            SequenceOrder::GoOn
+            | SequenceOrder::Undo
+            | SequenceOrder::Step
+            | SequenceOrder::StepBack,
+        )
         | Request::Resume
         | Request::Confirm => Begins::Program,
         Request::Home(_)
@@ -84,6 +86,9 @@ const fn begins(request: &Request) -> Begins {
         | Request::Search(..)
         | Request::FeedHold
         | Request::Stop
+        | Request::Sequence(
+            SequenceOrder::Done(_) | SequenceOrder::Carousel(_) | SequenceOrder::Pocket(..),
+        )
         | Request::ToolIsFree
         | Request::BeginWorkpiece(_)
         | Request::EndWorkpiece
