@@ -76,7 +76,7 @@ pub(crate) struct AxisParameters {
     pub(crate) delay: f64,
 }
 
-/// CirclePlace of the parameters in a fit.
+/// Index of each parameter in a fit.
 pub(crate) mod place {
     pub(crate) const MOTOR: usize = 0;
     pub(crate) const TABLE: usize = 1;
@@ -134,8 +134,6 @@ pub(crate) struct AxisFit {
     pub(crate) parameters: AxisParameters,
     /// The play shows in the samples: the slide has changed its flank.
     pub(crate) play_shows: bool,
-    /// Time of the stretches that were looked at, s.
-    pub(crate) lasts_s: f64,
 }
 
 /// Fits the model to what was recorded; `None`: there is too little motion in it.
@@ -145,7 +143,6 @@ pub(crate) fn fit_axis(
     least_speed: f64,
 ) -> Option<AxisFit> {
     let all = stretches(samples, least_speed);
-    let lasts_s = all.iter().map(Range::len).sum::<usize>() as f64 * samples.period_s;
     if all.is_empty() {
         return None;
     }
@@ -182,7 +179,7 @@ pub(crate) fn fit_axis(
         found.values[i] = found.values[i].abs();
     }
     let parameters = AxisParameters::of(&found.values);
-    Some(AxisFit { fit: found, parameters, play_shows, lasts_s })
+    Some(AxisFit { fit: found, parameters, play_shows })
 }
 
 /// Speed of the motor at each period, m/s.

@@ -111,7 +111,7 @@ pub(crate) fn fit(
             for (i, row) in damped.iter_mut().enumerate() {
                 row[i] *= 1.0 + damping;
             }
-            let Some(step) = solve(damped, &right) else { return None };
+            let step = solve(damped, &right)?;
             let mut moved = at.clone();
             for (k, i) in free.iter().enumerate() {
                 moved[*i] += step[k];

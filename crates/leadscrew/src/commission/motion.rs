@@ -113,15 +113,15 @@ impl Observer for Listener {
         for axis in &mut signals.axes {
             let said = &sample.feedback.axes[axis.index];
             axis.position_mm.push(said.position.value());
-            axis.motor_mm.extend(said.motor.map(|motor| motor.value()));
-            axis.force_n.extend(said.force.map(|force| force.value()));
+            axis.motor_mm.extend(said.motor.map(units::Coordinate::value));
+            axis.force_n.extend(said.force.map(units::Force::value));
             let asked = &sample.command.axes[axis.index];
             axis.setpoint_mm.push(asked.position.value());
             axis.asked_n.push(asked.force.value());
         }
         let said = &sample.feedback.spindles[0];
         signals.spindle.angle_rev.push(said.angle.value());
-        signals.spindle.torque_n_m.extend(said.torque.map(|torque| torque.value()));
+        signals.spindle.torque_n_m.extend(said.torque.map(units::Torque::value));
         let asked = &sample.command.spindles[0];
         signals.spindle.commanded.push(asked.spin.value());
         signals.spindle.asked_n_m.push(asked.torque.value());

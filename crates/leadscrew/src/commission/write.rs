@@ -31,7 +31,7 @@ pub fn commissioned(
     let mut table = String::new();
     for line in text.lines() {
         if let Some(head) = line.strip_prefix('[') {
-            table = head.trim_matches(['[', ']']).to_owned();
+            head.trim_matches(['[', ']']).clone_into(&mut table);
             if table == "spindles" || table.starts_with("spindles.") {
                 table = table.replacen("spindles", "spindles.0", 1);
             }
