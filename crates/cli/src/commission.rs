@@ -34,7 +34,7 @@ pub(crate) fn command(args: &CommissionArgs, quiet: bool) -> Result<bool, Refuse
     for step in steps {
         match step {
             CommissionStep::Axes => {
-                results.push(commission::axes(&bench, StrokeCounts::default())?)
+                results.push(commission::axes(&bench, StrokeCounts::default())?);
             }
             CommissionStep::Spindle => results.push(commission::spindle(&bench)?),
             CommissionStep::Proof => {}
@@ -326,13 +326,16 @@ fn circle_rows(proofs: &[(&'static str, Proof)]) -> Vec<Vec<String>> {
     rows
 }
 
+/// What is said of taps, and how it is read.
+type TapMeasure = (&'static str, fn(&AirTaps) -> f64);
+
 fn tap_rows(proofs: &[(&'static str, Proof)]) -> Vec<Vec<String>> {
     if proofs.iter().all(|(_, proof)| proof.taps.is_none()) {
         return Vec::new();
     }
     let heads = proofs.iter().map(|(when, _)| format!("{when}, µm"));
     let mut rows = vec![std::iter::once("taps in air".to_owned()).chain(heads).collect()];
-    let measures: [(&str, fn(&AirTaps) -> f64); 3] = [
+    let measures: [TapMeasure; 3] = [
         ("largest sync error", |taps| taps.sync_error_um),
         ("largest way beyond the bottom", |taps| taps.overrun_um),
         ("scatter of the turning points, one deviation", |taps| taps.repeats_um),
