@@ -4,7 +4,9 @@ use crate::say;
 use control::Refused;
 use control::config::machine_file::MachineSource;
 use leadscrew::Machine;
-use leadscrew::commission::{self, AirTaps, Bench, Effort, Finding, Picture, Proof, StepResult};
+use leadscrew::commission::{
+    self, AirTaps, Bench, MeasuredValue, Picture, Proof, StepResult, StrokeCounts,
+};
 use report::{CommissionPage, CommissionPicture, CommissionRow};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -31,14 +33,16 @@ pub(crate) fn command(args: &CommissionArgs, quiet: bool) -> Result<bool, Refuse
     let mut results = Vec::new();
     for step in steps {
         match step {
-            CommissionStep::Axes => results.push(commission::axes(&bench, Effort::default())?),
+            CommissionStep::Axes => {
+                results.push(commission::axes(&bench, StrokeCounts::default())?);
+            }
             CommissionStep::Spindle => results.push(commission::spindle(&bench)?),
             CommissionStep::Proof => {}
         }
     }
     let name = &bench.machine.file().name;
     let date = store::state::today();
-    let all: Vec<Finding> =
+    let all: Vec<MeasuredValue> =
         results.iter().flat_map(|result| result.findings.iter().cloned()).collect();
     let written = commission::commissioned(&bench.machine, name, &all, &date)?;
     if let Some(path) = &args.write {
@@ -49,7 +53,7 @@ pub(crate) fn command(args: &CommissionArgs, quiet: bool) -> Result<bool, Refuse
     } else {
         Vec::new()
     };
-    let found = Found { name, seed, date: &date, results: &results, proofs: &proofs };
+    let found = Commissioning { name, seed, date: &date, results: &results, proofs: &proofs };
     if let Some(path) = &args.out {
         let page = report::commission_html(&found.page());
         store::output::write_file(path, page.as_bytes())?;
@@ -79,7 +83,7 @@ fn prove(
 }
 
 /// Everything that is said.
-struct Found<'a> {
+struct Commissioning<'a> {
     name: &'a str,
     seed: u64,
     date: &'a str,
@@ -93,11 +97,11 @@ fn figure(value: f64, half: f64) -> String {
     format!("{value:.*}", digits.clamp(0.0, 7.0) as usize)
 }
 
-fn percent(finding: &Finding) -> String {
+fn percent(finding: &MeasuredValue) -> String {
     finding.difference().map_or_else(String::new, |share| format!("{:+.1} %", share * 100.0))
 }
 
-impl Found<'_> {
+impl Commissioning<'_> {
     fn is_whole(&self) -> bool {
         self.results.iter().all(StepResult::is_whole)
             && self.proofs.iter().all(|(_, proof)| proof.alarms.is_empty())
@@ -127,7 +131,8 @@ impl Found<'_> {
             for moved in &result.moved {
                 let _ = writeln!(
                     text,
-                    "  {} moved from {:.1} to {:.1} mm (allowed {:.1} to {:.1} mm), {:.0} % of its peak force at most",
+                    "  {} moved from {:.1} to {:.1} mm (allowed {:.1} to {:.1} mm), \
+                     {:.0} % of its peak force at most",
                     moved.letter,
                     moved.from_mm,
                     moved.to_mm,
@@ -224,7 +229,8 @@ impl Found<'_> {
             title: format!("{name}, commissioned"),
             verdict: (whole, verdict(results, whole)),
             facts: format!(
-                "{date}, simulated machine of seed {seed}, {minutes:.1} minutes of machine time. Intervals are 95 %."
+                "{date}, simulated machine of seed {seed}, {minutes:.1} minutes of machine time. \
+                 Intervals are 95 %."
             ),
             rows: rows.collect(),
             notes: results.iter().flat_map(says).chain(alarms).collect(),
@@ -268,7 +274,8 @@ fn proof_text(when: &str, proof: &Proof) -> String {
     if let Some(taps) = &proof.taps {
         let _ = writeln!(
             text,
-            "  {} taps in air: sync error {:.1} µm at most, {:.1} µm beyond the bottom at most, turning points scatter by {:.2} µm",
+            "  {} taps in air: sync error {:.1} µm at most, {:.1} µm beyond the bottom at most, \
+             turning points scatter by {:.2} µm",
             taps.count, taps.sync_error_um, taps.overrun_um, taps.repeats_um
         );
     }
@@ -319,13 +326,16 @@ fn circle_rows(proofs: &[(&'static str, Proof)]) -> Vec<Vec<String>> {
     rows
 }
 
+/// What is said of taps, and how it is read.
+type TapMeasure = (&'static str, fn(&AirTaps) -> f64);
+
 fn tap_rows(proofs: &[(&'static str, Proof)]) -> Vec<Vec<String>> {
     if proofs.iter().all(|(_, proof)| proof.taps.is_none()) {
         return Vec::new();
     }
     let heads = proofs.iter().map(|(when, _)| format!("{when}, µm"));
     let mut rows = vec![std::iter::once("taps in air".to_owned()).chain(heads).collect()];
-    let measures: [(&str, fn(&AirTaps) -> f64); 3] = [
+    let measures: [TapMeasure; 3] = [
         ("largest sync error", |taps| taps.sync_error_um),
         ("largest way beyond the bottom", |taps| taps.overrun_um),
         ("scatter of the turning points, one deviation", |taps| taps.repeats_um),

@@ -2,7 +2,7 @@
 //! what the machines really are.
 use control::config::machine_file::MachineSource;
 use leadscrew::Machine;
-use leadscrew::commission::{self, Bench, Effort, MOST_TORQUE_SHARE, StepResult};
+use leadscrew::commission::{self, Bench, MOST_TORQUE_SHARE, StepResult, StrokeCounts};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use test_support::Dice;
@@ -141,8 +141,8 @@ fn allowed(what: &str) -> Option<f64> {
 #[test]
 fn axes_are_found_from_their_own_drives() {
     let seeds = size::of(1, 100);
-    let quick = Effort { slow_pairs: 3, fast_pairs: 4 };
-    let effort = if size::is_full() { Effort::default() } else { quick };
+    let quick = StrokeCounts { slow_pairs: 3, fast_pairs: 4 };
+    let effort = if size::is_full() { StrokeCounts::default() } else { quick };
     let mut tally = Tally::default();
     for seed in 100..100 + seeds {
         let (bench, real) = bench(seed);

@@ -3,7 +3,7 @@
 use super::axis_model::{AxisFit, AxisParameters, AxisSamples, fit_axis, place, stretches};
 use super::least_squares::Estimate;
 use super::motion::{AxisSignals, Bench};
-use super::result::{Finding, Picture, StepResult};
+use super::result::{MeasuredValue, Picture, StepResult};
 use super::strokes::StrokePlan;
 use control::Refused;
 use std::f64::consts::TAU;
@@ -19,16 +19,22 @@ const USUAL_JERK: f64 = 800.0;
 /// Standard gravity (CGPM 1901), m/s².
 const GRAVITY: f64 = 9.806_65;
 
+/// What the model may be off by beside noise, as a share: the motion between two readings is a
+/// cubic, a guideway's friction a straight line. Taken from simulated machines.
+const MASS_MODEL: f64 = 1e-3;
+const SPRING_MODEL: f64 = 4e-3;
+const FRICTION_MODEL: f64 = 0.01;
+
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct StrokeCounts {
     /// Pairs of slow strokes with a sweep.
     pub slow_pairs: usize,
     /// Pairs of fast strokes.
     pub fast_pairs: usize,
 }
 
-impl Default for Effort {
+impl Default for StrokeCounts {
     fn default() -> Self {
         Self { slow_pairs: 10, fast_pairs: 15 }
     }
@@ -56,7 +62,7 @@ fn believed(axis: &Axis) -> AxisParameters {
 ///
 /// # Errors
 /// The machine cannot be run.
-pub(crate) fn measure(bench: &Bench, effort: Effort) -> Result<StepResult, Refused> {
+pub(crate) fn measure(bench: &Bench, effort: StrokeCounts) -> Result<StepResult, Refused> {
     let mut result = StepResult::new("axes");
     for (index, axis) in bench.machine.file().axes.iter().enumerate() {
         let Some(axis) = axis else { continue };
@@ -74,7 +80,7 @@ fn measure_axis(
     bench: &Bench,
     index: usize,
     axis: &Axis,
-    effort: Effort,
+    effort: StrokeCounts,
     result: &mut StepResult,
 ) -> Result<(), Refused> {
     let letter = axis.letter.letter();
@@ -84,7 +90,7 @@ fn measure_axis(
         letter,
         window: window.inner(),
         fastest: axis.feed_most.value(),
-        acceleration: bench.gentle(index),
+        acceleration: bench.planned_acceleration(index),
         jerk: if jerk.is_finite() { jerk } else { USUAL_JERK },
         slow_pairs: effort.slow_pairs,
         fast_pairs: effort.fast_pairs,
@@ -97,7 +103,7 @@ fn measure_axis(
         return Ok(());
     }
     let Some(heard) = signals.axis(index) else { return Ok(()) };
-    result.moved.push(super::result::Moved::of(letter, heard, axis, window));
+    result.moved.push(super::result::AxisExcursion::of(letter, heard, axis, window));
     if heard.force_n.len() < heard.position_mm.len() {
         let says = format!("{letter}: its drive says no force: `measured_torque` is not stated");
         result.not_judged.push(says);
@@ -109,7 +115,7 @@ fn measure_axis(
     match reading(&heard.force_n, &heard.asked_n) {
         Some(reading) => {
             samples.force.iter_mut().for_each(|force| *force /= reading.value);
-            result.findings.push(Finding {
+            result.findings.push(MeasuredValue {
                 key: String::new(),
                 name: format!("{letter}: force that the drive says, over the commanded one"),
                 unit: "",
@@ -191,7 +197,7 @@ fn samples(heard: &AxisSignals, period_s: f64) -> AxisSamples {
 }
 
 /// What was found, as keys of the machine's file, with what each means at the tool.
-fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<Finding> {
+fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<MeasuredValue> {
     let file = believed(axis);
     let fit = &found.fit;
     let p = &found.parameters;
@@ -205,7 +211,7 @@ fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<Finding> {
     let rapid = axis.feed_most.value() * 1e-3;
     let um_of = |newton: f64| newton.abs() * (1.0 / loop_stiffness + 1.0 / p.stiffness) * 1e6;
     let finding =
-        |key: String, what: &str, unit: &'static str, value: Estimate, old: f64| Finding {
+        |key: String, what: &str, unit: &'static str, value: Estimate, old: f64| MeasuredValue {
             key,
             name: format!("{letter}: {what}"),
             unit,
@@ -215,7 +221,7 @@ fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<Finding> {
             effect_of: "",
             by: "strokes",
         };
-    let one = |i: usize| fit.of(|list| list[i]);
+    let one = |i: usize| fit.of(|list| list[i]).widened(FRICTION_MODEL);
     let mut all = Vec::new();
     let coulomb = one(place::COULOMB);
     all.push(
@@ -247,14 +253,14 @@ fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<Finding> {
         )
         .with(um_of((viscous.value - file.viscous) * rapid), "following error at the fastest feed"),
     );
-    let total = fit.of(|list| list[place::MOTOR] + list[place::TABLE]);
+    let total = fit.of(|list| list[place::MOTOR] + list[place::TABLE]).widened(MASS_MODEL);
     let inertia_um = um_of((total.value - mass) * accel);
     all.push(
         finding(String::new(), "moved mass with motor and screw", "kg", total, mass)
             .with(inertia_um, "following error at full acceleration"),
     );
     if file.weight > 0.0 {
-        let weight = one(place::WEIGHT);
+        let weight = fit.of(|list| list[place::WEIGHT]).widened(MASS_MODEL);
         all.push(
             finding(String::new(), "weight", "N", weight, file.weight)
                 .with(um_of(weight.value - file.weight), "sag when the brake opens"),
@@ -275,16 +281,16 @@ fn findings(axis: &Axis, found: &AxisFit, at_motor: bool) -> Vec<Finding> {
 fn spring(
     axis: &Axis,
     found: &AxisFit,
-    finding: &dyn Fn(String, &str, &'static str, Estimate, f64) -> Finding,
+    finding: &dyn Fn(String, &str, &'static str, Estimate, f64) -> MeasuredValue,
     key: &dyn Fn(&str) -> String,
-) -> Vec<Finding> {
+) -> Vec<MeasuredValue> {
     let (file, fit, p) = (believed(axis), &found.fit, &found.parameters);
     let accel = axis.acceleration.value() * 1e-3;
     let pull = file.table_mass * accel + file.coulomb;
     let mut all = Vec::new();
-    let table = fit.of(|list| list[place::TABLE]);
+    let table = fit.of(|list| list[place::TABLE]).widened(SPRING_MODEL);
     all.push(finding(key("moving_mass_kg"), "mass beyond the screw", "kg", table, file.table_mass));
-    let motor = fit.of(|list| list[place::MOTOR]);
+    let motor = fit.of(|list| list[place::MOTOR]).widened(MASS_MODEL);
     all.push(match axis.drive.motor {
         Motor::BallScrew { lead, rotating_inertia, .. } => {
             let per_kg = (lead.value() * 1e-3 / TAU).powi(2);
@@ -300,8 +306,14 @@ fn spring(
     });
     let hz = |list: &[f64]| (list[place::STIFFNESS] / list[place::TABLE]).sqrt() / TAU;
     let old_hz = (file.stiffness / file.table_mass).sqrt() / TAU;
-    all.push(finding(String::new(), "antiresonance", "Hz", fit.of(hz), old_hz));
-    let stiffness = fit.of(|list| list[place::STIFFNESS]).times(1e-6);
+    all.push(finding(
+        String::new(),
+        "antiresonance",
+        "Hz",
+        fit.of(hz).widened(SPRING_MODEL),
+        old_hz,
+    ));
+    let stiffness = fit.of(|list| list[place::STIFFNESS]).times(1e-6).widened(SPRING_MODEL);
     let stretch = pull * (1.0 / p.stiffness - 1.0 / file.stiffness).abs() * 1e6;
     all.push(
         finding(
@@ -320,10 +332,11 @@ fn spring(
     let old = axis.structure.damping_ratio;
     all.push(finding(key("structure.damping_ratio"), "damping ratio of the screw", "", ratio, old));
     if found.play_shows {
+        // shown and not written: its interval does not hold often enough
         let play = fit.of(|list| list[place::PLAY]).times(1e6);
         let old = file.play * 1e6;
         all.push(
-            finding(key("structure.backlash_um"), "play of the screw", "µm", play, old)
+            finding(String::new(), "play of the screw", "µm", play, old)
                 .with((play.value - old).abs(), "error of position after a reversal"),
         );
     }

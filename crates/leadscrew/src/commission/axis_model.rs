@@ -10,7 +10,7 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | x₁, v₁, a₁, m₁ | motor and screw by their encoder, as a mass on the table's scale | m, m/s, m/s², kg |
+//! | x₁, v₁, a₁, m₁ | motor and screw by their encoder, as a mass along the axis | m, m/s, m/s², kg |
 //! | x₂, v₂, a₂, m₂ | table, which no encoder sees | m, m/s, m/s², kg |
 //! | F, d | measured force, and how late it is | N, s |
 //! | C, B, W | Coulomb and viscous friction, weight | N, N·s/m, N |
@@ -76,7 +76,7 @@ pub(crate) struct AxisParameters {
     pub(crate) delay: f64,
 }
 
-/// Place of the parameters in a fit.
+/// Index of each parameter in a fit.
 pub(crate) mod place {
     pub(crate) const MOTOR: usize = 0;
     pub(crate) const TABLE: usize = 1;
@@ -134,8 +134,6 @@ pub(crate) struct AxisFit {
     pub(crate) parameters: AxisParameters,
     /// The play shows in the samples: the slide has changed its flank.
     pub(crate) play_shows: bool,
-    /// Time of the stretches that were looked at, s.
-    pub(crate) lasts_s: f64,
 }
 
 /// Fits the model to what was recorded; `None`: there is too little motion in it.
@@ -145,7 +143,6 @@ pub(crate) fn fit_axis(
     least_speed: f64,
 ) -> Option<AxisFit> {
     let all = stretches(samples, least_speed);
-    let lasts_s = all.iter().map(Range::len).sum::<usize>() as f64 * samples.period_s;
     if all.is_empty() {
         return None;
     }
@@ -182,7 +179,7 @@ pub(crate) fn fit_axis(
         found.values[i] = found.values[i].abs();
     }
     let parameters = AxisParameters::of(&found.values);
-    Some(AxisFit { fit: found, parameters, play_shows, lasts_s })
+    Some(AxisFit { fit: found, parameters, play_shows })
 }
 
 /// Speed of the motor at each period, m/s.
@@ -239,8 +236,8 @@ fn residuals(
         let first = values.len();
         let mut n = stretch.start + settle + latest + 3;
         while n + BLOCK + 2 < stretch.end {
-            // a reading is the force that was held over the period before it, and a second difference
-            // of positions is the mean of two such
+            // a reading is the force that was held over the period before it, and a second
+            // difference of positions is the mean of two such
             let f = &samples.force[n..=n + BLOCK];
             let ends = f64::midpoint(f[0], f[BLOCK]);
             let measured = (ends + f[1..BLOCK].iter().sum::<f64>()) / BLOCK as f64;
@@ -268,7 +265,7 @@ fn at(sums: &[f64], n: usize, part: f64) -> f64 {
     p1 + 0.5 * t * (p2 - p0 + t * (square + t * cubic))
 }
 
-/// Running sums of the modelled force over a stretch; the first is 0, each next one adds a period's.
+/// Running sums of the modelled force over a stretch, from 0 on; each next one adds a period's.
 fn modelled(
     samples: &AxisSamples,
     speed: &[f64],

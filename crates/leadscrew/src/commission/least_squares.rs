@@ -77,6 +77,11 @@ impl Estimate {
         Self { value: self.value * factor, half: self.half * factor.abs() }
     }
 
+    /// The same with what the model itself may be off by, as a share of the value.
+    pub(crate) fn widened(self, share: f64) -> Self {
+        Self { half: self.half.hypot(share * self.value), ..self }
+    }
+
     /// True where the interval holds a value.
     pub fn holds(&self, value: f64) -> bool {
         (value - self.value).abs() <= self.half
@@ -106,7 +111,7 @@ pub(crate) fn fit(
             for (i, row) in damped.iter_mut().enumerate() {
                 row[i] *= 1.0 + damping;
             }
-            let Some(step) = solve(damped, &right) else { return None };
+            let step = solve(damped, &right)?;
             let mut moved = at.clone();
             for (k, i) in free.iter().enumerate() {
                 moved[*i] += step[k];

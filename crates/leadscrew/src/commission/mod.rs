@@ -1,7 +1,7 @@
 //! Commissioning: from a machine whose file is guessed to one that is known.
 //!
 //! ```text
-//!   file as it is ─► axes ─► spindle ─► … ─► Commissioned: values ± 95 %, pictures ─► a file that extends the old one
+//!   file as it is ─► axes ─► spindle ─► values ± 95 %, pictures ─► the file with them ─► proof
 //! ```
 mod axes;
 mod axis_model;
@@ -13,18 +13,18 @@ mod spindle;
 mod strokes;
 mod write;
 
-pub use axes::Effort;
+pub use axes::StrokeCounts;
 pub use least_squares::Estimate;
 pub use motion::{Bench, MOST_TORQUE_SHARE, Window};
 pub use proof::{AirTaps, Circle, Proof};
-pub use result::{Finding, Moved, Picture, StepResult};
+pub use result::{AxisExcursion, MeasuredValue, Picture, StepResult};
 pub use write::commissioned;
 
 /// Measures the linear axes.
 ///
 /// # Errors
 /// The machine cannot be run.
-pub fn axes(bench: &Bench, effort: Effort) -> Result<StepResult, control::Refused> {
+pub fn axes(bench: &Bench, effort: StrokeCounts) -> Result<StepResult, control::Refused> {
     axes::measure(bench, effort)
 }
 

@@ -2,9 +2,9 @@
 //! what drives and encoders said meanwhile.
 //!
 //! ```text
-//!   file as it is ──► careful file: 30 % of the torque, gentle ramps, the window as travel
+//!   file as it is ──► careful file: 30 % of the torque, planned_acceleration ramps, the window as travel
 //!                         │
-//!   program ──────────────┴─► Run (planner, kernel, executor) ⇄ plant     Signals: encoders, forces
+//!   program ──────────────┴─► Run (planner, kernel, executor) ⇄ plant     Signals: as said
 //! ```
 //!
 //! Nothing is led beside the control: there is one servo loop. The careful file is what keeps the
@@ -113,15 +113,15 @@ impl Observer for Listener {
         for axis in &mut signals.axes {
             let said = &sample.feedback.axes[axis.index];
             axis.position_mm.push(said.position.value());
-            axis.motor_mm.extend(said.motor.map(|motor| motor.value()));
-            axis.force_n.extend(said.force.map(|force| force.value()));
+            axis.motor_mm.extend(said.motor.map(units::Coordinate::value));
+            axis.force_n.extend(said.force.map(units::Force::value));
             let asked = &sample.command.axes[axis.index];
             axis.setpoint_mm.push(asked.position.value());
             axis.asked_n.push(asked.force.value());
         }
         let said = &sample.feedback.spindles[0];
         signals.spindle.angle_rev.push(said.angle.value());
-        signals.spindle.torque_n_m.extend(said.torque.map(|torque| torque.value()));
+        signals.spindle.torque_n_m.extend(said.torque.map(units::Torque::value));
         let asked = &sample.command.spindles[0];
         signals.spindle.commanded.push(asked.spin.value());
         signals.spindle.asked_n_m.push(asked.torque.value());
@@ -194,8 +194,8 @@ impl Bench {
                     }));
                 }
             }
-            let gentle = self.gentle(index);
-            changes.push((key("acceleration_m_per_s2"), json!(gentle)));
+            let planned_acceleration = self.planned_acceleration(index);
+            changes.push((key("acceleration_m_per_s2"), json!(planned_acceleration)));
             let stop = axis.windows.following_error_stop.value() * 1e3;
             changes.push((key("windows.following_error_stop_um"), json!(stop.min(FARTHEST_UM))));
             let warn = axis.windows.following_error_warn.value() * 1e3;
@@ -211,7 +211,7 @@ impl Bench {
     }
 
     /// Acceleration at which an axis is moved while it is measured, m/s².
-    pub(crate) fn gentle(&self, index: usize) -> f64 {
+    pub(crate) fn planned_acceleration(&self, index: usize) -> f64 {
         let Some(Some(axis)) = self.machine.file().axes.get(index) else { return 1.0 };
         let mass = axis.moving_mass.value() + axis.drive.motor_mass().value();
         let planned = PLANNED_SHARE * axis.drive.peak_force().value() / mass;

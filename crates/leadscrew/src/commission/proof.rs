@@ -2,9 +2,9 @@
 //! the spindle really moved.
 //!
 //! ```text
-//!   circularity      largest less smallest radius of a whole turn (ISO 230-4, G), by where the slides were
-//!   radial           largest and smallest radius less the programmed one (ISO 230-4, F)
-//!   air taps         largest distance of the feed from the spindle's angle times the lead; overrun at the bottom
+//!   circularity   largest less smallest radius of a turn (ISO 230-4, G), by where the slides were
+//!   radial        largest and smallest radius less the programmed one (ISO 230-4, F)
+//!   air taps      largest distance of the feed from angle times lead; overrun at the bottom
 //! ```
 //!
 //! What is judged is the machine, not what its control believes of it: on a simulated machine where
@@ -78,19 +78,19 @@ pub struct Proof {
 }
 
 #[derive(Clone, Copy)]
-struct Place {
+struct CirclePlace {
     line: u32,
     state: State,
     axes: [f64; 3],
     spindle_rev: f64,
 }
 
-struct Places(Arc<Mutex<Vec<Place>>>);
+struct CirclePlaces(Arc<Mutex<Vec<CirclePlace>>>);
 
-impl Observer for Places {
+impl Observer for CirclePlaces {
     fn sample(&mut self, sample: &Sample) {
         let mut places = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        places.push(Place {
+        places.push(CirclePlace {
             line: sample.report.line,
             state: sample.report.state,
             axes: [0, 1, 2].map(|axis| sample.axis(axis).value()),
@@ -150,7 +150,7 @@ impl Bench {
         text += "M2\n";
         let places = self.places(with, "circles", &text, proof)?;
         for (line, radius_mm, feed) in asked {
-            let all: Vec<Place> = places.iter().copied().filter(|p| p.line == line).collect();
+            let all: Vec<CirclePlace> = places.iter().copied().filter(|p| p.line == line).collect();
             let cut = (all.len() as f64 * ENDS) as usize;
             let Some(even) = all.get(cut..all.len() - cut).filter(|even| even.len() > POINTS)
             else {
@@ -189,7 +189,7 @@ impl Bench {
         name: &str,
         text: &str,
         proof: &mut Proof,
-    ) -> Result<Vec<Place>, Refused> {
+    ) -> Result<Vec<CirclePlace>, Refused> {
         let options = ProgramOptions {
             plant: Some(self.plant()?),
             dialect: Some(interp::Dialect::LinuxCnc),
@@ -199,7 +199,7 @@ impl Bench {
         let asked = RunOptions { seed: Some(self.seed), ..RunOptions::default() };
         let mut run = Run::prepare(job, &asked)?;
         let to = Arc::new(Mutex::new(Vec::new()));
-        run.observers.push(Box::new(Places(Arc::clone(&to))));
+        run.observers.push(Box::new(CirclePlaces(Arc::clone(&to))));
         run.prove(&mut |_| ())?;
         let finished = run.execute(&mut |_| ())?;
         proof.alarms.extend(finished.outcome.faults.iter().map(ToString::to_string));
@@ -211,8 +211,8 @@ impl Bench {
 }
 
 /// Radii about the programmed centre.
-fn circle(places: &[Place], centre: [f64; 2], radius_mm: f64, feed: f64) -> Circle {
-    let polar = |place: &Place| {
+fn circle(places: &[CirclePlace], centre: [f64; 2], radius_mm: f64, feed: f64) -> Circle {
+    let polar = |place: &CirclePlace| {
         let (x, y) = (place.axes[0] - centre[0], place.axes[1] - centre[1]);
         (y.atan2(x).to_degrees().rem_euclid(360.0), (x.hypot(y) - radius_mm) * 1e3)
     };
@@ -230,23 +230,27 @@ fn circle(places: &[Place], centre: [f64; 2], radius_mm: f64, feed: f64) -> Circ
 }
 
 /// How far Z is from the spindle's angle times the lead, and from its bottom.
-fn taps(places: &[Place], lines: &[u32], (rests, top, bottom): (u32, f64, f64)) -> Option<AirTaps> {
+fn taps(
+    places: &[CirclePlace],
+    lines: &[u32],
+    (rests, top, bottom): (u32, f64, f64),
+) -> Option<AirTaps> {
     // what is off at rest, touching off takes away
     let off = places.iter().rfind(|place| place.line == rests)?.axes[2] - top;
     let bottom = bottom + off;
     let mut found = AirTaps::default();
     let mut turns = Vec::new();
     for line in lines {
-        let coupled = |p: &&Place| {
+        let coupled = |p: &&CirclePlace| {
             p.line == *line && matches!(p.state, State::TapIn | State::TapBottom | State::TapOut)
         };
-        let all: Vec<&Place> = places.iter().filter(coupled).collect();
+        let all: Vec<&CirclePlace> = places.iter().filter(coupled).collect();
         if all.len() < 20 {
             continue;
         }
         // a spindle that follows its own lead has a constant distance from it: the mean is where it
         // was coupled
-        let off = |p: &Place| p.axes[2] + LEAD * p.spindle_rev;
+        let off = |p: &CirclePlace| p.axes[2] + LEAD * p.spindle_rev;
         let mean = all.iter().map(|p| off(p)).sum::<f64>() / all.len() as f64;
         let most = all.iter().map(|p| (off(p) - mean).abs()).fold(0.0, f64::max);
         found.sync_error_um = found.sync_error_um.max(most * 1e3);

@@ -5,7 +5,7 @@ use store::machine::Axis;
 
 /// A value that was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct MeasuredValue {
     /// Key of the machine's file; empty: it follows from others.
     pub key: String,
     /// What it is.
@@ -24,7 +24,7 @@ pub struct Finding {
     pub by: &'static str,
 }
 
-impl Finding {
+impl MeasuredValue {
     pub(crate) fn with(self, um: f64, of: &'static str) -> Self {
         Self { effect_um: Some(um), effect_of: of, ..self }
     }
@@ -37,7 +37,7 @@ impl Finding {
 
 /// How far and how hard an axis was moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moved {
+pub struct AxisExcursion {
     /// Its letter.
     pub letter: char,
     /// Where it was, mm.
@@ -52,7 +52,7 @@ pub struct Moved {
     pub following_um: f64,
 }
 
-impl Moved {
+impl AxisExcursion {
     pub(crate) fn of(letter: char, heard: &AxisSignals, axis: &Axis, window: Window) -> Self {
         let all = |values: &[f64], least: f64, pick: fn(f64, f64) -> f64| {
             values.iter().copied().fold(least, pick)
@@ -101,13 +101,13 @@ pub struct StepResult {
     /// Its name.
     pub step: &'static str,
     /// Values.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<MeasuredValue>,
     /// What could not be judged, and why.
     pub not_judged: Vec<String>,
     /// Alarms that ended a part of it.
     pub alarms: Vec<String>,
     /// How far and how hard was moved.
-    pub moved: Vec<Moved>,
+    pub moved: Vec<AxisExcursion>,
     /// What is drawn.
     pub pictures: Vec<Picture>,
     /// Machine time, s.

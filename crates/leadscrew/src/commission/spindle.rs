@@ -1,16 +1,16 @@
-//! The step `spindle`: inertia and friction by torque and speed, and what a drive that makes its own
-//! ramps does when it is commanded another speed.
+//! The step `spindle`: inertia and friction by torque and speed, and what a drive that makes its
+//! own ramps does when it is commanded another speed.
 //!
 //! ```text
 //!   order  ──┐                 T = J·α + c₀·sgn ω + c₁·ω        by the measured torque
 //!            └────────
-//!   speed  ─────╲              θ(t): even, a parabola from the delay on, even: delay, ramp and speed
-//!            │d│  ╲____        of each change of speed by its angle, which is never differentiated
+//!   speed  ─────╲              θ(t): even, a parabola from the delay on, even
+//!            │d│  ╲____        delay and ramp of each change, by the angle itself
 //! ```
 use super::axes::reading;
 use super::least_squares::{Estimate, Fit, MOST_STEPS, Residuals, fit};
 use super::motion::{Bench, Signals, SpindleSignals};
-use super::result::{Finding, Picture, StepResult};
+use super::result::{MeasuredValue, Picture, StepResult};
 use control::Refused;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -73,8 +73,14 @@ fn program(spindle: &Spindle) -> String {
     text + "M2\n"
 }
 
-fn finding(key: &str, name: String, unit: &'static str, value: Estimate, old: f64) -> Finding {
-    Finding {
+fn finding(
+    key: &str,
+    name: String,
+    unit: &'static str,
+    value: Estimate,
+    old: f64,
+) -> MeasuredValue {
+    MeasuredValue {
         key: if key.is_empty() { String::new() } else { format!("spindles.0.{key}") },
         name,
         unit,
@@ -96,7 +102,7 @@ fn torque(spindle: &Spindle, signals: &Signals, result: &mut StepResult) {
     }
     let gain = if spindle.own_ramps.is_some() {
         result.not_judged.push(format!(
-            "{name}: its drive takes no torque, so that the newton metres are those of its own reading"
+            "{name}: its drive takes no torque: its newton metres are those of its own reading"
         ));
         1.0
     } else if let Some(gain) = reading(&heard.torque_n_m, &heard.asked_n_m) {
@@ -219,7 +225,7 @@ fn thinned_commands(heard: &SpindleSignals, t: f64) -> Vec<(f64, f64)> {
 
 /// What one change of speed showed.
 #[derive(Clone, Copy, Debug)]
-struct Ramp {
+struct SpeedRamp {
     gains: bool,
     delay: f64,
     rate: f64,
@@ -230,8 +236,9 @@ fn ramps(spindle: &Spindle, signals: &Signals, known_s: f64, result: &mut StepRe
     let Some(own) = spindle.own_ramps else { return };
     let name = &spindle.name;
     let all = changes(&signals.spindle, signals.period_s);
-    let found: Vec<Ramp> = all.iter().filter_map(|step| ramp(signals, step, spindle)).collect();
-    let of = |gains: bool| -> Vec<Ramp> {
+    let found: Vec<SpeedRamp> =
+        all.iter().filter_map(|step| ramp(signals, step, spindle)).collect();
+    let of = |gains: bool| -> Vec<SpeedRamp> {
         found.iter().copied().filter(|ramp| ramp.gains == gains).collect()
     };
     let (up, down) = (of(true), of(false));
@@ -329,7 +336,7 @@ fn changes(heard: &SpindleSignals, t: f64) -> Vec<Change> {
 }
 
 /// Delay and rate of the change of speed that is commanded in this period.
-fn ramp(signals: &Signals, step: &Change, spindle: &Spindle) -> Option<Ramp> {
+fn ramp(signals: &Signals, step: &Change, spindle: &Spindle) -> Option<SpeedRamp> {
     let (t, heard) = (signals.period_s, &signals.spindle);
     let own = spindle.own_ramps?;
     let Change { at, from: old, to: new } = *step;
@@ -364,5 +371,5 @@ fn ramp(signals: &Signals, step: &Change, spindle: &Spindle) -> Option<Ramp> {
     // a ramp that the model does not describe is none
     let describes =
         found.rms * f64::from(spindle.encoder_counts_per_rev) < 20.0 || found.rms < 2e-3;
-    (describes && rate > 0.0).then_some(Ramp { gains, delay, rate })
+    (describes && rate > 0.0).then_some(SpeedRamp { gains, delay, rate })
 }

@@ -1,6 +1,6 @@
 //! The file with what was found: the old one with keys changed, each with when and by what it was
 //! measured.
-use super::result::Finding;
+use super::result::MeasuredValue;
 use crate::Machine;
 use control::Refused;
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ const DIGITS: f64 = 2.0;
 pub fn commissioned(
     old: &Machine,
     name: &str,
-    findings: &[Finding],
+    findings: &[MeasuredValue],
     date: &str,
 ) -> Result<String, Refused> {
     let written = || findings.iter().filter(|finding| !finding.key.is_empty());
@@ -31,7 +31,7 @@ pub fn commissioned(
     let mut table = String::new();
     for line in text.lines() {
         if let Some(head) = line.strip_prefix('[') {
-            table = head.trim_matches(['[', ']']).to_owned();
+            head.trim_matches(['[', ']']).clone_into(&mut table);
             if table == "spindles" || table.starts_with("spindles.") {
                 table = table.replacen("spindles", "spindles.0", 1);
             }
@@ -51,7 +51,7 @@ pub fn commissioned(
     Ok(text)
 }
 
-fn remark(finding: &Finding, date: &str) -> String {
+fn remark(finding: &MeasuredValue, date: &str) -> String {
     let step = step_of(finding.value.half);
     let decimals = (-step.log10()).ceil().clamp(0.0, 9.0) as usize;
     let was = finding.old.map(|old| format!("; was {old}")).unwrap_or_default();
@@ -65,7 +65,7 @@ fn step_of(half: f64) -> f64 {
 }
 
 /// The value with as many digits as its interval is worth, never without a sign of it.
-fn rounded(finding: &Finding) -> f64 {
+fn rounded(finding: &MeasuredValue) -> f64 {
     let step = step_of(finding.value.half);
     let rounded = (finding.value.value / step).round() * step;
     // the shortest number that is within half a step

@@ -205,7 +205,8 @@ fn circle(id: &str, heading: &str, curves: &[(&'static str, Vec<(f64, f64)>)]) -
     let edge = DRAWN_RADIUS + DRAWN_DEVIATION;
     let range = || Range::of("", [-edge, edge]).padded(0.04);
     let caption = format!(
-        "Where the slides really were: the circle's deviation, {most:.1} µm at most, is drawn {DRAWN_DEVIATION:.0} % of the radius high. X to the right, Y upwards."
+        "Where the slides really were: the deviation, {most:.1} µm at most, is drawn \
+         {DRAWN_DEVIATION:.0} % of the radius high. X to the right, Y upwards."
     );
     let heading = format!("Circle {heading}");
     let mut chart = Chart::to_scale(&heading, &caption, range(), range());
