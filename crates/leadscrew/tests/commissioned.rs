@@ -85,10 +85,13 @@ fn bench(seed: u64) -> (Bench, Vec<RealAxis>) {
     (Bench { machine, plant: Some(plant), scatter: 1.0, seed }, real)
 }
 
-/// Errors as shares of the real value, and whether intervals hold it.
+/// Error and half interval as shares of the real value, and whether the interval holds it.
+type Held = (f64, f64, bool);
+
+/// What is found, by its name.
 #[derive(Default)]
 struct Tally {
-    rows: Vec<(String, Vec<(f64, f64, bool)>)>,
+    rows: Vec<(String, Vec<Held>)>,
 }
 
 impl Tally {

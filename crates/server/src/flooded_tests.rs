@@ -31,7 +31,8 @@ impl Flood {
         let is_over = Arc::<AtomicBool>::default();
         let client = |_| {
             let ends = Arc::clone(&is_over);
-            std::thread::spawn(move || flood(address, &ends))
+            let thread = std::thread::Builder::new().name("flood".into());
+            thread.spawn(move || flood(address, &ends)).unwrap()
         };
         Self { clients: (0..clients).map(client).collect(), is_over }
     }
@@ -115,7 +116,8 @@ fn periods_until_it_acts(server: &Server, stop: &'static str) -> usize {
     let (begin, begun) = channel::<()>();
     let sent = Arc::<AtomicBool>::default();
     let (is_sent, address) = (Arc::clone(&sent), server.address());
-    let operator = std::thread::spawn(move || {
+    let thread = std::thread::Builder::new().name("operator".into());
+    let asks = move || {
         let mut stream = TcpStream::connect(address).unwrap();
         let body = format!("{{\"request\":\"{stop}\"}}");
         let head = format!("POST /api/v1/request HTTP/1.1\r\nHost: {address}\r\n");
@@ -127,7 +129,8 @@ fn periods_until_it_acts(server: &Server, stop: &'static str) -> usize {
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         answer
-    });
+    };
+    let operator = thread.spawn(asks).unwrap();
     let count = client.with(move |control| {
         let at = |control: &Control| {
             let x = &control.status().axes[0];

@@ -165,10 +165,7 @@ impl Command {
             ["flood", switch] => Self::Request(Request::Flood(is_on(switch)?)),
             ["mist", switch] => Self::Request(Request::Mist(is_on(switch)?)),
             ["block", "skip", level, switch] => {
-                let level = level
-                    .parse()
-                    .map_err(|_| format!("expected a level from 1 to 9, found \"{level}\""))?;
-                Self::Request(Request::BlockSkip(level, is_on(switch)?))
+                Self::Request(Request::BlockSkip(skip_level(level)?, is_on(switch)?))
             }
             ["feed", percent] => Self::Request(Request::FeedOverride(share(percent)?)),
             ["rapid", percent] => Self::Request(Request::RapidOverride(share(percent)?)),
@@ -326,6 +323,10 @@ fn work_offset(text: &str) -> Result<u8, String> {
     let at = names.iter().position(|name| name.eq_ignore_ascii_case(text));
     at.map(|at| at as u8 + 1)
         .ok_or_else(|| format!("expected a work offset from G54 to G59.3, found \"{text}\""))
+}
+
+fn skip_level(text: &str) -> Result<u8, String> {
+    text.parse().map_err(|_| format!("expected a level from 1 to 9, found \"{text}\""))
 }
 
 /// What leads a tool change on, or says where tools are.

@@ -237,12 +237,13 @@ impl Request {
             | Self::JogStop
             | Self::SingleBlock(_)
             | Self::OptionalStop(_)
+            | Self::Flood(false)
+            | Self::Mist(false)
             | Self::FeedOverride(_)
             | Self::RapidOverride(_)
             | Self::SpindleOverride(_) => &[],
             Self::EmergencyStop(false) => &[EmergencyStopTriggered],
             Self::Flood(true) | Self::Mist(true) => &[EmergencyStopArmed, NoAlarm, PowerOn],
-            Self::Flood(false) | Self::Mist(false) => &[],
             Self::Home(_) => HOME,
             Self::Jog(_, Jog::To(_)) => JOG_TO,
             Self::Jog(..) => &[

@@ -148,6 +148,7 @@ pub struct ProgramStatus {
 /// The control.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
+#[allow(clippy::struct_excessive_bools)] // each is shown by itself
 pub struct Status {
     /// Machine time, s.
     pub time_s: f64,

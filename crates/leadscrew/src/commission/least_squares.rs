@@ -306,7 +306,7 @@ mod tests {
     fn what_cannot_be_told_apart_is_no_fit() {
         let residuals = |p: &[f64]| Residuals {
             values: (0..100).map(|i| f64::from(i % 7) - p[0] - p[1]).collect(),
-            blocks: vec![0..100],
+            blocks: std::iter::once(0..100).collect(),
         };
         assert!(fit(&[0.0, 0.0], &[true, true], &[1.0, 1.0], &residuals, 9).is_none());
     }
