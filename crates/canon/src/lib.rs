@@ -42,8 +42,8 @@ pub use op::{
     ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
 };
 pub use sequence::{
-    Carousel, Change, Handover, Magazine, Pocket, Resume, Sequence, SequenceStep, SignalStates,
-    Stage, When,
+    Carousel, Handover, Magazine, Pocket, Resume, Sequence, SequenceStage, SequenceStep,
+    SignalStates, ToolChange, When,
 };
 pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};

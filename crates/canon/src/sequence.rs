@@ -126,7 +126,7 @@ pub struct Magazine {
 
 /// A tool change: from which tool to which, and their pockets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Change {
+pub struct ToolChange {
     /// Tool in the spindle at the beginning; 0 is none.
     pub from: u32,
     /// Pocket to which it returns; 0 is none.
@@ -139,20 +139,20 @@ pub struct Change {
 
 /// How far a sequence is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stage {
+pub struct SequenceStage {
     /// Index of the step that is done now, from 0.
     pub step: usize,
     /// It is being undone.
     pub back: bool,
     /// The tools.
-    pub change: Change,
+    pub change: ToolChange,
 }
 
 /// How a sequence that was left half way goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resume {
     /// Where it was left.
-    pub stage: Stage,
+    pub stage: SequenceStage,
     /// It is undone.
     pub back: bool,
     /// Only the next step is done.
@@ -161,7 +161,7 @@ pub struct Resume {
 
 impl When {
     /// Whether a step is done in this change.
-    pub fn holds(self, change: &Change) -> bool {
+    pub fn holds(self, change: &ToolChange) -> bool {
         self.returns.is_none_or(|returns| returns == (change.from != 0))
             && self.fetches.is_none_or(|fetches| fetches == (change.to != 0))
     }
@@ -176,7 +176,7 @@ impl Magazine {
 
     /// The change to a tool: the one in the spindle returns to where it came from, or to the first
     /// empty pocket. `None`: the tool is in no pocket, or no pocket is empty.
-    pub fn change_to(&self, tool: u32) -> Option<Change> {
+    pub fn change_to(&self, tool: u32) -> Option<ToolChange> {
         let is_free = |pocket: u32| {
             pocket != 0 && self.pockets.get(pocket as usize - 1).is_some_and(|held| *held == 0)
         };
@@ -190,11 +190,11 @@ impl Magazine {
             (0, _) | (_, true) => 0,
             _ => self.pocket_of(tool)?,
         };
-        Some(Change { from: self.spindle, returns_to, to: tool, fetched_from })
+        Some(ToolChange { from: self.spindle, returns_to, to: tool, fetched_from })
     }
 
     /// A tool is handed over; `back`: the handover is undone.
-    pub fn hand_over(&mut self, handover: Handover, change: &Change, back: bool) {
+    pub fn hand_over(&mut self, handover: Handover, change: &ToolChange, back: bool) {
         let mut put = |pocket: u32, tool: u32| {
             if let Some(held) =
                 (pocket as usize).checked_sub(1).and_then(|i| self.pockets.get_mut(i))
@@ -246,14 +246,14 @@ impl Carousel {
 
 impl Sequence {
     /// Indices of the steps of a change, in their order.
-    pub fn steps_of<'a>(&'a self, change: &'a Change) -> impl Iterator<Item = usize> + 'a {
+    pub fn steps_of<'a>(&'a self, change: &'a ToolChange) -> impl Iterator<Item = usize> + 'a {
         let all = self.steps.iter().enumerate();
         all.filter(|(_, step)| step.when.holds(change)).map(|(index, _)| index)
     }
 
     /// Outputs and inputs as they are known to be before a step of a change: from the rest state
     /// and all that the steps before it have switched and waited for.
-    pub fn before(&self, step: usize, change: &Change) -> (SignalStates, SignalStates) {
+    pub fn before(&self, step: usize, change: &ToolChange) -> (SignalStates, SignalStates) {
         let (mut outputs, mut inputs) = (self.rest_outputs.clone(), self.rest_inputs.clone());
         for index in self.steps_of(change).take_while(|index| *index < step) {
             let done = &self.steps[index];
@@ -264,7 +264,7 @@ impl Sequence {
     }
 
     /// Inputs as they should be once a step is done, or once it is undone.
-    pub fn expected(&self, stage: &Stage) -> SignalStates {
+    pub fn expected(&self, stage: &SequenceStage) -> SignalStates {
         let (_, mut inputs) = self.before(stage.step, &stage.change);
         if let Some(step) = self.steps.get(stage.step).filter(|_| !stage.back) {
             set_all(&mut inputs, &step.inputs);
@@ -310,7 +310,7 @@ mod tests {
         let mut magazine = Magazine { pockets: vec![1, 2, 0, 4], spindle: 3, home: 3, at: Some(1) };
         let all = magazine.tools();
         let change = magazine.change_to(4).unwrap();
-        assert_eq!(change, Change { from: 3, returns_to: 3, to: 4, fetched_from: 4 });
+        assert_eq!(change, ToolChange { from: 3, returns_to: 3, to: 4, fetched_from: 4 });
         let before = magazine.clone();
         magazine.hand_over(Handover::ToPocket, &change, false);
         magazine.hand_over(Handover::ToSpindle, &change, false);

@@ -119,10 +119,11 @@ impl Commissioning<'_> {
                 let (value, half) = (one.value.value, one.value.half);
                 let found =
                     format!("{} ± {} {}", figure(value, half), figure(half, half), one.unit);
-                let old = one.old.map_or_else(String::new, |old| format!("file {old:.5}"));
+                let old =
+                    one.old.map_or_else(String::new, |old| format!("file {}", figure(old, half)));
                 let effect = one.effect_um.map_or_else(String::new, |um| format!("{um:.1} µm"));
                 let line = format!(
-                    "  {:widest$}  {found:<26}{old:<16}{:>9}  {effect}",
+                    "  {:widest$}  {found:<32} {old:<14} {:>8}  {effect}",
                     one.name,
                     percent(one)
                 );

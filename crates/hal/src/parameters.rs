@@ -1,4 +1,5 @@
-//! What `loadrt leadscrew` is told: `axes=XYZ spindles=1 din=8 dout=8 ain=0 aout=0 mdi=0 name=mill`.
+//! What `loadrt leadscrew` is told: `axes=XYZ spindles=1 din=8 dout=8 ain=0 aout=0 mdi=0
+//! name=mill`.
 use bus::{ANALOGUE, AXES, DIGITAL, MDI_KEYS, SPINDLES};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr::null_mut;

@@ -24,7 +24,7 @@ use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::queue::{Queue, SpindleStep, StepKind};
-use crate::sequence_steps::{Awaited, Counted, Guard, await_inputs, count_edges};
+use crate::sequence_steps::{Awaited, Counted, Guard};
 use crate::signals::{self, Answered, Probing};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
@@ -288,8 +288,10 @@ impl Activity {
             {
                 Ok(StepProgress::Busy)
             }
-            Self::AwaitingInputs(awaited) => await_inputs(step, dt, awaited, context.feedback),
-            Self::Counting(counted) => count_edges(step, dt, counted, drives, context),
+            Self::AwaitingInputs(awaited) => {
+                signals::await_inputs(step, dt, awaited, context.feedback)
+            }
+            Self::Counting(counted) => signals::count_edges(step, dt, counted, drives, context),
             Self::AwaitingInput { armed, waited_s } => {
                 Ok(signals::wait_on(step, dt, (armed, waited_s), context))
             }

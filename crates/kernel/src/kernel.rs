@@ -220,11 +220,6 @@ impl Kernel {
         Some(Coordinate::new(axis.position()))
     }
 
-    /// Ticks since the last feedback that was new.
-    pub const fn ticks_without_news(&self) -> u32 {
-        self.feedback_age.lost()
-    }
-
     /// The faults that have happened, oldest first.
     pub fn faults(&self) -> &[Fault] {
         &self.faults
@@ -255,10 +250,7 @@ impl Kernel {
         if matches!(self.mode, Mode::Halted) {
             self.go_on_halted(feedback);
         }
-        let counts = matches!(self.activity, Activity::Counting(_));
-        if !counts || !matches!(self.mode, Mode::Running) {
-            self.drives.stop_motor();
-        }
+        self.stop_idle_motor();
         let mut command = match self.mode {
             Mode::Disabled => self.leave(feedback),
             Mode::New | Mode::Starting(_) => self.start(feedback),
@@ -313,13 +305,9 @@ impl Kernel {
     fn run(&mut self, feedback: &Feedback) -> Command {
         self.drives.rest();
         self.drives.override_spindles(self.operator.spindle_share());
-        if matches!(self.activity, Activity::Moving(..) | Activity::Counting(_)) {
-            let guarded = self.drives.guard.check(self.config.period.value(), &feedback.inputs);
-            if let Err(finding) = guarded {
-                self.drives.stop_motor();
-                self.raise(finding, feedback);
-                return self.halt(feedback);
-            }
+        if let Err(finding) = self.check_inputs(feedback) {
+            self.raise(finding, feedback);
+            return self.halt(feedback);
         }
         let mut left = self.config.period.value();
         for _ in 0..STEPS_PER_TICK {

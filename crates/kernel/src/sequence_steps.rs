@@ -10,13 +10,12 @@
 //!
 //! The motor is off whenever no step counts: a stop, an alarm or a reset leaves nothing turning.
 use crate::config::Subject;
-use crate::drives::{Drives, Finding};
-use crate::event::EventKind;
-use crate::execute::{Context, StepProgress};
 use crate::fault::FaultKind;
-use crate::queue::StepKind;
-use bus::{Feedback, Signals};
+use bus::Signals;
 use motion::{EdgeCount, InputsWait};
+
+/// What is wrong: the alarm, what has raised it, the value, its limit.
+type InputFault = (FaultKind, Subject, f64, f64);
 
 /// A wait for inputs under way.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,7 +28,12 @@ pub(crate) struct Awaited {
 
 impl Awaited {
     /// One period; whether the wait is over.
-    fn advance(&mut self, wait: &InputsWait, dt: f64, inputs: &Signals) -> Result<bool, Finding> {
+    pub(crate) fn advance(
+        &mut self,
+        wait: &InputsWait,
+        dt: f64,
+        inputs: &Signals,
+    ) -> Result<bool, InputFault> {
         let wrong = wait.wrong(inputs.digital);
         self.waited_s += dt;
         self.steady_s = if wrong == 0 { self.steady_s + dt } else { 0.0 };
@@ -63,7 +67,7 @@ impl Guard {
     }
 
     /// One period in which something moves.
-    pub(crate) fn check(&mut self, dt: f64, inputs: &Signals) -> Result<(), Finding> {
+    pub(crate) fn check(&mut self, dt: f64, inputs: &Signals) -> Result<(), InputFault> {
         let wrong = self.on & !inputs.digital | self.off & inputs.digital;
         self.wrong_s = if wrong == 0 { 0.0 } else { self.wrong_s + dt };
         if self.wrong_s > Self::BOUNCES_S {
@@ -90,7 +94,12 @@ pub(crate) struct Counted {
 
 impl Counted {
     /// One period; whether all edges have come.
-    fn advance(&mut self, count: &EdgeCount, dt: f64, inputs: &Signals) -> Result<bool, Finding> {
+    pub(crate) fn advance(
+        &mut self,
+        count: &EdgeCount,
+        dt: f64,
+        inputs: &Signals,
+    ) -> Result<bool, InputFault> {
         let on = inputs.is_on(count.input);
         self.now = if on == self.now.0 { (on, self.now.1 + dt) } else { (on, dt) };
         self.waited_s += dt;
@@ -111,41 +120,6 @@ impl Counted {
         }
         Ok(false)
     }
-}
-
-/// Goes on waiting for inputs.
-pub(crate) fn await_inputs(
-    step: &StepKind,
-    dt: f64,
-    awaited: &mut Awaited,
-    feedback: &Feedback,
-) -> Result<StepProgress, Finding> {
-    let StepKind::Inputs(wait) = step else { return Ok(StepProgress::Done(dt)) };
-    let is_over = awaited.advance(wait, dt, &feedback.inputs)?;
-    Ok(if is_over { StepProgress::Done(0.0) } else { StepProgress::Busy })
-}
-
-/// Goes on counting.
-pub(crate) fn count_edges(
-    step: &StepKind,
-    dt: f64,
-    counted: &mut Counted,
-    drives: &mut Drives,
-    context: &mut Context,
-) -> Result<StepProgress, Finding> {
-    let StepKind::Count(count) = step else { return Ok(StepProgress::Done(dt)) };
-    let output =
-        |on| motion::Output { number: count.output, signal: motion::Signal::Digital { on } };
-    if drives.motor != Some(count.output) {
-        drives.start_motor(count.output);
-        context.note(EventKind::OutputSet(output(true)));
-    }
-    if counted.advance(count, dt, &context.feedback.inputs)? {
-        drives.stop_motor();
-        context.note(EventKind::OutputSet(output(false)));
-        return Ok(StepProgress::Done(0.0));
-    }
-    Ok(StepProgress::Busy)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use crate::execute::{Context, StepProgress};
 use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::queue::StepKind;
+use crate::sequence_steps::{Awaited, Counted};
 use crate::track::Track;
 use bus::{AXES, Feedback};
 use motion::{Await, InputWait, Move, ProbeEnd};
@@ -225,6 +226,41 @@ fn position(at: &[f64; AXES]) -> Position {
         position = position.with(axis, Coordinate::new(*at));
     }
     position
+}
+
+/// Goes on waiting for inputs.
+pub(crate) fn await_inputs(
+    step: &StepKind,
+    dt: f64,
+    awaited: &mut Awaited,
+    feedback: &Feedback,
+) -> Result<StepProgress, Finding> {
+    let StepKind::Inputs(wait) = step else { return Ok(StepProgress::Done(dt)) };
+    let is_over = awaited.advance(wait, dt, &feedback.inputs)?;
+    Ok(if is_over { StepProgress::Done(0.0) } else { StepProgress::Busy })
+}
+
+/// Goes on counting.
+pub(crate) fn count_edges(
+    step: &StepKind,
+    dt: f64,
+    counted: &mut Counted,
+    drives: &mut Drives,
+    context: &mut Context,
+) -> Result<StepProgress, Finding> {
+    let StepKind::Count(count) = step else { return Ok(StepProgress::Done(dt)) };
+    let output =
+        |on| motion::Output { number: count.output, signal: motion::Signal::Digital { on } };
+    if drives.motor != Some(count.output) {
+        drives.start_motor(count.output);
+        context.note(EventKind::OutputSet(output(true)));
+    }
+    if counted.advance(count, dt, &context.feedback.inputs)? {
+        drives.stop_motor();
+        context.note(EventKind::OutputSet(output(false)));
+        return Ok(StepProgress::Done(0.0));
+    }
+    Ok(StepProgress::Busy)
 }
 
 #[cfg(test)]

@@ -25,24 +25,23 @@
 //! Findings have codes that stay: M0301 travel, M0302 coordinate, M0303 feed, M0304 feed clipped,
 //! M0305 axis missing, M0306 G95 at rest, M0307 cutting at rest, M0308 spindle speed, M0309 tool
 //! missing, M0310 G96 where the tool turns, M0319 G96, M0311 arc, M0312 dwell, M0313 spindle
-//! missing, M0314 endless block, M0315 no drill, M0317 pocket, M0375 no such pocket, M0376 carousel, M0318 continuous torque; taps: M0320
-//! feed axis too slow, M0321 tapping maximum, M0322 flutes, M0323 hole depth, M0324 hole not
-//! drilled here, M0325 hole diameter, M0326 lead, M0327 hand, M0328 no tap, M0329 no tool, M0330
-//! another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all, M0334 not
-//! along the tool axis, M0335 beside its hole, M0336 blind hole too near for this spindle, M0337 no
-//! angle, M0338 a spindle that coasts when the control dies; clutch and floating holders: M0340
-//! dwell, M0341 depth, M0342 travel, M0343 words; chip removal: M0350 too fast for the spindle,
-//! M0351 not against the cut; M0355 a face thread, tap or gear with G96, M0356 a thread with it;
-//! tool and stock: M0360 rapid into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too
-//! fast, M0364 tap without its cycle, M0365 length offset, M0370 no such input, M0371 no such
-//! output, M0372 no probe, M0373 no tool of those selected, M0374 deep without pecks, M0366 nothing
-//! is cut, M0367 reach, M0368 chamfer, M0369 zero, M0434 depth of a hob, M0435 another hob, M0436
-//! blank of a gear;
-//! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool
-//! spindle too fast; cam grinding: M0411 no such profile, M0412 nothing
-//! sampled, M0413 not measured, M0414 too fast, M0415 wheel too near; turned threads: M0421 spindle
-//! at rest, M0422 stretch too short, M0423 axis too slow, M0424 lead, M0425 another axis, M0426
-//! run-in too short, M0427 left hand.
+//! missing, M0314 endless block, M0315 no drill, M0317 pocket, M0318 continuous torque, M0375 tool
+//! in no pocket, M0376 pocket at the spindle not known; taps: M0320 feed axis too slow, M0321
+//! tapping maximum, M0322 flutes, M0323 hole depth, M0324 hole not drilled here, M0325 hole
+//! diameter, M0326 lead, M0327 hand, M0328 no tap, M0329 no tool, M0330 another axis moves, M0331
+//! spindle too weak, M0332 return slowed, M0333 no tap at all, M0334 not along the tool axis, M0335
+//! beside its hole, M0336 blind hole too near for this spindle, M0337 no angle, M0338 a spindle
+//! that coasts when the control dies; clutch and floating holders: M0340 dwell, M0341 depth, M0342
+//! travel, M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut;
+//! M0355 a face thread, tap or gear with G96, M0356 a thread with it; tool and stock: M0360 rapid
+//! into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too fast, M0364 tap without its
+//! cycle, M0365 length offset, M0370 no such input, M0371 no such output, M0372 no probe, M0373 no
+//! tool of those selected, M0374 deep without pecks, M0366 nothing is cut, M0367 reach, M0368
+//! chamfer, M0369 zero, M0434 depth of a hob, M0435 another hob, M0436 blank of a gear; polygon
+//! turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too
+//! fast; cam grinding: M0411 no such profile, M0412 nothing sampled, M0413 not measured, M0414 too
+//! fast, M0415 wheel too near; turned threads: M0421 spindle at rest, M0422 stretch too short,
+//! M0423 axis too slow, M0424 lead, M0425 another axis, M0426 run-in too short, M0427 left hand.
 #![no_std]
 #![allow(clippy::large_types_passed_by_value)] // a path is moved once, into its step
 extern crate alloc;

@@ -39,6 +39,7 @@ use motion::{Path, SurfaceSpeed};
 use units::{Length, Spin, Time, Torque};
 
 mod cam;
+mod changer;
 mod chips;
 mod contact;
 mod coupled;
@@ -56,8 +57,8 @@ mod tap;
 mod thread;
 mod tool_change;
 mod unsynchronised;
+pub use changer::{Changer, SequenceMark};
 use refuse::wild;
-pub use sequence::{Changer, SequenceMark};
 
 /// Moves shorter than this are no moves: a picometre.
 const NOTHING: f64 = 1e-9;
@@ -123,7 +124,7 @@ pub struct Planner {
     away: tool_change::Away,
     tool: u32,
     /// A changer that a sequence works.
-    changing: Option<sequence::Changing>,
+    changing: Option<changer::Changing>,
     /// Called by T, and not in the spindle yet.
     selected: Option<empty_spindle::SelectedTool>,
     spindles: Vec<SpindleState>,
@@ -486,14 +487,6 @@ impl Planner {
         if self.spindles.iter().any(|state| state.throwing) {
             self.await_spindles(job); // the last hole's chips too
         }
-        self.hand_on(job, StepKind::End);
-    }
-
-    /// Blocks that were typed are done when what they say of the spindles is done; the spindles
-    /// turn on.
-    fn end_typed(&mut self, job: &mut Job) {
-        self.tell_spindles(job);
-        self.await_spindles(job);
         self.hand_on(job, StepKind::End);
     }
 

@@ -43,7 +43,8 @@ pub(crate) async fn guard(app: Arc<App>, request: Request, next: Next) -> Respon
         Ok(()) => next.run(request).await,
         Err(error) => error.into_response(),
     };
-    // a stop has been asked for before its turn, and its answer waits for that; so does what is refused
+    // a stop has been asked for before its turn, and its answer waits for that; so does what is
+    // refused
     if may_stop && response.extensions_mut().remove::<Paced>().is_none() {
         app.pace.turn().await;
     }
@@ -64,8 +65,8 @@ pub(crate) async fn guard(app: Arc<App>, request: Request, next: Next) -> Respon
 }
 
 /// What is answered before a body is read. The connection ends with it: what is left of the body
-/// would be taken for the next request, and a client that is not told of it finds the end instead of
-/// an answer.
+/// would be taken for the next request, and a client that is not told of it finds the end instead
+/// of an answer.
 const UNREAD: [StatusCode; 6] = [
     StatusCode::UNAUTHORIZED,
     StatusCode::FORBIDDEN,

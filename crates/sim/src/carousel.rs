@@ -1,4 +1,5 @@
-//! The hardware of a tool carousel without an arm: it swings under the spindle, and Z does the rest.
+//! The hardware of a tool carousel without an arm: it swings under the spindle, and Z does the
+//! rest.
 //!
 //! ```text
 //!      spindle ┌─┐  drawbar: open against its springs     pocket turns with the motor's turn (Geneva drive):
@@ -8,8 +9,8 @@
 //!                                       coils: it stays)          └────────────► m, turns of the motor
 //! ```
 //!
-//! It knows outputs, air, springs and where things are, and nothing of what a control believes. What
-//! no machine survives is counted as a [`CarouselTruth`]: a collision, a tool that drops.
+//! It knows outputs, air, springs and where things are, and nothing of what a control believes.
+//! What no machine survives is counted as a [`CarouselTruth`]: a collision, a tool that drops.
 use crate::rng::Rng;
 use bus::Signals;
 use units::{Length, Time};

@@ -78,8 +78,8 @@ pub use message::MessageStatus;
 pub use outside::LeftInWork;
 pub use proof::ProofMark;
 pub use proving::{Begun, Found, Proven, Proving};
-pub use request::{Accepted, Jog, Refusal, Request, ToolField};
-pub use sequence::{MagazineStatus, SequenceInput, SequenceOrder, SequenceStatus};
+pub use request::{Accepted, Jog, Refusal, Request, SequenceOrder, ToolField};
+pub use sequence::{MagazineStatus, SequenceInput, SequenceStatus};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{

@@ -1,5 +1,4 @@
 //! Everything that an operator, a program or a network client can ask of the control.
-use super::SequenceOrder;
 use super::state::Need;
 use super::state::Need::{
     EmergencyStopArmed, EmergencyStopTriggered, FeedNotInhibited, Homed, NoAlarm, NoManualMotion,
@@ -30,6 +29,25 @@ pub enum Jog {
 impl Jog {
     /// A continuous jog ends by itself after so long.
     pub const LEASE: Time = Time::s(0.2);
+}
+
+/// How a tool change that was left half way is led on, and what an operator says of the magazine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SequenceOrder {
+    /// On to its end.
+    GoOn,
+    /// Back to where it began.
+    Undo,
+    /// The next step alone.
+    Step,
+    /// The step before alone, undone.
+    StepBack,
+    /// It was brought to rest by hand, with this tool in the spindle; 0 is none.
+    Done(u32),
+    /// This pocket of the carousel is at the spindle.
+    Carousel(u32),
+    /// This tool is in this pocket; tool 0: it is empty; pocket 0: the tool is not in the machine.
+    Pocket(u32, u32),
 }
 
 /// A request.

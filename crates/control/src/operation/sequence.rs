@@ -13,10 +13,10 @@
 //! The record names the step that was begun last, never more: what became of it, inputs say. Where
 //! an axis is not where the step needs it, nothing moves by itself.
 use super::control::Control;
-use super::request::{Accepted, Refusal, Request};
+use super::request::{Accepted, Refusal, Request, SequenceOrder};
 use super::writer::Key;
 use crate::services::sequence::ReachedMark;
-use canon::{Change, Magazine, Resume, Sequence, Stage};
+use canon::{Magazine, Resume, Sequence, SequenceStage, ToolChange};
 use kernel::Order;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,31 +25,12 @@ use store::state::{ChangerRecord, HalfWay};
 /// How far an axis may be from where a step needs it, mm.
 const OFF_MM: f64 = 0.5;
 
-/// How a tool change that was left half way is led on, and what an operator says of the magazine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SequenceOrder {
-    /// On to its end.
-    GoOn,
-    /// Back to where it began.
-    Undo,
-    /// The next step alone.
-    Step,
-    /// The step before alone, undone.
-    StepBack,
-    /// It was brought to rest by hand, with this tool in the spindle; 0 is none.
-    Done(u32),
-    /// This pocket of the carousel is at the spindle.
-    Carousel(u32),
-    /// This tool is in this pocket; tool 0: it is empty; pocket 0: the tool is not in the machine.
-    Pocket(u32, u32),
-}
-
 /// The changer that a sequence works.
 pub(super) struct Changer {
     sequence: Arc<Sequence>,
     pub(super) magazine: Magazine,
     /// The step that was begun last; `None`: the sequence is at rest.
-    stage: Option<Stage>,
+    stage: Option<SequenceStage>,
     /// Set when the mark that the kernel waits at is on the disk.
     written: Option<Arc<AtomicBool>>,
 }
@@ -128,8 +109,9 @@ impl Control {
                         left.sequence, left.step
                     ),
                 });
-                stage = stage
-                    .or_else(|| Some(Stage { step: 0, back: false, change: change_of(&left) }));
+                stage = stage.or_else(|| {
+                    Some(SequenceStage { step: 0, back: false, change: change_of(&left) })
+                });
             }
         }
         if let Some(simulation) =
@@ -142,7 +124,7 @@ impl Control {
     }
 
     /// A tool change was begun, is not over, and nothing leads it on.
-    pub(super) fn half_way(&self) -> Option<Stage> {
+    pub(super) fn half_way(&self) -> Option<SequenceStage> {
         self.changer.as_ref().and_then(|changer| changer.stage).filter(|_| self.under_way.is_none())
     }
 
@@ -234,7 +216,7 @@ impl Control {
     }
 
     /// Axes stand where the step begins, unless it moves them itself.
-    fn check_places(&self, sequence: &Sequence, stage: &Stage) -> Result<(), Refusal> {
+    fn check_places(&self, sequence: &Sequence, stage: &SequenceStage) -> Result<(), Refusal> {
         let place = self.position();
         let own = &sequence.steps[stage.step].to;
         let mut needed = Vec::new();
@@ -301,7 +283,7 @@ impl Control {
     /// Everything is at rest, and no tool is missing.
     fn done_by_hand(&mut self, tool: u32) -> Result<(), Refusal> {
         let wrong = self.wrong_at_rest();
-        let all = |magazine: &Magazine, change: &Change| {
+        let all = |magazine: &Magazine, change: &ToolChange| {
             let mut all = magazine.tools();
             all.extend([change.from, change.to].into_iter().filter(|tool| *tool != 0));
             all.sort_unstable();
@@ -387,8 +369,8 @@ impl Control {
     }
 }
 
-fn change_of(left: &HalfWay) -> Change {
-    Change {
+fn change_of(left: &HalfWay) -> ToolChange {
+    ToolChange {
         from: left.from,
         returns_to: left.returns_to,
         to: left.to,
@@ -397,9 +379,9 @@ fn change_of(left: &HalfWay) -> Change {
 }
 
 /// Where a sequence was left; `None`: it has no such step.
-fn stage_of(sequence: &Sequence, left: &HalfWay) -> Option<Stage> {
+fn stage_of(sequence: &Sequence, left: &HalfWay) -> Option<SequenceStage> {
     let step = sequence.steps.iter().position(|step| step.name == left.step)?;
-    (sequence.name == left.sequence).then(|| Stage {
+    (sequence.name == left.sequence).then(|| SequenceStage {
         step,
         back: left.back,
         change: change_of(left),

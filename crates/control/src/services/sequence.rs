@@ -6,7 +6,7 @@
 //!            lock-step, batch: answered at once      a control: answered once it is on the disk
 //! ```
 use crate::KernelHandle;
-use canon::{Change, Stage};
+use canon::{SequenceStage, ToolChange};
 use motion::SEQUENCE_MARKS;
 use plan::SequenceMark;
 use sim::CarouselTruth;
@@ -27,7 +27,7 @@ pub struct ReachedMark {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MadeChange {
     /// Its tools.
-    pub change: Change,
+    pub change: ToolChange,
     /// From the first step to the end; `None`: it did not come to its end.
     pub took: Option<Time>,
     /// Steps, each by its index and its duration.
@@ -42,7 +42,7 @@ pub fn text(changes: &[MadeChange], machine: &MachineFile) -> String {
     let Some(sequence) = &machine.tool_change_sequence else { return String::new() };
     let mut said = String::new();
     for made in changes.iter().take(MOST_CHANGES) {
-        let Change { from, to, .. } = made.change;
+        let ToolChange { from, to, .. } = made.change;
         let mut steps = made.steps.clone();
         steps.sort_by(|a, b| b.1.value().total_cmp(&a.1.value()));
         let longest: Vec<String> = steps
@@ -93,7 +93,7 @@ pub struct SequenceHost {
     /// Marks that it has come to, for who records them.
     reached: VecDeque<ReachedMark>,
     /// All of them, in their order, without the tools.
-    log: Vec<(Option<Stage>, Time)>,
+    log: Vec<(Option<SequenceStage>, Time)>,
     /// Someone records marks, and answers them after that.
     pub(crate) is_recorded: bool,
     /// Number of the mark that was reached last.
@@ -128,7 +128,7 @@ impl SequenceHost {
     /// Tool changes, as they were made.
     pub(crate) fn changes(&self) -> Vec<MadeChange> {
         let mut made: Vec<MadeChange> = Vec::new();
-        let mut under_way: Option<(Stage, Time, Time)> = None;
+        let mut under_way: Option<(SequenceStage, Time, Time)> = None;
         for (stage, at) in &self.log {
             if let (Some((step, begun, since)), Some(last)) = (under_way, made.last_mut()) {
                 last.steps.push((step.step, *at - since));

@@ -84,8 +84,6 @@ pub const SENTENCES: &[(&str, &str)] = &[
     ("M0315", "A hole is drilled with no tool in the spindle."),
     ("M0316", "No time law was found for a path; the line and the reason are said."),
     ("M0317", "The tool's pocket is one that the magazine does not have."),
-    ("M0375", "The tool that is called is in no pocket of the magazine, or no pocket is empty."),
-    ("M0376", "Which pocket of the carousel is at the spindle is not known."),
     (
         "M0318",
         "The drive of a spindle is asked for more than its torque of continuous duty, as the root of the mean square.",
@@ -168,6 +166,8 @@ pub const SENTENCES: &[(&str, &str)] = &[
         "A cut with no tool in the spindle: T has selected one and no M6 has brought it, or the program has called none.",
     ),
     ("M0374", "A deep hole is drilled without pecks; the depth that the drill bears is said."),
+    ("M0375", "The tool that is called is in no pocket of the magazine, or no pocket is empty."),
+    ("M0376", "Which pocket of the carousel is at the spindle is not known."),
     ("M0401", "Polygon turning needs a work spindle and a tool spindle."),
     ("M0402", "The ratio of polygon turning is not of whole numbers above zero."),
     ("M0403", "The work spindle stands, and the tool spindle shall follow it."),

@@ -1,15 +1,39 @@
 //! What the kernel waits for, and what it has found out for the program.
 use super::{Kernel, Mode};
+use crate::drives::Finding;
 use crate::execute::Activity;
 use crate::queue::StepKind;
 use crate::record_requests::RECORD_WAIT;
 use crate::signals::Answered;
 use crate::waiting::{WaitFor, Waiting};
 use crate::waits::CONSULT_WAIT;
+use bus::Feedback;
 use sync::Phase;
 use units::Time;
 
 impl Kernel {
+    /// Ticks since the last feedback that was new.
+    pub const fn ticks_without_news(&self) -> u32 {
+        self.feedback_age.lost()
+    }
+
+    /// A motor whose turns are counted is off while none are.
+    pub(super) fn stop_idle_motor(&mut self) {
+        let counts = matches!(self.activity, Activity::Counting(_));
+        if !counts || !matches!(self.mode, Mode::Running) {
+            self.drives.stop_motor();
+        }
+    }
+
+    /// What a sequence has proved stays so while something moves.
+    pub(super) fn check_inputs(&mut self, feedback: &Feedback) -> Result<(), Finding> {
+        if !matches!(self.activity, Activity::Moving(..) | Activity::Counting(_)) {
+            return Ok(());
+        }
+        let checked = self.drives.guard.check(self.config.period.value(), &feedback.inputs);
+        checked.inspect_err(|_| self.drives.stop_motor())
+    }
+
     /// What the kernel waits for at present, if it does.
     pub fn waiting(&self) -> Option<Waiting> {
         let waits = &self.config.waits;

@@ -12,13 +12,15 @@
 //!
 //! After a stop, outputs that the step itself does not switch are made what they were, in the order
 //! of the steps that switched them last, each with the inputs that prove it, before anything moves.
+use super::changer::{Changer, Changing, SequenceMark};
 use super::tool_change::Away;
 use super::{Job, Planner};
 use crate::StepKind;
 use alloc::sync::Arc;
 use alloc::{format, vec::Vec};
 use canon::{
-    Axis, Carousel, Change, Handover, Magazine, Pocket, Resume, Sequence, SequenceStep, Stage,
+    Axis, Carousel, Handover, Magazine, Pocket, Resume, Sequence, SequenceStage, SequenceStep,
+    ToolChange,
 };
 use diag::Diagnostic;
 use motion::{EdgeCount, InputsWait, Move, Output, Path, SEQUENCE_MARKS, Signal, SpindleStep};
@@ -30,38 +32,6 @@ const STEADY: Time = Time::s(0.01);
 const PROVED: Time = Time::s(1.0);
 /// The same of an input that is counted: pockets pass quickly.
 const STEADY_EDGE: Time = Time::s(0.005);
-
-/// A changer that a sequence works.
-#[derive(Clone, Debug)]
-pub struct Changer {
-    /// Its sequence.
-    pub sequence: Arc<Sequence>,
-    /// Where the tools are.
-    pub magazine: Magazine,
-    /// How the sequence that was left half way goes on: at the next tool change.
-    pub resume: Option<Resume>,
-}
-
-/// What is recorded when the kernel has come to a mark.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SequenceMark {
-    /// Number of the consultation.
-    pub number: u16,
-    /// The step that begins; `None`: the sequence is over.
-    pub stage: Option<Stage>,
-    /// Where the tools are then.
-    pub magazine: Magazine,
-}
-
-/// A changer as the planner has it.
-#[derive(Clone, Debug)]
-pub(super) struct Changing {
-    changer: Changer,
-    marks: Vec<SequenceMark>,
-    next: u16,
-    /// The kernel knows the tool in the spindle.
-    tool_said: bool,
-}
 
 impl Planner {
     /// One whose tools are changed by a sequence.
@@ -163,7 +133,7 @@ impl Planner {
         &mut self.changing.get_or_insert_with(Changing::none).changer.magazine
     }
 
-    fn mark(&mut self, job: &mut Job, stage: Option<Stage>, unknown: bool) {
+    fn mark(&mut self, job: &mut Job, stage: Option<SequenceStage>, unknown: bool) {
         let changing = self.changing.get_or_insert_with(Changing::none);
         let mut magazine = changing.changer.magazine.clone();
         if unknown {
@@ -234,7 +204,7 @@ impl Planner {
         let SequenceRun { sequence, change } = run;
         let steps: Vec<usize> = sequence.steps_of(change).filter(|index| *index >= from).collect();
         for (position, index) in steps.iter().enumerate() {
-            let stage = Stage { step: *index, back: false, change: *change };
+            let stage = SequenceStage { step: *index, back: false, change: *change };
             let step = &sequence.steps[*index];
             self.mark(job, Some(stage), step.index.is_some());
             if one_step && position > 0 {
@@ -277,7 +247,7 @@ impl Planner {
             sequence.steps_of(change).filter(|index| *index <= from).collect();
         steps.reverse();
         for (position, index) in steps.iter().enumerate() {
-            let stage = Stage { step: *index, back: true, change: *change };
+            let stage = SequenceStage { step: *index, back: true, change: *change };
             let step = &sequence.steps[*index];
             self.mark(job, Some(stage), step.index.is_some());
             if step.undone_by_hand || one_step && position > 0 {
@@ -325,8 +295,8 @@ impl Planner {
         }
     }
 
-    /// Where something moves, all that the steps before have proved must be so, and stay so; whether
-    /// anything is guarded.
+    /// Where something moves, all that the steps before have proved must be so, and stay so;
+    /// whether anything is guarded.
     fn guard(&mut self, run: &SequenceRun, job: &mut Job, step: &SequenceStep) -> bool {
         if step.to.is_empty() && step.index.is_none() {
             return false;
@@ -466,7 +436,7 @@ impl Changing {
 /// A sequence and the tools of its change.
 struct SequenceRun<'a> {
     sequence: &'a Sequence,
-    change: Change,
+    change: ToolChange,
 }
 
 impl SequenceRun<'_> {

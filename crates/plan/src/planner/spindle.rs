@@ -20,6 +20,14 @@ use diag::Diagnostic;
 use units::{Spin, Torque};
 
 impl Planner {
+    /// Blocks that were typed are done when what they say of the spindles is done; the spindles
+    /// turn on.
+    pub(super) fn end_typed(&mut self, job: &mut Job) {
+        self.tell_spindles(job);
+        self.await_spindles(job);
+        self.hand_on(job, StepKind::End);
+    }
+
     /// The spindles turn already at these speeds, as something before has ordered.
     #[must_use]
     pub fn already_turning(mut self, spins: &[Spin]) -> Self {

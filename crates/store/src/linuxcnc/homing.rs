@@ -7,9 +7,9 @@
 //! | not 0 | not 0 | no | to the switch's edge | `switch` |
 //! | not 0 | not 0 | yes | to the mark behind the switch | `switch-and-index` |
 //!
-//! Where `HOME_LATCH_VEL` has the other sign than `HOME_SEARCH_VEL` it looks for the edge, and for the
-//! mark, off the switch: `edge = "off"`. `HOME_ABSOLUTE_ENCODER` is `absolute`. `HOME_OFFSET` is where switch or mark stand, `HOME` where
-//! the axis goes afterwards.
+//! Where `HOME_LATCH_VEL` has the other sign than `HOME_SEARCH_VEL` it looks for the edge, and for
+//! the mark, off the switch: `edge = "off"`. `HOME_ABSOLUTE_ENCODER` is `absolute`. `HOME_OFFSET`
+//! is where switch or mark stand, `HOME` where the axis goes afterwards.
 use super::axes::{AxisOf, Written};
 use super::ini::{Entry, Ini};
 use super::writer::{Cited, MachineWriter, RemarkKind, plain};

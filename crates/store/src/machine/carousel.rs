@@ -1,5 +1,5 @@
 //! `[simulation.carousel]`: the hardware of a carousel without an arm, as the simulator has it.
-use super::sequence::{Signals, named};
+use super::sequence::{NamedSignals, named};
 use crate::keys::Keys;
 use units::{Length, Time};
 
@@ -28,7 +28,7 @@ pub struct CarouselModel {
 }
 
 impl CarouselModel {
-    pub(super) fn read(keys: &mut Keys<'_>, signals: Signals<'_>) -> Self {
+    pub(super) fn read(keys: &mut Keys<'_>, signals: NamedSignals<'_>) -> Self {
         let output = |keys: &mut Keys<'_>, key| {
             named(keys, key, &signals.outputs.digital, "output").unwrap_or(0)
         };

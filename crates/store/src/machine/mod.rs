@@ -99,7 +99,7 @@ pub use user_code::{CallEntry, CodeEntry, CodeEntryAction, OwnCodes};
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;
 use scatter::StatedBefore;
-use sequence::Signals;
+use sequence::NamedSignals;
 use std::path::Path;
 use units::Coordinate;
 
@@ -269,7 +269,7 @@ impl MachineFile {
         let mut before = StatedBefore::default();
         let inputs = keys.optional_section("inputs", Names::read).unwrap_or_default();
         let outputs = keys.optional_section("outputs", Names::read).unwrap_or_default();
-        let signals = Signals { inputs: &inputs, outputs: &outputs };
+        let signals = NamedSignals { inputs: &inputs, outputs: &outputs };
         let (mut carousel, mut simulated_carousel) = (None, None);
         let file = Self {
             name: keys.text("name"),

@@ -25,9 +25,9 @@ const MOST_STEPS: usize = 64;
 /// Longest wait of a step, s.
 const LONGEST_S: f64 = 3600.0;
 
-/// Signals of the machine, by their names.
+/// NamedSignals of the machine, by their names.
 #[derive(Clone, Copy)]
-pub(super) struct Signals<'a> {
+pub(super) struct NamedSignals<'a> {
     pub(super) inputs: &'a Names,
     pub(super) outputs: &'a Names,
 }
@@ -42,7 +42,7 @@ pub struct CarouselFile {
 
 impl CarouselFile {
     /// `[tool_change.carousel]`.
-    pub(super) fn read(keys: &mut Keys<'_>, signals: Signals<'_>, pockets: u32) -> Self {
+    pub(super) fn read(keys: &mut Keys<'_>, signals: NamedSignals<'_>, pockets: u32) -> Self {
         let output =
             |keys: &mut Keys<'_>, key| named(keys, key, &signals.outputs.digital, "output");
         let input = |keys: &mut Keys<'_>, key| named(keys, key, &signals.inputs.digital, "input");
@@ -73,7 +73,7 @@ impl CarouselFile {
 /// `[[sequences]]`: so far, of the tool change alone.
 pub(super) fn read(
     keys: &mut Keys<'_>,
-    signals: Signals<'_>,
+    signals: NamedSignals<'_>,
     carousel: Option<CarouselFile>,
 ) -> Sequence {
     keys.choice("on", &[("tool-change", ())]);
@@ -97,7 +97,7 @@ pub(super) fn read(
     sequence
 }
 
-fn step(keys: &mut Keys<'_>, signals: Signals<'_>) -> SequenceStep {
+fn step(keys: &mut Keys<'_>, signals: NamedSignals<'_>) -> SequenceStep {
     let name = keys.text("name");
     let (to, speed) = keys
         .optional_section("move", |keys| {
@@ -204,11 +204,11 @@ fn when(keys: &mut Keys<'_>) -> When {
     when
 }
 
-fn outputs(keys: &mut Keys<'_>, signals: Signals<'_>) -> SignalStates {
+fn outputs(keys: &mut Keys<'_>, signals: NamedSignals<'_>) -> SignalStates {
     states(keys, "set", &signals.outputs.digital, "output")
 }
 
-fn inputs(keys: &mut Keys<'_>, signals: Signals<'_>) -> SignalStates {
+fn inputs(keys: &mut Keys<'_>, signals: NamedSignals<'_>) -> SignalStates {
     states(keys, "wait", &signals.inputs.digital, "input")
 }
 

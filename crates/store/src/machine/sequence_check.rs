@@ -6,8 +6,8 @@
 //!   the spindle is emptied      returns, fetches-none
 //!   the first tool              returns-none, fetches
 //! ```
-use super::sequence::Signals;
-use canon::{Change, Handover, Sequence, SequenceStep, SignalStates};
+use super::sequence::NamedSignals;
+use canon::{Handover, Sequence, SequenceStep, SignalStates, ToolChange};
 
 /// Inputs by which sequences with a carousel are checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,17 +21,17 @@ pub(super) struct Guards {
 }
 
 /// The three kinds of changes, and what each is.
-const CHANGES: [(Change, &str); 3] = [
-    (Change { from: 1, returns_to: 1, to: 2, fetched_from: 2 }, "one tool for another"),
-    (Change { from: 1, returns_to: 1, to: 0, fetched_from: 0 }, "the spindle emptied"),
-    (Change { from: 0, returns_to: 0, to: 2, fetched_from: 2 }, "the first tool"),
+const CHANGES: [(ToolChange, &str); 3] = [
+    (ToolChange { from: 1, returns_to: 1, to: 2, fetched_from: 2 }, "one tool for another"),
+    (ToolChange { from: 1, returns_to: 1, to: 0, fetched_from: 0 }, "the spindle emptied"),
+    (ToolChange { from: 0, returns_to: 0, to: 2, fetched_from: 2 }, "the first tool"),
 ];
 
 /// Everything that is wrong with it, each in a sentence.
 pub(super) fn problems(
     sequence: &Sequence,
     guards: Option<&Guards>,
-    signals: Signals<'_>,
+    signals: NamedSignals<'_>,
 ) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut add = |text: String| {
@@ -68,10 +68,10 @@ fn place(index: usize, step: &SequenceStep) -> String {
 /// One kind of change, step by step.
 struct Walk<'a> {
     sequence: &'a Sequence,
-    change: &'a Change,
+    change: &'a ToolChange,
     kind: &'a str,
     guards: Option<&'a Guards>,
-    signals: Signals<'a>,
+    signals: NamedSignals<'a>,
     /// Inputs that are known.
     inputs: SignalStates,
 }
