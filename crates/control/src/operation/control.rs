@@ -120,7 +120,7 @@ pub struct Control {
     pub(super) told_features: usize,
     pub(super) told_changes: usize,
     /// The changer that a sequence works.
-    pub(super) changer: Option<super::sequence::Changer>,
+    pub(super) changer: Option<super::changer::Changer>,
 }
 
 impl Control {

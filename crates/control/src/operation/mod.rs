@@ -32,6 +32,7 @@
 #![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
 
 mod broken_tools;
+mod changer;
 mod control;
 mod data;
 mod drives;

@@ -12,6 +12,7 @@
 //!
 //! The record names the step that was begun last, never more: what became of it, inputs say. Where
 //! an axis is not where the step needs it, nothing moves by itself.
+use super::changer::Changer;
 use super::control::Control;
 use super::request::{Accepted, Refusal, Request, SequenceOrder};
 use super::writer::Key;
@@ -24,16 +25,6 @@ use store::state::{ChangerRecord, HalfWay};
 
 /// How far an axis may be from where a step needs it, mm.
 const OFF_MM: f64 = 0.5;
-
-/// The changer that a sequence works.
-pub(super) struct Changer {
-    sequence: Arc<Sequence>,
-    pub(super) magazine: Magazine,
-    /// The step that was begun last; `None`: the sequence is at rest.
-    stage: Option<SequenceStage>,
-    /// Set when the mark that the kernel waits at is on the disk.
-    written: Option<Arc<AtomicBool>>,
-}
 
 /// A tool change that is under way or was left half way.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
