@@ -25,7 +25,7 @@ use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::queue::{Queue, SpindleStep, StepKind};
 use crate::sequence_steps::{Awaited, Counted, Guard};
-use crate::signals::{self, Answered, Probing};
+use crate::signals::{self, Answered, Probing, await_inputs};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
@@ -288,9 +288,7 @@ impl Activity {
             {
                 Ok(StepProgress::Busy)
             }
-            Self::AwaitingInputs(awaited) => {
-                signals::await_inputs(step, dt, awaited, context.feedback)
-            }
+            Self::AwaitingInputs(awaited) => await_inputs(step, dt, awaited, context.feedback),
             Self::Counting(counted) => signals::count_edges(step, dt, counted, drives, context),
             Self::AwaitingInput { armed, waited_s } => {
                 Ok(signals::wait_on(step, dt, (armed, waited_s), context))

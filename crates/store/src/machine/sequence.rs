@@ -25,7 +25,7 @@ const MOST_STEPS: usize = 64;
 /// Longest wait of a step, s.
 const LONGEST_S: f64 = 3600.0;
 
-/// NamedSignals of the machine, by their names.
+/// Inputs and outputs of the machine, by their names.
 #[derive(Clone, Copy)]
 pub(super) struct NamedSignals<'a> {
     pub(super) inputs: &'a Names,
