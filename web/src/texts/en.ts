@@ -344,7 +344,7 @@ export const changerTexts = {
   byHandHow: 'Valves, carousel and axes stand as before a change. Say which tool is in the spindle; 0 is none.',
   toolInSpindle: 'Tool in the spindle', done: 'Done by hand',
   pocketAtSpindle: 'Pocket at the spindle', isThere: 'It is there',
-  notKnown: 'pocket at the spindle: not known',
+  atSpindle: 'pocket at spindle', notKnown: 'not known',
   picture: (spindle: number, at: number | null) => `Carousel, ${at === null ? 'pocket at the spindle not known' : `pocket ${at} at the spindle`}; in the spindle ${named(spindle)}`,
 };
 
