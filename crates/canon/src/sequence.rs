@@ -273,7 +273,7 @@ impl Sequence {
     }
 }
 
-/// What signals become.
+/// Sets signals, and adds those that were not known.
 fn set_all(signals: &mut SignalStates, to: &[(u8, bool)]) {
     for (number, on) in to {
         match signals.iter_mut().find(|(known, _)| known == number) {

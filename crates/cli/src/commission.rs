@@ -4,9 +4,7 @@ use crate::say;
 use control::Refused;
 use control::config::machine_file::MachineSource;
 use leadscrew::Machine;
-use leadscrew::commission::{
-    self, AirTaps, Bench, MeasuredValue, Picture, Proof, StepResult, StrokeCounts,
-};
+use leadscrew::commission::{self, AirTaps, Bench, MeasuredValue, Proof, StepResult, StrokeCounts};
 use report::{CommissionPage, CommissionPicture, CommissionRow};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -222,7 +220,7 @@ impl Commissioning<'_> {
         let lasts = lasts.chain(proofs.iter().map(|(_, proof)| proof.lasts_s));
         let minutes = lasts.sum::<f64>() / 60.0;
         let whole = self.is_whole();
-        let pictures = results.iter().flat_map(|result| &result.pictures).map(picture);
+        let pictures = results.iter().flat_map(|result| result.pictures.iter().cloned());
         let alarms = proofs.iter().flat_map(|(when, proof)| {
             proof.alarms.iter().map(move |alarm| format!("proof, {when}: {alarm}"))
         });
@@ -365,20 +363,4 @@ fn circles(proofs: &[(&'static str, Proof)]) -> Vec<CommissionPicture> {
         }
     };
     middle.map(picture).collect()
-}
-
-fn picture(picture: &Picture) -> CommissionPicture {
-    match picture {
-        Picture::Friction { letter, measured, fitted, file } => CommissionPicture::Friction {
-            letter: *letter,
-            measured: measured.clone(),
-            fitted: fitted.clone(),
-            file: file.clone(),
-        },
-        Picture::Ramp { name, speed, commanded } => CommissionPicture::Ramp {
-            name: name.clone(),
-            speed: speed.clone(),
-            commanded: commanded.clone(),
-        },
-    }
 }

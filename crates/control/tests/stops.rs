@@ -144,6 +144,13 @@ fn coolant_that_is_switched_by_hand_flows_until_the_program_a_stop_or_a_hand_swi
     asked(&mut control, &Request::Flood(false));
     until(&mut control, "over", |control| !control.execution().is_under_way());
     assert_eq!(flows(&control, "the other by hand"), [true, false]);
+    asked(&mut control, &Request::Power(false));
+    pass(&mut control, Time::s(0.1));
+    assert_eq!(flows(&control, "power off"), [false, false]);
+    asked(&mut control, &Request::Power(true));
+    until(&mut control, "power", Control::is_ready);
+    assert_eq!(flows(&control, "power on again"), [false, false], "nothing flows by itself");
+    asked(&mut control, &Request::Flood(true));
     asked(&mut control, &Request::EmergencyStop(true));
     until(&mut control, "an alarm", Control::has_alarm);
     assert_eq!(flows(&control, "an emergency stop"), [false, false]);

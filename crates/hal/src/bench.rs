@@ -112,7 +112,7 @@ const MARKS: (f64, f64) = (10.0, 3.0);
 const SWITCH: f64 = 20.0;
 
 impl MarkedEncoder {
-    /// The drive is where it is told to be.
+    /// The drive is where it was commanded to be.
     fn follow(&mut self, hal: &mut fake::Asked) {
         let before = self.place;
         self.place = self.zero + hal.float("x.pos-cmd");

@@ -227,7 +227,6 @@ impl Drives {
         self.axes.iter().flatten().map(settle).fold(0.0, f64::max)
     }
 
-    /// Switch an output.
     /// A motor turns while edges are counted.
     pub(crate) fn start_motor(&mut self, output: u8) {
         self.stop_motor();
@@ -242,6 +241,7 @@ impl Drives {
         }
     }
 
+    /// Switch an output.
     pub(crate) fn switch(&mut self, output: &Output) {
         match output.signal {
             Signal::Digital { on } => self.outputs.switch(output.number, on),

@@ -124,6 +124,37 @@ fn outputs_stay_as_the_program_has_switched_them_and_go_off_with_the_machine() {
     assert_eq!(after, bus::Signals::default(), "they stay off");
 }
 
+/// Input 3 must be on while Z moves down by 20 mm; afterwards another program moves it up.
+fn guarded() -> Bench {
+    let down = line(ZERO, Position::xyz(0.0, 0.0, -20.0), 10.0, true);
+    let steps = vec![StepKind::Guard { on: 1 << 3, off: 0 }, down, StepKind::End];
+    Bench::of(Pause::Wait, steps)
+}
+
+#[test]
+fn an_input_that_must_stay_on_stops_what_moves_when_it_goes() {
+    let mut bench = guarded();
+    bench.run(1.0, |feedback| feedback.inputs.switch(3, true));
+    assert!(bench.kernel.faults().is_empty() && bench.true_z() < -1.0);
+    bench.run(0.5, |feedback| feedback.inputs.switch(3, false));
+    assert_eq!(bench.kernel.faults()[0].kind, FaultKind::InputLost);
+}
+
+#[test]
+fn what_a_program_guarded_that_was_given_up_does_not_stop_the_next_one() {
+    let mut bench = guarded();
+    bench.run(1.0, |feedback| feedback.inputs.switch(3, true));
+    bench.kernel.order(Order::Abort);
+    bench.run(0.5, |_| ());
+    assert!(bench.kernel.clear());
+    let stood = bench.true_z();
+    let up = line(Position::xyz(0.0, 0.0, stood), ZERO, 10.0, true);
+    bench.kernel.push(&Step { op: 0, line: 1, kind: up }).expect("there is room");
+    bench.run(0.5, |feedback| feedback.inputs.switch(3, false));
+    assert_eq!(bench.kernel.faults(), []);
+    assert!(bench.true_z() > stood + 1.0);
+}
+
 #[test]
 fn a_reset_switches_outputs_off() {
     let mut bench = Bench::of(Pause::Wait, vec![digital(5, true), StepKind::End]);

@@ -8,7 +8,7 @@
 //!
 //! A connection has one request under way. So no more wait than there are connections, none for
 //! longer than these take.
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// In an answer: its request has waited for its turn.
@@ -41,6 +41,11 @@ impl Turns {
         self.due.map_or(now, |due| due.max(now))
     }
 
+    /// Gives a turn back that is not waited for any more.
+    fn give_back(&mut self) {
+        self.due = self.due.and_then(|due| due.checked_sub(self.each));
+    }
+
     /// Takes a turn; how long until it has come.
     fn take(&mut self, now: Instant) -> Duration {
         let due = self.next(now);
@@ -60,14 +65,32 @@ impl Default for RequestPace {
 }
 
 impl RequestPace {
+    fn turns(&self) -> MutexGuard<'_, Turns> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Waits for the turn of a request.
     pub(crate) async fn turn(&self) {
-        let wait = {
-            let mut turns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            turns.take(control::clock::now())
-        };
+        let wait = self.turns().take(control::clock::now());
         if wait > Duration::ZERO {
+            let mut awaited = AwaitedTurn { pace: self, has_come: false };
             tokio::time::sleep(wait).await;
+            awaited.has_come = true;
+        }
+    }
+}
+
+/// A turn that a request waits for. It is given back where the client breaks off: turns of clients
+/// that are gone would hold up all others.
+struct AwaitedTurn<'a> {
+    pace: &'a RequestPace,
+    has_come: bool,
+}
+
+impl Drop for AwaitedTurn<'_> {
+    fn drop(&mut self) {
+        if !self.has_come {
+            self.pace.turns().give_back();
         }
     }
 }
@@ -98,6 +121,8 @@ impl SocketPace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::future::Future as _;
+    use std::task::{Context, Waker};
 
     #[test]
     fn so_many_come_at_once_and_each_other_one_a_turn_later() {
@@ -109,7 +134,23 @@ mod tests {
         assert_eq!(turns.take(later).as_millis(), 0, "12 ms are taken, 9 are over");
         let much_later = now + Duration::from_mins(1);
         let waits: Vec<_> = (0..5).map(|_| turns.take(much_later).as_millis()).collect();
-        assert_eq!(waits, [0, 0, 0, 0, 2], "a pause is worth no more than so many");
+        assert_eq!(waits, [0, 0, 0, 0, 2], "a pause is worth no more than four");
+    }
+
+    #[test]
+    fn turns_of_requests_that_are_broken_off_hold_up_no_other() {
+        let pace = RequestPace::default();
+        let mut context = Context::from_waker(Waker::noop());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+        let runtime = runtime.expect("it is built");
+        let _entered = runtime.enter();
+        for _ in 0..100 * AT_ONCE {
+            // who comes, and goes at once
+            let mut turn = std::pin::pin!(pace.turn());
+            let _ = turn.as_mut().poll(&mut context);
+        }
+        let wait = pace.turns().take(control::clock::now());
+        assert!(wait <= EACH, "{wait:?}");
     }
 
     #[test]

@@ -39,7 +39,7 @@ pub struct Config {
     /// From the order to the new tool.
     pub tool_change_time: Time,
     /// The hardware of a changer that a control works step by step by its outputs; the changer that
-    /// is told a number then only repeats it.
+    /// takes a number then only repeats it.
     pub carousel: Option<CarouselModel>,
     /// The workpiece, if there is one.
     pub stock: Option<Stock>,

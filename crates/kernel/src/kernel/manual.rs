@@ -16,6 +16,7 @@ impl Kernel {
             let operator = self.operator.without_orders();
             self.begin_anew();
             (self.operator, self.mode) = (operator, Mode::Disabled);
+            (self.drives.mist, self.drives.flood) = (false, false);
         }
         matches!(self.mode, Mode::Disabled)
     }
@@ -55,6 +56,7 @@ impl Kernel {
             return false;
         }
         self.queue.clear();
+        self.drives.guard = crate::sequence_steps::Guard::default();
         (self.chained, self.drives.chain) = (0, None);
         (self.activity, self.begun, self.aborted) = (Activity::Idle, false, false);
         self.operator = self.operator.without_orders();

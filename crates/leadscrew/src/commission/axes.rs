@@ -3,14 +3,15 @@
 use super::axis_model::{AxisFit, AxisParameters, AxisSamples, fit_axis, place, stretches};
 use super::least_squares::Estimate;
 use super::motion::{AxisSignals, Bench};
-use super::result::{MeasuredValue, Picture, StepResult};
+use super::result::{MeasuredValue, StepResult};
 use super::strokes::StrokePlan;
 use control::Refused;
+use report::CommissionPicture;
 use std::f64::consts::TAU;
 use store::machine::{Axis, Motor};
 use units::AxisKind;
 
-/// Slower than so many times its Stribeck speed a slide is not looked at.
+/// A slide is looked at from this multiple of its Stribeck speed on.
 const STRIBECK_SPEEDS: f64 = 4.0;
 /// Nor slower than this, m/s.
 const LEAST_SPEED: f64 = 8e-3;
@@ -347,7 +348,12 @@ fn spring(
 const FRICTION_POINTS: usize = 16;
 
 /// Friction over speed, as measured and as fitted.
-fn pictures(axis: &Axis, samples: &AxisSamples, found: &AxisFit, least: f64) -> Vec<Picture> {
+fn pictures(
+    axis: &Axis,
+    samples: &AxisSamples,
+    found: &AxisFit,
+    least: f64,
+) -> Vec<CommissionPicture> {
     let p = &found.parameters;
     let t = samples.period_s;
     let x = &samples.position;
@@ -384,7 +390,7 @@ fn pictures(axis: &Axis, samples: &AxisSamples, found: &AxisFit, least: f64) -> 
         [-fastest, -1e-6, 1e-6, fastest].map(at).to_vec()
     };
     let file = believed(axis);
-    vec![Picture::Friction {
+    vec![CommissionPicture::Friction {
         letter: axis.letter.letter(),
         measured: measured.collect(),
         fitted: law(p.coulomb, p.viscous),

@@ -17,7 +17,7 @@ pub use axes::StrokeCounts;
 pub use least_squares::Estimate;
 pub use motion::{Bench, MOST_TORQUE_SHARE, Window};
 pub use proof::{AirTaps, Circle, Proof};
-pub use result::{AxisExcursion, MeasuredValue, Picture, StepResult};
+pub use result::{AxisExcursion, MeasuredValue, StepResult};
 pub use write::commissioned;
 
 /// Measures the linear axes.

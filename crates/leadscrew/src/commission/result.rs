@@ -1,6 +1,7 @@
 //! What commissioning found: values with their intervals, and what they mean.
 use super::least_squares::Estimate;
 use super::motion::{AxisSignals, Window};
+use report::CommissionPicture;
 use store::machine::Axis;
 
 /// A value that was found.
@@ -70,31 +71,6 @@ impl AxisExcursion {
     }
 }
 
-/// What is drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Picture {
-    /// Friction over speed: mm/s and N.
-    Friction {
-        /// Letter of the axis.
-        letter: char,
-        /// Means of what was measured.
-        measured: Vec<(f64, f64)>,
-        /// By the values found.
-        fitted: Vec<(f64, f64)>,
-        /// By the file.
-        file: Vec<(f64, f64)>,
-    },
-    /// Speed of a spindle over time: s and rev/min.
-    Ramp {
-        /// Name of the spindle.
-        name: String,
-        /// As its encoder has it.
-        speed: Vec<(f64, f64)>,
-        /// As commanded.
-        commanded: Vec<(f64, f64)>,
-    },
-}
-
 /// What a step found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepResult {
@@ -109,7 +85,7 @@ pub struct StepResult {
     /// How far and how hard was moved.
     pub moved: Vec<AxisExcursion>,
     /// What is drawn.
-    pub pictures: Vec<Picture>,
+    pub pictures: Vec<CommissionPicture>,
     /// Machine time, s.
     pub lasts_s: f64,
 }

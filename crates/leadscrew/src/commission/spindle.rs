@@ -10,8 +10,9 @@
 use super::axes::reading;
 use super::least_squares::{Estimate, Fit, MOST_STEPS, Residuals, fit};
 use super::motion::{Bench, Signals, SpindleSignals};
-use super::result::{MeasuredValue, Picture, StepResult};
+use super::result::{MeasuredValue, StepResult};
 use control::Refused;
+use report::CommissionPicture;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use store::machine::Spindle;
@@ -140,7 +141,7 @@ fn torque(spindle: &Spindle, signals: &Signals, result: &mut StepResult) {
         viscous,
         old,
     ));
-    result.pictures.push(Picture::Ramp {
+    result.pictures.push(CommissionPicture::Ramp {
         name: name.clone(),
         speed: thinned(heard, signals.period_s),
         commanded: thinned_commands(heard, signals.period_s),

@@ -145,7 +145,7 @@ impl Switch<'_> {
         }
     }
 
-    /// What LinuxCNC is not told of marks.
+    /// What a configuration of LinuxCNC does not say of marks.
     fn marks(&self, w: &mut MachineWriter, switch: f64) {
         let unit = self.unit;
         let every =

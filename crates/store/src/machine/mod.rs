@@ -122,7 +122,7 @@ pub struct MachineFile {
     pub tool_change: ToolChange,
     /// The carousel that the sequences turn; `None`: there is none.
     pub carousel: Option<CarouselFile>,
-    /// The sequence of a tool change; `None`: the changer is told a number.
+    /// The sequence of a tool change; `None`: the changer takes the tool's number.
     pub tool_change_sequence: Option<std::sync::Arc<canon::Sequence>>,
     /// The simulated hardware of the carousel.
     pub simulated_carousel: Option<CarouselModel>,
